@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from cspdiag.codegen.c.text.code import Code, address, call, code, unsigned
 from cspdiag.codegen.c.text.rolling import marked, rolled
-from cspdiag.codegen.c.text.rows import lines
+from cspdiag.codegen.c.text.statements import Plain, lines, run
 
 
-def shown(*groups: list[str]) -> list[str]:
+def shown(*groups: list[Plain]) -> list[str]:
     return lines(rolled(groups))
 
 
+def element(array: str, index: int) -> Code:
+    return address(code(array).at(index))
+
+
+def made(*arguments: Code) -> Plain:
+    return run(call("make", *arguments))
+
+
 def test_subscripts_that_count_become_a_loop() -> None:
-    groups = [[f"make(&cell[{i}], &link[{i + 1}]);"] for i in range(4)]
+    groups = [[made(element("cell", i), element("link", i + 1))] for i in range(4)]
     assert shown(*groups) == [
         "for (uint32_t i = 0U; i < 4U; i++) {",
         "    make(&cell[i], &link[i + 1U]);",
@@ -20,26 +29,37 @@ def test_subscripts_that_count_become_a_loop() -> None:
 
 
 def test_what_closes_the_ring_stays_outside_the_loop() -> None:
-    groups = [[f"make(&cell[{i}], &link[{(i + 1) % 5}]);"] for i in range(5)]
+    groups = [[made(element("cell", i), element("link", (i + 1) % 5))] for i in range(5)]
     assert shown(*groups)[-1] == "make(&cell[4], &link[0]);"
     assert "i < 4U" in shown(*groups)[0]
 
 
 def test_arguments_and_steps_other_than_one_count_too() -> None:
-    groups = [[f"make(&cell[{i}], {marked(10 - i)}, {3 * i}U);", "next++;"] for i in range(3)]
+    groups = [[made(element("cell", i), marked(10 - i), unsigned(3 * i)), run("next++")] for i in range(3)]
     assert shown(*groups) == [
         "for (uint32_t i = 0U; i < 3U; i++) {",
-        "    make(&cell[i], (int64_t)(10U - i), (3U * i));",
+        "    make(&cell[i], (int64_t)(10U - i), 3U * i);",
         "    next++;",
         "}",
     ]
 
 
+def test_different_groups_that_take_turns_make_one_loop() -> None:
+    groups = [[made(element(name, i))] for i in range(3) for name in ("left", "right")]
+    assert shown(*groups) == [
+        "for (uint32_t i = 0U; i < 3U; i++) {",
+        "    make(&left[i]);",
+        "    make(&right[i]);",
+        "}",
+    ]
+
+
 def test_a_few_or_irregular_ones_stay_as_they_are() -> None:
-    assert shown(["make(&cell[0]);"], ["make(&cell[1]);"]) == ["make(&cell[0]);", "make(&cell[1]);"]
-    groups = [[f"make(&cell[{i * i}], {marked(i)});"] for i in range(4)]
+    few = [[made(element("cell", i))] for i in range(2)]
+    assert shown(*few) == ["make(&cell[0]);", "make(&cell[1]);"]
+    groups = [[made(element("cell", i * i), marked(i))] for i in range(4)]
     assert shown(*groups) == [f"make(&cell[{i * i}], {i});" for i in range(4)]
 
 
 def test_statements_that_do_not_count_are_not_repeated_by_a_loop() -> None:
-    assert shown(*[["numbers++;"]] * 3) == ["numbers++;"] * 3
+    assert shown(*[[run("numbers++")]] * 3) == ["numbers++;"] * 3

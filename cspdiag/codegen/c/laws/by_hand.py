@@ -10,10 +10,11 @@ from collections.abc import Iterator
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.external import source_paths
 from cspdiag.codegen.c.laws.laws import body_name, law_members
-from cspdiag.codegen.c.text.code import INDENT, broken
+from cspdiag.codegen.c.text.code import call
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
+from cspdiag.codegen.c.text.statements import lines, run
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
@@ -48,8 +49,8 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
         header = source_paths(item.body)[1].rpartition("/")[2]
         said = f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{wanted}`, as the port is ({item.where})"
         name = f"{item.struct}_{item.name}_must_be_as_its_port"
-        call = f"CSP_REQUIRE_MEMBER(struct {item.struct}, {item.name}, {wanted}, {name}, {quoted(said)});"
-        rows += broken(call, INDENT * 2)
+        given = (f"struct {item.struct}", item.name, wanted, name, quoted(said))
+        rows += lines([run(call("CSP_REQUIRE_MEMBER", *given))])
     return {FILE: "\n".join([*rows, ""])}
 
 
@@ -73,13 +74,13 @@ def _of_class(class_: SubmodelClass, body: ExternalBody, names: PackageNames) ->
 
 
 def _of_calls(part: object, names: PackageNames, types: CTypes) -> Iterator[_Member]:
-    for call in parts(part):
-        if not isinstance(call, ExternalCall) or call.external.language != "c":
+    for called in parts(part):
+        if not isinstance(called, ExternalCall) or called.external.language != "c":
             continue
-        where = names.place(call.span.file, call.span.line)
+        where = names.place(called.span.file, called.span.line)
         ports = [
-            *((port, value.type) for port, value in call.inputs),
-            *((port, type_) for port, _, type_ in call.outputs),
+            *((port, value.type) for port, value in called.inputs),
+            *((port, type_) for port, _, type_ in called.outputs),
         ]
         for port, type_ in ports:
-            yield _Member(call.external, body_name(call), types.field(port), type_, port, where)
+            yield _Member(called.external, body_name(called), types.field(port), type_, port, where)

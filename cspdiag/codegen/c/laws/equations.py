@@ -5,16 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import INDENT, Code, statement
+from cspdiag.codegen.c.text.code import Code, address, call
 from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.literals import quoted
+from cspdiag.codegen.c.text.statements import Plain, Statement, define, run, store
 from cspdiag.codegen.shared.equations import Equation
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.network.ir.faults import may_fault
 
-Check = Callable[[str], list[str]]
-"""From the place of a statement to what looks for a fault behind it, without indentation."""
+Check = Callable[[str], list[Plain]]
+"""From the place of a statement to what looks for a fault behind it."""
+
+
+@record
+class Variable:
+    """A local variable that a statement defines."""
+
+    type_name: str
+    name: str
+
+
+Target = Code | Variable
 
 
 @record
@@ -24,40 +36,45 @@ class EquationWriter:
     printer: Printer
     place: Callable[[Declared], str]
     check: Check
-    external: Callable[[str], str]
+    external: Callable[[str], Code]
     body_name: Callable[[ExternalCall], str]
-    indent: str = INDENT
 
-    def assign(self, target: str, value: Expression, place: str) -> list[str]:
-        """``target = value;`` with temporaries before it and a look for a fault behind it where there may be one."""
-        return self.assign_code(target, self.printer.print(value), place, faulty=may_fault(value))
+    def assign(self, target: Target, value: Expression, place: str | None, fault_at: str = "") -> list[Statement]:
+        """``target = value;`` with what has to be done before it, and a look for a fault behind it where there may be one."""
+        found = self.printer.evaluate(value)
+        look = self.check(place or fault_at) if found.faults else []
+        return [*found.setup, set_to(target, found.code, place), *look]
 
-    def assign_code(self, target: str, code: Code, place: str | None, *, faulty: bool) -> list[str]:
-        """The same for what is printed already."""
-        rows = [f"{self.indent}{declaration}" for declaration in self.printer.take_temporaries()]
-        rows += statement(f"{target} = ", code, ";", self.indent, place)
-        if faulty:
-            rows += [self.indent + row for row in self.check(place or "")]
-        return rows
-
-    def equations(self, equations: Sequence[Equation], target: Callable[[str], str]) -> list[str]:
-        """All equations; ``target`` gives the left side of a signal, with its type where it is to be declared."""
-        rows: list[str] = []
+    def equations(self, equations: Sequence[Equation], target: Callable[[str], Target]) -> list[Statement]:
+        """All equations; ``target`` gives the left side of a signal."""
+        found: list[Statement] = []
         for equation in equations:
             if isinstance(equation, ExternalCall):
-                rows += self.call(equation, target)
+                found += self.call(equation, target)
             else:
-                rows += self.assign(target(equation.name), equation.value, self.place(equation))
-        return rows
+                found += self.assign(target(equation.name), equation.value, self.place(equation))
+        return found
 
-    def call(self, call: ExternalCall, target: Callable[[str], str]) -> list[str]:
+    def call(self, called: ExternalCall, target: Callable[[str], Target]) -> list[Statement]:
         """A nested body in C: its inputs, one run, its outputs."""
-        body, place = self.external(call.name), self.place(call)
+        body, place = self.external(called.name), self.place(called)
         types = self.printer.types
-        rows: list[str] = []
-        for port, value in call.inputs:
-            rows += self.assign(f"{body}.{types.field(port)}", value, place)
-        rows += [f"{self.indent}{self.body_name(call)}_calculate(&{body});"]
-        for port, local, _ in call.outputs:
-            rows += statement(f"{target(local)} = ", f"{body}.{types.field(port)}", ";", self.indent)
-        return rows
+        found: list[Statement] = []
+        for port, value in called.inputs:
+            found += self.assign(body.field(types.field(port)), value, place)
+        found.append(run(call(f"{self.body_name(called)}_calculate", address(body))))
+        for port, local, _ in called.outputs:
+            found.append(set_to(target(local), body.field(types.field(port))))
+        return found
+
+
+def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
+    """The statement that gives a variable its value."""
+    if isinstance(target, Variable):
+        return define(target.type_name, target.name, value, remark)
+    return store(target, value, remark)
+
+
+def noted_at(place: str) -> list[Plain]:
+    """The look for a fault in a function that does not tell whether it has failed: its caller looks again."""
+    return [run(call("csp_fault_in", quoted(place)))] if place else []

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check, EquationWriter
-from cspdiag.codegen.c.laws.integration import LOCALS, Integration
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter, Target, Variable, noted_at
+from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.laws.laws import body_name
-from cspdiag.codegen.c.text.code import INDENT
+from cspdiag.codegen.c.text.code import PRODUCT, Code, call, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
-from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, identifier
+from cspdiag.codegen.c.text.statements import Block, Statement, define, store
 from cspdiag.codegen.shared.equations import signals, values
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.ir.actions import RunLaw
@@ -26,8 +26,10 @@ from cspdiag.network.ir.network import ProcessClass
 class InlinedLaw:
     """One run of a law: functions to stand before the step function, and the statements (a block of their own)."""
 
-    functions: list[str]
-    lines: list[str]
+    functions: list[Statement]
+    statements: list[Statement]
+    unread: frozenset[str]
+    """Signals that the run makes, and does not use itself."""
 
 
 def run_law_signals(action: RunLaw) -> list[tuple[str, Type]]:
@@ -57,27 +59,26 @@ def run_law(
     place: Callable[[Declared], str],
     check: Check,
     types_of: Mapping[str, Type],
-    indent: str = "",
+    local: Mapping[str, str],
 ) -> InlinedLaw:
     """The statements of one run.
 
     ``printer.signal`` gives the lvalues of signals, states and constants; ``types_of`` their types, inputs read before included. ``owner`` is
-    the struct of the process. ``check`` gives the lines that look for a fault behind a statement of a place.
+    the struct of the process. ``check`` gives what looks for a fault behind a statement of a place. ``local`` are the signals that only the run
+    needs, with their names: it defines them.
     """
-    return _Run(action, class_, owner, printer, place, check, dict(types_of), indent).result()
+    return _Run(action, class_, owner, printer, place, check, dict(types_of), local).result()
 
 
-def reset_states(states: tuple[str, ...], class_: ProcessClass, printer: Printer, indent: str = "") -> list[str]:
+def reset_states(states: tuple[str, ...], class_: ProcessClass, printer: Printer) -> list[Statement]:
     """The statements that put states of a process, and nested bodies in C, back."""
     by_name = {state.name: state for state in class_.states}
-    rows: list[str] = []
+    found: list[Statement] = []
     for name in states:
         if name in by_name:
-            state = by_name[name]
-            code = printer.print(state.initial)
-            rows += [f"{indent}{declaration}" for declaration in printer.take_temporaries()]
-            rows.append(f"{indent}{printer.signal(name)} = {code};")
-    return rows
+            value = printer.evaluate(by_name[name].initial)
+            found += [*value.setup, store(printer.signal(name), value.code)]
+    return found
 
 
 @record
@@ -89,36 +90,49 @@ class _Run:
     place: Callable[[Declared], str]
     check: Check
     types_of: dict[str, Type]
-    indent: str
+    local: Mapping[str, str]
 
     def result(self) -> InlinedLaw:
-        action, indent = self.action, self.indent
+        action = self.action
         hoisted = self._hoisted()
         copies = {name: f"{identifier(name)}_before" for name in hoisted}
-        rows = self._writer(self.printer, indent).equations(action.equations, self.printer.signal)
-        if hoisted:
-            # The copies have a block of their own: the same law may run in several places of one function.
-            rows.append(f"{indent}{{")
-            indent += INDENT
-        for name in hoisted:
-            kind = self.printer.types.type_name(self.types_of[name])
-            rows.append(f"{indent}const {kind} {copies[name]} = {self.printer.signal(name)};")
-        late = replace(self.printer, signal=lambda name: copies.get(name) or self.printer.signal(name))
-        following: list[str] = []
-        inner = indent + INDENT if action.derivatives else indent
+        found = self._writer(self.printer).equations(action.equations, self._target)
+        late = replace(
+            self.printer, signal=lambda name: code(copies[name]) if name in copies else self.printer.signal(name)
+        )
+        last: list[Statement] = [
+            define(f"const {self._type_name(name)}", copies[name], self.printer.signal(name)) for name in hoisted
+        ]
+        following: list[Statement] = []
         for name, value in action.next_values:
-            following += self._writer(late, inner).assign(self.printer.signal(name), value, self._state_place(name))
-        functions: list[str] = []
+            following += self._writer(late).assign(self.printer.signal(name), value, self._state_place(name))
+        functions: list[Statement] = []
         if action.derivatives:
             integration = self._integration()
-            rows += self._integrated(integration, following, indent)
+            last += self._integrated(integration, following)
             functions = integration.function(self._slopes_printer(integration), self._slopes_writer(integration))
         else:
-            rows += following
-        return InlinedLaw(functions, [*rows, f"{self.indent}}}"] if hoisted else rows)
+            last += following
+        # The copies have a block of their own: the same law may run in several places of one function.
+        found += [Block(tuple(last))] if hoisted else last
+        return InlinedLaw(functions, found, self._unread())
 
-    def _writer(self, printer: Printer, indent: str) -> EquationWriter:
-        return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name, indent)
+    def _type_name(self, name: str) -> str:
+        return self.printer.types.type_name(self.types_of[name])
+
+    def _target(self, name: str) -> Target:
+        if name in self.local:
+            return Variable(f"const {self._type_name(name)}", self.local[name])
+        return self.printer.signal(name)
+
+    def _unread(self) -> frozenset[str]:
+        action = self.action
+        used = [part for equation in action.equations for part in values(equation)]
+        read = signals((used, action.next_values, action.derivatives, action.derivative_equations))
+        return frozenset(name for name, _ in run_law_signals(action)) - set(read)
+
+    def _writer(self, printer: Printer) -> EquationWriter:
+        return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name)
 
     def _state_place(self, name: str) -> str:
         return next(self.place(state) for state in self.class_.states if state.name == name)
@@ -158,39 +172,34 @@ class _Run:
             self.printer.types,
             parameter=self.printer.parameter,
             variable=self.printer.variable,
-            signal=lambda name: integration.local(name) if name in inner else self.printer.signal(name),
+            signal=lambda name: code(integration.local(name)) if name in inner else self.printer.signal(name),
         )
 
     def _slopes_writer(self, integration: Integration) -> EquationWriter:
-        def check(place: str) -> list[str]:
-            return [f"csp_fault_in({quoted(place)});"] if place else []
+        return EquationWriter(self._slopes_printer(integration), self.place, noted_at, self.printer.signal, body_name)
 
-        return EquationWriter(
-            self._slopes_printer(integration), self.place, check, self.printer.signal, body_name, INDENT
-        )
-
-    def _integrated(self, integration: Integration, following: list[str], indent: str) -> list[str]:
+    def _integrated(self, integration: Integration, following: list[Statement]) -> list[Statement]:
         """The block that integrates; all states take their values at its end, when nothing can fault any more."""
-        action, deeper = self.action, indent + INDENT
+        action = self.action
         assert action.sample is not None
-        rows = [f"{indent}{{"]
+        found: list[Statement] = []
         for state in integration.states:
-            rows.append(f"{deeper}double {integration.local(state)} = {self.printer.signal(state)};")
-        sample = self.printer.print(action.sample)
-        count: str | None = None
+            found.append(define("double", integration.local(state), self.printer.signal(state)))
+        sample = self.printer.plain(action.sample)
+        count: Code | None = None
         if action.step is None:
-            rows.append(f"{deeper}const double h = {sample};")
+            found.append(define("const double", "h", sample))
         else:
-            count = "steps"
-            rows.append(f"{deeper}const int64_t steps = (int64_t)ceil(rint({sample} * 1e9) / {float(action.step)!r});")
-            rows.append(f"{deeper}const double h = {sample} / (double)steps;")
-        rows += integration.steps(self._slopes_printer(integration), self.printer.signal, count, deeper)
+            count = code("steps")
+            found.append(define("const int64_t", "steps", sub_steps(sample, float(action.step))))
+            found.append(define("const double", "h", infix("/", PRODUCT, sample, cast("double", count))))
+        found += integration.steps(self._slopes_printer(integration), self.printer.signal, count)
         for state in integration.states:
-            rows.append(f"{deeper}{integration.local(state)} = csp_real({integration.local(state)});")
-        rows += [deeper + row for row in self.check(self.place(action.equations[-1]) if action.equations else "")]
-        rows += following
+            moved = code(integration.local(state))
+            found.append(store(moved, call("csp_real", moved)))
+        found += [*self.check(self.place(action.equations[-1]) if action.equations else ""), *following]
         for state in integration.states:
-            single = isinstance(self.types_of[state], RealType) and self.types_of[state] == RealType(32)
-            cast = "(float)" if single else ""
-            rows.append(f"{deeper}{self.printer.signal(state)} = {cast}{integration.local(state)};")
-        return [*rows, f"{indent}}}"]
+            moved = code(integration.local(state))
+            single = self.types_of[state] == RealType(32)
+            found.append(store(self.printer.signal(state), cast("float", moved) if single else moved))
+        return [Block(tuple(found))]

@@ -6,9 +6,29 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter
-from cspdiag.codegen.c.text.code import INDENT, Code, broken, statement
+from cspdiag.codegen.c.laws.equations import EquationWriter, Variable
+from cspdiag.codegen.c.text.code import (
+    PRODUCT,
+    SUM,
+    Assignment,
+    Atom,
+    Code,
+    call,
+    cast,
+    code,
+    infix,
+    mentions_self,
+)
 from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.statements import (
+    Blank,
+    Block,
+    Function,
+    Plain,
+    Statement,
+    define,
+    give,
+)
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import SubmodelEquation
@@ -67,98 +87,104 @@ class Integration:
     def _held_read(self) -> list[str]:
         return [name for name in self.held if name in self._read]
 
-    def function(self, printer: Printer, writer: EquationWriter) -> list[str]:
+    def function(self, printer: Printer, writer: EquationWriter) -> list[Statement]:
         """The function that evaluates the slopes. A fault is noted with its place, and whoever calls looks for it."""
         result = f"struct {self.name}" if self.several else "double"
-        rows: list[str] = []
+        found: list[Statement] = []
         if self.several:
-            rows += [f"struct {self.name} {{"]
-            rows += [f"{INDENT}double {self.local(state)};" for state in self.states]
-            rows += ["};", ""]
-        uses_self = self._mentions_owner(printer)
-        parameters = [f"const struct {self.owner} *self"] if uses_self else []
+            members = tuple(define("double", self.local(state)) for state in self.states)
+            found += [Block(members, f"struct {self.name}", "};"), Blank()]
+        parameters = [f"const struct {self.owner} *self"] if self._mentions_owner(printer) else []
         parameters += [f"double {self.local(state)}" for state in self._states_read]
         parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in self._held_read]
         parameters += ["double time"] if self.timed else []
-        head = f"static inline {result} {self.name}({', '.join(parameters) or 'void'})"
-        rows += [*broken(head, INDENT * 2), "{"]
         equations: list[Equation] = list(needed(self.equations, signals((self.derivatives,))))
         kinds = {equation.name: equation.type for equation in self.equations}
-        rows += writer.equations(
-            equations, lambda name: f"const {printer.types.type_name(kinds[name])} {self.local(name)}"
+        body = writer.equations(
+            equations, lambda name: Variable(f"const {printer.types.type_name(kinds[name])}", self.local(name))
         )
         by_state = dict(self.derivatives)
         # As everywhere, what has no place of its own is told at that of the statement before.
         place = writer.place(equations[-1]) if equations else ""
         if not self.several:
-            value = by_state[self.states[0]]
-            rows += self._result(value, "const double slope", place, writer)
-            rows += [f"{INDENT}return slope;", "}"]
-            return rows
-        rows += [f"{INDENT}struct {self.name} slopes;"]
-        for state in self.states:
-            rows += self._result(by_state[state], f"slopes.{self.local(state)}", place, writer)
-        return [*rows, f"{INDENT}return slopes;", "}"]
-
-    @staticmethod
-    def _result(value: Expression, target: str, place: str, writer: EquationWriter) -> list[str]:
-        rows = writer.assign_code(target, writer.printer.print(value), None, faulty=False)
-        return [*rows, *(INDENT + row for row in (writer.check(place) if may_fault(value) else []))]
+            body += writer.assign(Variable("const double", "slope"), by_state[self.states[0]], None, place)
+            body.append(give("slope"))
+        else:
+            body.append(define(f"struct {self.name}", "slopes"))
+            for state in self.states:
+                body += writer.assign(code("slopes").field(self.local(state)), by_state[state], None, place)
+            body.append(give("slopes"))
+        return [*found, Function(f"static inline {result} {self.name}", tuple(parameters), tuple(body))]
 
     def _mentions_owner(self, printer: Printer) -> bool:
         values = [value for _, value in self.derivatives] + [equation.value for equation in self.equations]
-        mentions = any("self->" in printer.print(value).text for value in values)
-        printer.take_temporaries()
-        return mentions
+        return any(mentions_self((found.setup, found.code)) for found in map(printer.evaluate, values))
 
     def steps(
-        self, printer: Printer, outer: Callable[[str], str], count: str | None, indent: str, owner: str = "self"
-    ) -> list[str]:
+        self, printer: Printer, outer: Callable[[str], Code], count: Code | None, owner: str = "self"
+    ) -> list[Statement]:
         """The statements that move the states, which are local variables, over ``count`` sub-steps of ``h`` seconds.
 
         ``printer`` is that of the function, ``outer`` gives the lvalues of what is held where the statements stand.
         """
-        shared = [owner] if self._mentions_owner(printer) else []
+        shared: list[Code] = [Atom(owner)] if self._mentions_owner(printer) else []
         kept = [outer(name) for name in self._held_read]
-        inner = indent + INDENT if count is not None else indent
-        rows: list[str] = []
+        found: list[Statement] = []
         if self.method != "euler":
-            rows += [f"{indent}const double half = h / 2.0;"] if self._states_read or self.timed else []
-            rows += [f"{indent}const double sixth = h / 6.0;"]
-        if count is not None:
-            rows += [f"{indent}for (int64_t step = 0; step < {count}; step++) {{"]
+            if self._states_read or self.timed:
+                found.append(define("const double", "half", _fraction("2.0")))
+            found.append(define("const double", "sixth", _fraction("6.0")))
+        body: list[Statement] = []
         if self.timed:
-            rows += [f"{inner}const double t = time{' + (double)step * h' if count is not None else ''};"]
-        rows += (self._euler if self.method == "euler" else self._runge_kutta)(shared, kept, inner)
-        return [*rows, f"{indent}}}"] if count is not None else rows
+            passed = infix("*", PRODUCT, cast("double", Atom("step")), Atom("h"))
+            time = infix("+", SUM, Atom("time"), passed) if count is not None else Atom("time")
+            body.append(define("const double", "t", time))
+        body += (self._euler if self.method == "euler" else self._runge_kutta)(shared, kept)
+        if count is None:
+            return [*found, *body]
+        return [*found, Block(tuple(body), f"for (int64_t step = 0; step < {count}; step++)")]
 
-    def _slope(self, stage: str, state: str) -> str:
-        return f"{stage}.{self.local(state)}" if self.several else stage
+    def _slope(self, stage: str, state: str) -> Code:
+        return code(stage).field(self.local(state)) if self.several else code(stage)
 
-    def _evaluated(
-        self, stage: str, at: Sequence[str], time: str, shared: list[str], kept: list[str], indent: str
-    ) -> list[str]:
+    def _evaluated(self, stage: str, at: Sequence[Code], time: Code, shared: list[Code], kept: list[Code]) -> Plain:
         arguments = [*shared, *at, *kept, *([time] if self.timed else [])]
-        kind = f"const struct {self.name} {stage}" if self.several else f"const double {stage}"
-        return statement(f"{kind} = ", Code(f"{self.name}({', '.join(arguments)})"), ";", indent)
+        kind = f"const struct {self.name}" if self.several else "const double"
+        return define(kind, stage, call(self.name, *arguments))
 
-    def _euler(self, shared: list[str], kept: list[str], indent: str) -> list[str]:
-        states = [self.local(state) for state in self._states_read]
-        rows = self._evaluated("k1", states, "t", shared, kept, indent)
-        return [*rows, *(f"{indent}{self.local(state)} += h * {self._slope('k1', state)};" for state in self.states)]
+    def _moved(self, state: str, by: Code) -> Plain:
+        return Plain(Assignment(code(self.local(state)), by, "+="))
 
-    def _runge_kutta(self, shared: list[str], kept: list[str], indent: str) -> list[str]:
-        rows: list[str] = []
+    def _euler(self, shared: list[Code], kept: list[Code]) -> list[Statement]:
+        states: list[Code] = [code(self.local(state)) for state in self._states_read]
+        moved = [self._moved(state, infix("*", PRODUCT, Atom("h"), self._slope("k1", state))) for state in self.states]
+        return [self._evaluated("k1", states, Atom("t"), shared, kept), *moved]
+
+    def _runge_kutta(self, shared: list[Code], kept: list[Code]) -> list[Statement]:
+        found: list[Statement] = []
         for stage, fraction in enumerate(("", "half", "half", "h")):
-            at = [self.local(state) for state in self._states_read]
-            time = "t"
+            at: list[Code] = [code(self.local(state)) for state in self._states_read]
+            time: Code = Atom("t")
             if fraction:
-                before = f"k{stage}"
-                at = [f"{self.local(state)} + {fraction} * {self._slope(before, state)}" for state in self._states_read]
-                time = f"t + {fraction}"
-            rows += self._evaluated(f"k{stage + 1}", at, time, shared, kept, indent)
+                at = [
+                    infix("+", SUM, there, infix("*", PRODUCT, Atom(fraction), self._slope(f"k{stage}", state)))
+                    for there, state in zip(at, self._states_read, strict=True)
+                ]
+                time = infix("+", SUM, time, Atom(fraction))
+            found.append(self._evaluated(f"k{stage + 1}", at, time, shared, kept))
         for state in self.states:
             k1, k2, k3, k4 = (self._slope(f"k{stage}", state) for stage in (1, 2, 3, 4))
-            total = Code(f"sixth * ({k1} + 2.0 * {k2} + 2.0 * {k3} + {k4})")
-            rows += statement(f"{self.local(state)} += ", total, ";", indent)
-        return rows
+            total = infix("+", SUM, k1, infix("*", PRODUCT, Atom("2.0"), k2))
+            total = infix("+", SUM, total, infix("*", PRODUCT, Atom("2.0"), k3))
+            found.append(self._moved(state, infix("*", PRODUCT, Atom("sixth"), infix("+", SUM, total, k4))))
+        return found
+
+
+def _fraction(of: str) -> Code:
+    return infix("/", PRODUCT, Atom("h"), Atom(of))
+
+
+def sub_steps(sample: Code, step: float) -> Code:
+    """How many steps of at most ``step`` nanoseconds a sample of so many seconds has."""
+    nanoseconds = infix("*", PRODUCT, sample, Atom("1e9"))
+    return cast("int64_t", call("ceil", infix("/", PRODUCT, call("rint", nanoseconds), Atom(repr(step)))))

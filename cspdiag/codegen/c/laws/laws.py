@@ -6,13 +6,26 @@ from collections.abc import Iterable
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter
-from cspdiag.codegen.c.laws.integration import LOCALS, Integration
-from cspdiag.codegen.c.text.code import INDENT, Code, broken, cast, statement
+from cspdiag.codegen.c.laws.equations import EquationWriter, Target, Variable, noted_at
+from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
+from cspdiag.codegen.c.text.code import PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames, snake_case
+from cspdiag.codegen.c.text.statements import (
+    Block,
+    Function,
+    Plain,
+    Remark,
+    Statement,
+    define,
+    give,
+    lines,
+    run,
+    signature,
+    store,
+)
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.equations import (
     constants_needed,
@@ -119,11 +132,11 @@ class LawFiles:
         told = [*wrapped(class_.doc or f"The submodel {class_.definition}."), "", f"Source: {self._place(class_)}"]
         rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", "", '#include "types.h"']
         rows += sorted({f'#include "{body_name(item)}.h"' for item in self._calls})
-        rows += ["", f"struct {self.name} {{", *self._fields(), "};", ""]
+        rows += ["", *lines([Block(tuple(self._fields()), f"struct {self.name}", "};")]), ""]
         rows += self._prototypes()
         return "\n".join([*rows, "", "#endif", ""])
 
-    def _fields(self) -> Iterable[str]:
+    def _fields(self) -> Iterable[Statement]:
         class_ = self.class_
         groups: list[tuple[str, list[tuple[str, str, str | None]]]] = [
             ("Inputs", [self._field(port) for port in class_.ports if port.direction == "in"]),
@@ -140,11 +153,11 @@ class LawFiles:
         )
         filled = [(title, fields) for title, fields in groups if fields]
         if not filled:
-            yield f"{INDENT}bool unused; /* C has no empty structs */"
+            yield define("bool", "unused", remark="C has no empty structs")
         for title, fields in filled:
-            yield f"{INDENT}/* {title}. */"
+            yield Remark(f"{title}.")
             for kind, member, doc in fields:
-                yield from statement(f"{kind} ", member, ";", INDENT, " ".join(doc.split()) if doc else None)
+                yield define(kind, member, remark=" ".join(doc.split()) if doc else None)
 
     def _needs_sample(self, item: Declared) -> bool:
         return item.name == "sample" and bool(self.class_.derivatives) and self.class_.step is None
@@ -154,15 +167,15 @@ class LawFiles:
         seconds = isinstance(kind, TimeType) and any(item.name == p.name for p in self.class_.parameters)
         return "double" if seconds else self.types.type_name(kind), self.members[item.name], item.doc
 
-    def _signature(self) -> str:
+    def _parameters(self) -> list[str]:
         given = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
-        return f"void {self.name}_initialize({', '.join([f'struct {self.name} *self', *given])})"
+        return [f"struct {self.name} *self", *given]
 
     def _prototypes(self) -> list[str]:
         durations = any(isinstance(item.type, TimeType) for item in self.class_.parameters)
         return [
             f"/* Before the first run{'; durations are in nanoseconds' if durations else ''}. */",
-            *broken(f"{self._signature()};", INDENT * 2),
+            *signature(f"void {self.name}_initialize", self._parameters(), ";"),
             "/* Puts the states back to their initial values. */",
             f"void {self.name}_reset(struct {self.name} *self);",
             "/* One run, from inputs to outputs and next states"
@@ -177,81 +190,84 @@ class LawFiles:
         known = set(local)
         given = {item.name for item in self.class_.parameters}
 
-        def lvalue(name: str) -> str:
+        def lvalue(name: str) -> Code:
             member = self.members[name]
-            return member if name in known or (initializing and name in given) else f"self->{member}"
+            return code(member) if name in known or (initializing and name in given) else own(member)
 
-        def seconds(name: str) -> str:
-            return f"csp_seconds({self.members[name]})" if initializing else f"self->{self.members[name]}"
+        def seconds(name: str) -> Code:
+            member = self.members[name]
+            return call("csp_seconds", member) if initializing else own(member)
 
         return Printer(self.types, parameter=lvalue, signal=lvalue, seconds=seconds)
 
     def _writer(self, printer: Printer, *, checked: bool = True) -> EquationWriter:
-        def check(place: str) -> list[str]:
-            if checked:
-                return [f"CSP_CHECK_LAW({quoted(place)});"]
-            return [f"csp_fault_in({quoted(place)});"] if place else []
+        def check(place: str) -> list[Plain]:
+            return [run(call("CSP_CHECK_LAW", quoted(place)))] if checked else noted_at(place)
 
-        return EquationWriter(printer, self._place, check, lambda name: f"self->{self.members[name]}", body_name)
+        return EquationWriter(printer, self._place, check, lambda name: own(self.members[name]), body_name)
 
     def _source(self) -> str:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
         rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', ""]
-        rows += self._initialize()
-        rows += ["", *self._reset(), ""]
+        functions = [self._initialize(), self._reset()]
         if self.class_.derivatives:
-            rows += self._slopes()
-            rows += [""]
-        return "\n".join([*rows, *self._calculate(), ""])
+            functions.append(self._slopes())
+        for function in (*functions, self._calculate()):
+            rows += [*lines(function), ""]
+        return "\n".join(rows)
 
-    def _initialize(self) -> list[str]:
+    def _initialize(self) -> list[Statement]:
         class_ = self.class_
         constants = constants_needed(class_)
         local = [item.name for item in constants if item.name not in self._late]
         printer = self._printer(local, initializing=True)
         writer = self._writer(printer, checked=False)
-        rows = [*broken(self._signature(), INDENT * 2), "{"]
+        found: list[Statement] = []
         used = {*parameters(tuple(item.value for item in constants)), *self._late}
         for item in class_.parameters:
             member = self.members[item.name]
             if item.name in self._late or self._needs_sample(item):
-                value = f"csp_seconds({member})" if isinstance(item.type, TimeType) else member
-                rows.append(f"{INDENT}self->{member} = {value};")
+                found.append(
+                    store(own(member), call("csp_seconds", member) if isinstance(item.type, TimeType) else member)
+                )
             elif (
                 item.name not in used
                 and not (self._sub_steps and item.name == "sample")
                 and not self._passed(item.name)
             ):
-                rows.append(f"{INDENT}(void){member};")
+                found.append(run(ignored(code(member))))
         for constant in constants:
-            declared = f"const {self.types.type_name(constant.type)} " if constant.name in local else "self->"
-            rows += writer.assign(f"{declared}{self.members[constant.name]}", constant.value, self._place(constant))
+            member = self.members[constant.name]
+            kind = f"const {self.types.type_name(constant.type)}"
+            target: Target = Variable(kind, member) if constant.name in local else own(member)
+            found += writer.assign(target, constant.value, self._place(constant))
         if self._sub_steps:
-            step = class_.step
-            rows += [
-                f"{INDENT}self->{_STEPS} = (int64_t)ceil(rint({self.members['sample']} * 1e9) / {float(step or 1)!r});",
-                f"{INDENT}self->{_SUB_STEP} = {self.members['sample']} / (double)self->{_STEPS};",
-            ]
-        for call in self._calls:
-            given = [printer.print(value).text for _, value in call.arguments]
-            arguments = ", ".join([f"&self->{self.members[call.name]}", *given])
-            rows += broken(f"{INDENT}{body_name(call)}_initialize({arguments});", INDENT * 2)
-        return [*rows, f"{INDENT}{self.name}_reset(self);", "}"]
+            sample, steps = code(self.members["sample"]), own(_STEPS)
+            found.append(store(steps, sub_steps(sample, float(class_.step or 1))))
+            found.append(store(own(_SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
+        for called in self._calls:
+            given = [printer.plain(value) for _, value in called.arguments]
+            body = address(own(self.members[called.name]))
+            found.append(run(call(f"{body_name(called)}_initialize", body, *given)))
+        found.append(run(f"{self.name}_reset(self)"))
+        return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(found))]
 
     def _passed(self, name: str) -> bool:
         """Whether a parameter is handed to a nested body."""
         return bool(parameters(tuple(call.arguments for call in self._calls))[name])
 
-    def _reset(self) -> list[str]:
+    def _reset(self) -> list[Statement]:
         printer = self._printer(())
-        rows = [f"void {self.name}_reset(struct {self.name} *self)", "{"]
+        found: list[Statement] = []
         for state in self.class_.states:
-            rows += [f"{INDENT}{declaration}" for declaration in printer.take_temporaries()]
-            rows += statement(f"self->{self.members[state.name]} = ", printer.print(state.initial), ";", INDENT)
-        rows += [f"{INDENT}{body_name(call)}_reset(&self->{self.members[call.name]});" for call in self._calls]
-        if len(rows) == 2:
-            rows.append(f"{INDENT}(void)self;")
-        return [*rows, "}"]
+            value = printer.evaluate(state.initial)
+            found += [*value.setup, store(own(self.members[state.name]), value.code)]
+        for called in self._calls:
+            found.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
+        return [self._function("void", "reset", found or [run("(void)self")])]
+
+    def _function(self, kind: str, verb: str, body: list[Statement]) -> Function:
+        return Function(f"{kind} {self.name}_{verb}", (f"struct {self.name} *self",), tuple(body))
 
     @cached_property
     def _continuous(self) -> tuple[str, ...]:
@@ -272,12 +288,12 @@ class LawFiles:
             method=class_.method,
         )
 
-    def _slopes(self) -> list[str]:
+    def _slopes(self) -> list[Statement]:
         moving = [*self._continuous, *(equation.name for equation in self.class_.derivative_equations)]
         printer = self._printer([*moving, *self._integration.held])
         return self._integration.function(printer, self._writer(printer, checked=False))
 
-    def _calculate(self) -> list[str]:
+    def _calculate(self) -> list[Statement]:
         class_ = self.class_
         results = outputs(class_)
         roots = [*results, *signals((class_.next_values,)), *(self._integration.held if class_.derivatives else [])]
@@ -288,47 +304,45 @@ class LawFiles:
         printer = self._printer(local)
         writer = self._writer(printer)
 
-        def target(name: str) -> str:
-            return printer.signal(name) if name in ports else self._declared(name)
+        def target(name: str) -> Target:
+            return printer.signal(name) if name in ports else self._variable(name)
 
-        kind = "bool" if self.faulty else "void"
-        rows = [f"{kind} {self.name}_calculate(struct {self.name} *self)", "{"]
-        rows += [
-            f"{INDENT}{self._declared(name, fixed=name not in self._continuous)} = self->{self.members[name]};"
-            for name in hoisted
-        ]
-        rows += writer.equations(equations, target)
+        found: list[Statement] = []
+        for name in hoisted:
+            variable = self._variable(name, fixed=name not in self._continuous)
+            found.append(define(variable.type_name, variable.name, own(self.members[name])))
+        found += writer.equations(equations, target)
         places = {state.name: self._place(state) for state in class_.states}
         if class_.derivatives:
-            rows += self._integrated(printer, self._place(equations[-1]) if equations else "")
+            found += self._integrated(printer, self._place(equations[-1]) if equations else "")
         for name, value in class_.next_values:
-            rows += writer.assign(f"self->{self.members[name]}", value, places[name])
-        rows += self._moved()
-        if len(rows) == 2:
-            rows.append(f"{INDENT}(void)self;")
-        return [*rows, *([f"{INDENT}return true;"] if self.faulty else []), "}"]
+            found += writer.assign(own(self.members[name]), value, places[name])
+        found += self._moved()
+        if self.faulty:
+            found.append(give("true"))
+        return [self._function("bool" if self.faulty else "void", "calculate", found or [run("(void)self")])]
 
-    def _declared(self, name: str, *, fixed: bool = True) -> str:
-        return f"{'const ' if fixed else ''}{self.types.type_name(self.kinds[name])} {self.members[name]}"
+    def _variable(self, name: str, *, fixed: bool = True) -> Variable:
+        kind = self.types.type_name(self.kinds[name])
+        return Variable(f"const {kind}" if fixed else kind, self.members[name])
 
-    def _integrated(self, printer: Printer, place: str) -> list[str]:
-        if self._sub_steps:
-            rows = [f"{INDENT}const double h = self->{_SUB_STEP};"]
-            rows += self._integration.steps(self._slopes_printer(), printer.signal, f"self->{_STEPS}", INDENT)
-        else:
-            rows = [f"{INDENT}const double h = self->{self.members['sample']};"]
-            rows += self._integration.steps(self._slopes_printer(), printer.signal, None, INDENT)
-        rows += [f"{INDENT}{self.members[name]} = csp_real({self.members[name]});" for name in self._continuous]
-        return [*rows, *(f"{INDENT}{row}" for row in self._writer(printer).check(place))]
+    def _integrated(self, printer: Printer, place: str) -> list[Statement]:
+        step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])
+        count = own(_STEPS) if self._sub_steps else None
+        found: list[Statement] = [define("const double", "h", step)]
+        found += self._integration.steps(self._slopes_printer(), printer.signal, count)
+        for name in self._continuous:
+            moved = code(self.members[name])
+            found.append(store(moved, call("csp_real", moved)))
+        return [*found, *self._writer(printer).check(place)]
 
-    def _moved(self) -> list[str]:
+    def _moved(self) -> list[Statement]:
         """Continuous states take their values with the discrete ones, when nothing can fault any more."""
-        rows = []
+        found: list[Statement] = []
         for name in self._continuous if self.class_.derivatives else ():
-            code = Code(self.members[name])
-            kind = self.types.type_name(self.kinds[name])
-            rows.append(f"{INDENT}self->{self.members[name]} = {code if kind == 'double' else cast(kind, code)};")
-        return rows
+            moved, kind = code(self.members[name]), self.types.type_name(self.kinds[name])
+            found.append(store(own(self.members[name]), moved if kind == "double" else cast(kind, moved)))
+        return found
 
     def _slopes_printer(self) -> Printer:
         moving = [*self._continuous, *(equation.name for equation in self.class_.derivative_equations)]

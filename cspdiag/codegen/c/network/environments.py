@@ -6,14 +6,41 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter
+from cspdiag.codegen.c.laws.equations import EquationWriter, Target, Variable, noted_at
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
-from cspdiag.codegen.c.text.code import INDENT, statement
+from cspdiag.codegen.c.text.code import (
+    EQUALITY,
+    PRODUCT,
+    SUM,
+    Aggregate,
+    Code,
+    address,
+    call,
+    cast,
+    code,
+    ignored,
+    infix,
+    negated,
+)
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames
+from cspdiag.codegen.c.text.statements import (
+    Blank,
+    Block,
+    Function,
+    Plain,
+    Remark,
+    Statement,
+    choose,
+    define,
+    give,
+    lines,
+    run,
+    store,
+)
 from cspdiag.codegen.c.text.types import CTypes, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
@@ -98,61 +125,59 @@ class EnvironmentFiles:
         rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
         rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', '#include "types.h"']
         rows += sorted({f'#include "{body_name(call)}.h"' for call in self._calls})
-        rows += ["", *self._plant(), *self._transfers()]
+        parts: list[Statement] = [self._plant(), *self._transfers()]
         system = self._system
         if system is not None and system.derivatives:
-            rows += [*self._integration.function(self._slopes_printer, self._writer(self._slopes_printer, at=True)), ""]
-        if self._results:
-            rows += [*self._evaluate(), ""]
-        rows += [*self._start(), "", *self._advance(), "", *self._drivers(), "", *self._table(), ""]
-        return "\n".join(rows)
+            writer = self._writer(self._slopes_printer, at=True)
+            parts += self._integration.function(self._slopes_printer, writer)
+        parts += [self._evaluate()] if self._results else []
+        parts += [self._start(), self._advance(), self._drivers(), self._table()]
+        for part in parts:
+            rows += ["", *lines([part])] if not isinstance(part, Blank) else []
+        return "\n".join([*rows, ""])
 
     # ---- The state
 
-    def _plant(self) -> list[str]:
-        rows = ["static struct {", f"{INDENT}int64_t now; /* in nanoseconds */"]
+    def _plant(self) -> Statement:
+        found: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
         system = self._system
         ports = {port_key(port): port for port in self.network.external_ports}
         for key, port in ports.items():
-            name = self._members[key]
-            kind = self.types.type_name(port.type)
+            name, kind = self._members[key], self.types.type_name(port.type)
             if _is_event(port):
-                rows.append(f"{INDENT}{kind} {name}[2]; /* present and last */")
+                found.append(define(kind, f"{name}[2]", remark="present and last"))
             else:
-                rows.append(f"{INDENT}{kind} {name};")
+                found.append(define(kind, name))
         if system is not None:
             local = {name for call in self._calls for _, name, _ in call.outputs}
             kept = [(state.name, state.type) for state in system.states]
             kept += [(item.name, item.type) for item in system.constants if item.name in self._constants]
             kept += [(name, self._kinds[name]) for name in sorted(local)]
-            rows += [f"{INDENT}{self.types.type_name(kind)} {self._members[name]};" for name, kind in kept]
-            rows += [f"{INDENT}struct {body_name(call)} {self._members[call.name]};" for call in self._calls]
-        return [*rows, "} plant;", ""]
+            found += [define(self.types.type_name(kind), self._members[name]) for name, kind in kept]
+            found += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
+        return Block(tuple(found), "static struct", "} plant;")
 
-    def _signal(self, name: str) -> str:
+    def _signal(self, name: str) -> Code:
         """The place of a port's value, a state or a constant."""
         ports = {port_key(port): port for port in self.network.external_ports}
-        if name in ports and _is_event(ports[name]):
-            return f"plant.{self._members[name]}[0]"
-        return f"plant.{self._members[name]}"
+        place = _plant(self._members[name])
+        return place.at(0) if name in ports and _is_event(ports[name]) else place
 
     def _printer(self, local: Iterable[str], time: str = "time") -> Printer:
         known = set(local)
 
-        def lvalue(name: str) -> str:
-            return self._members[name] if name in known else self._signal(name)
+        def lvalue(name: str) -> Code:
+            return code(self._members[name]) if name in known else self._signal(name)
 
         return Printer(self.types, signal=lvalue, time=time)
 
     def _writer(self, printer: Printer, *, at: bool = False) -> EquationWriter:
         """``at``: in a function that does not say whether it has failed, whose caller looks."""
 
-        def check(place: str) -> list[str]:
-            if not at:
-                return [f"CSP_CHECK_LAW({quoted(place)});"]
-            return [f"csp_fault_in({quoted(place)});"] if place else []
+        def check(place: str) -> list[Plain]:
+            return noted_at(place) if at else [run(call("CSP_CHECK_LAW", quoted(place)))]
 
-        return EquationWriter(printer, self._place, check, lambda name: f"plant.{self._members[name]}", body_name)
+        return EquationWriter(printer, self._place, check, lambda name: _plant(self._members[name]), body_name)
 
     # ---- What happens
 
@@ -178,40 +203,37 @@ class EnvironmentFiles:
         inner = [*integration.states, *integration.held, *(equation.name for equation in integration.equations)]
         return self._printer(inner)
 
-    def _start(self) -> list[str]:
-        rows = [f"static bool {self.name}_start(void)", "{", f"{INDENT}plant.now = 0;"]
+    def _start(self) -> Function:
+        found: list[Statement] = [store(_plant("now"), "0")]
         system = self._system
         if system is not None:
             printer = self._printer((), "0.0")
             writer = self._writer(printer, at=True)
             for constant in constants_needed(system):
-                rows += writer.assign(self._signal(constant.name), constant.value, self._place(constant))
-            for call in self._calls:
-                given = [
-                    f"&plant.{self._members[call.name]}",
-                    *(str(printer.print(value)) for _, value in call.arguments),
-                ]
-                rows += statement("", f"{body_name(call)}_initialize({', '.join(given)})", ";", INDENT)
+                found += writer.assign(self._signal(constant.name), constant.value, self._place(constant))
+            for item in self._calls:
+                given = [printer.plain(value) for _, value in item.arguments]
+                body = address(_plant(self._members[item.name]))
+                found.append(run(call(f"{body_name(item)}_initialize", body, *given)))
             for state in system.states:
-                rows += writer.assign(self._signal(state.name), state.initial, self._place(state))
+                found += writer.assign(self._signal(state.name), state.initial, self._place(state))
         if self._results:
-            rows.append(f"{INDENT}(void){self.name}_evaluate();")
+            found.append(run(ignored(code(f"{self.name}_evaluate()"))))
         for port in self.network.external_ports:
             if _is_event(port):
-                member = self._members[port_key(port)]
-                rows.append(f"{INDENT}plant.{member}[1] = plant.{member}[0];")
-        return [*rows, f"{INDENT}return !csp_faulted();", "}"]
+                member = _plant(self._members[port_key(port)])
+                found.append(store(member.at(1), member.at(0)))
+        found.append(give(negated(code("csp_faulted()"))))
+        return Function(f"static bool {self.name}_start", (), tuple(found))
 
-    def _advance(self) -> list[str]:
-        rows = [f"static bool {self.name}_advance(int64_t now)", "{"]
+    def _advance(self) -> Function:
         system = self._system
-        if system is not None and system.states:
-            rows += self._moved(system)
-        rows.append(f"{INDENT}plant.now = now;")
-        rows.append(f"{INDENT}return {f'{self.name}_evaluate()' if self._results else 'true'};")
-        return [*rows, "}"]
+        found = self._moved(system) if system is not None and system.states else []
+        found.append(store(_plant("now"), "now"))
+        found.append(give(f"{self.name}_evaluate()" if self._results else "true"))
+        return Function(f"static bool {self.name}_advance", ("int64_t now",), tuple(found))
 
-    def _moved(self, system: SubmodelClass) -> list[str]:
+    def _moved(self, system: SubmodelClass) -> list[Statement]:
         """From the last instant to ``now``: next values and slopes come from the inputs as they are."""
         integrates = bool(system.derivatives)
         roots = {*signals((system.next_values,)), *(self._integration.held if integrates else ())}
@@ -221,25 +243,24 @@ class EnvironmentFiles:
         local = [*continuous, *discrete, *(name for equation in equations for name in defined(equation))]
         printer = self._printer(local)
         writer = self._writer(printer)
-        rows: list[str] = []
+        found: list[Statement] = []
         if uses_time((equations, system.next_values)) or (integrates and self._integration.timed):
-            rows.append(f"{INDENT}const double time = csp_seconds(plant.now);")
-        rows += [
-            f"{INDENT}{self._declared(name, fixed=name not in continuous)} = {self._signal(name)};"
-            for name in (*discrete, *continuous)
-        ]
-        rows += writer.equations(equations, self._declared)
+            found.append(define("const double", "time", call("csp_seconds", _plant("now"))))
+        for name in (*discrete, *continuous):
+            variable = self._variable(name, fixed=name not in continuous)
+            found.append(define(variable.type_name, variable.name, self._signal(name)))
+        found += writer.equations(equations, self._variable)
         places = {state.name: self._place(state) for state in system.states}
         if system.next_values:
-            inner = EquationWriter(printer, self._place, writer.check, writer.external, body_name, INDENT * 2)
-            rows.append(f"{INDENT}if (now % ({duration(self.environment.step)}) == 0) {{")
+            passed = infix("%", PRODUCT, code("now"), duration(self.environment.step))
+            moved: list[Statement] = []
             for name, value in system.next_values:
-                rows += inner.assign(self._signal(name), value, places[name])
-            rows.append(f"{INDENT}}}")
+                moved += writer.assign(self._signal(name), value, places[name])
+            found += choose(infix("==", EQUALITY, passed, code("0")), moved)
         if integrates:
             last = [self._place(equation) for equation in equations] + [places[name] for name, _ in system.next_values]
-            rows += self._integrated(system, printer, last[-1] if last else None)
-        return rows
+            found += self._integrated(system, printer, last[-1] if last else None)
+        return found
 
     def _read_late(self, system: SubmodelClass) -> list[str]:
         """Discrete states that are read after they may have changed."""
@@ -252,57 +273,60 @@ class EnvironmentFiles:
             late |= set(self._integration.held) & changed
         return [state.name for state in system.states if state.name in late and not state.continuous]
 
-    def _declared(self, name: str, *, fixed: bool = True) -> str:
-        return f"{'const ' if fixed else ''}{self.types.type_name(self._kinds[name])} {self._members[name]}"
+    def _variable(self, name: str, *, fixed: bool = True) -> Variable:
+        kind = self.types.type_name(self._kinds[name])
+        return Variable(f"const {kind}" if fixed else kind, self._members[name])
 
-    def _integrated(self, system: SubmodelClass, printer: Printer, place: str | None) -> list[str]:
-        interval = "csp_seconds(now - plant.now)"
-        count: str | None = None
-        rows: list[str] = []
+    def _integrated(self, system: SubmodelClass, printer: Printer, place: str | None) -> list[Statement]:
+        elapsed = infix("-", SUM, code("now"), _plant("now"))
+        interval = call("csp_seconds", elapsed)
+        count: Code | None = None
+        found: list[Statement] = []
         if system.step is None:
-            rows.append(f"{INDENT}const double h = {interval};")
+            found.append(define("const double", "h", interval))
         else:
-            count = "steps"
+            count = code("steps")
             # Whole division rounded up: exact, as the interval is not negative.
             step = duration(system.step)
-            rows.append(f"{INDENT}const int64_t steps = (now - plant.now + {system.step - 1}) / ({step});")
-            rows.append(f"{INDENT}const double h = {interval} / (double)steps;")
-        rows += self._integration.steps(self._slopes_printer, printer.signal, count, INDENT)
-        for state in self._integration.states:
-            rows.append(f"{INDENT}{self._members[state]} = csp_real({self._members[state]});")
-        if self._integration.states:
-            told = f"(void)csp_fault_at({quoted(place)});" if place is not None else ""
-            rows += [
-                f"{INDENT}if (csp_faulted()) {{",
-                *([INDENT * 2 + told] if told else []),
-                f"{INDENT * 2}return false;",
-                f"{INDENT}}}",
-            ]
-        single = self.types.type_name
-        for state in self._integration.states:
-            cast = "(float)" if single(self._kinds[state]) == "float" else ""
-            rows.append(f"{INDENT}{self._signal(state)} = {cast}{self._members[state]};")
-        return rows
+            rounded = infix("-", SUM, infix("+", SUM, elapsed, step), code("1"))
+            found.append(define("const int64_t", "steps", infix("/", PRODUCT, rounded, step)))
+            found.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
+        found += self._integration.steps(self._slopes_printer, printer.signal, count)
+        states = self._integration.states
+        for state in states:
+            moved = code(self._members[state])
+            found.append(store(moved, call("csp_real", moved)))
+        if states:
+            noted = [run(ignored(call("csp_fault_at", quoted(place))))] if place is not None else []
+            found += choose(code("csp_faulted()"), [*noted, give("false")])
+        for state in states:
+            single = self.types.type_name(self._kinds[state]) == "float"
+            moved = code(self._members[state])
+            found.append(store(self._signal(state), cast("float", moved) if single else moved))
+        return found
 
-    def _evaluate(self) -> list[str]:
+    def _evaluate(self) -> Function:
         assert self._system is not None
         equations = self._results
         results = outputs(self._system)
         kept = {*results, *(name for call in self._calls for _, name, _ in call.outputs)}
         local = [name for equation in equations for name in defined(equation) if name not in kept]
-        printer = self._printer(local)
-        writer = self._writer(printer)
-        rows = [f"static bool {self.name}_evaluate(void)", "{"]
+        writer = self._writer(self._printer(local))
+
+        def target(name: str) -> Target:
+            return self._signal(name) if name in kept else self._variable(name)
+
+        found: list[Statement] = []
         if uses_time((tuple(part for equation in equations for part in values(equation)),)):
-            rows.append(f"{INDENT}const double time = csp_seconds(plant.now);")
-        rows += writer.equations(equations, lambda name: self._signal(name) if name in kept else self._declared(name))
-        return [*rows, f"{INDENT}return true;", "}"]
+            found.append(define("const double", "time", call("csp_seconds", _plant("now"))))
+        found += [*writer.equations(equations, target), give("true")]
+        return Function(f"static bool {self.name}_evaluate", (), tuple(found))
 
     # ---- What the ports of the program meet
 
-    def _transfers(self) -> list[str]:
+    def _transfers(self) -> list[Statement]:
         """Functions that read and write signals, one for each type."""
-        rows: list[str] = []
+        found: list[Statement] = []
         done: set[str] = set()
         for port in self.network.external_ports:
             name, kind = self._transfer(port), self.types.type_name(port.type)
@@ -310,50 +334,58 @@ class EnvironmentFiles:
                 continue
             done.add(name)
             if port.direction == "out":
-                rows += [f"static void {name}(void *device, const void *value)", "{"]
-                rows += [f"{INDENT}*({kind} *)device = *(const {kind} *)value;", "}", ""]
+                copied = store(f"*({kind} *)device", f"*(const {kind} *)value")
+                found.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
             elif not _is_event(port):
-                rows += [f"static bool {name}(void *device, void *value)", "{"]
-                rows += [f"{INDENT}*({kind} *)value = *(const {kind} *)device;", f"{INDENT}return true;", "}", ""]
+                copied = store(f"*({kind} *)value", f"*(const {kind} *)device")
+                found.append(Function(f"static bool {name}", ("void *device", "void *value"), (copied, give("true"))))
             else:
-                rows += self._event_reader(name, kind, port.type)
-        return rows
+                found.append(self._event_reader(name, kind, port.type))
+        return found
 
-    def _event_reader(self, name: str, kind: str, type_: Type) -> list[str]:
+    def _event_reader(self, name: str, kind: str, type_: Type) -> Function:
         """The value of an event port, and whether it has changed since the last time."""
+        present, last = code("signal").at(0), code("signal").at(1)
+        changed: Code = infix("!=", EQUALITY, present, last)
         if isinstance(type_, StructType | ArrayType):
-            changed = f"!{self.types.suffix(type_)}_equal(signal[0], signal[1])"
-        else:
-            changed = "signal[0] != signal[1]"
-        return [
-            f"/* The present and the last value: an event is a change. */\nstatic bool {name}(void *device, void *value)", "{",
-            f"{INDENT}{kind} *const signal = device;", f"{INDENT}const bool changed = {changed};",
-            f"{INDENT}signal[1] = signal[0];", f"{INDENT}*({kind} *)value = signal[0];", f"{INDENT}return changed;", "}", "",
-        ]  # fmt: skip
+            changed = negated(call(f"{self.types.suffix(type_)}_equal", present, last))
+        body = (
+            Remark("The present and the last value: an event is a change."),
+            define(f"{kind} *const", "signal", "device"),
+            define("const bool", "changed", changed),
+            store(last, present),
+            store(f"*({kind} *)value", present),
+            give("changed"),
+        )
+        return Function(f"static bool {name}", ("void *device", "void *value"), body)
 
     def _transfer(self, port: ExternalPort) -> str:
         verb = "write" if port.direction == "out" else "poll" if _is_event(port) else "read"
         return f"{verb}_{self.types.suffix(port.type)}"
 
-    def _drivers(self) -> list[str]:
-        rows = [f"const struct network_drivers {self.name}_drivers = {{"]
-        for names, ports in port_groups(self.network.external_ports):
-            entries = []
-            for port in ports:
-                function = self._transfer(port)
-                member = f"{'' if _is_event(port) else '&'}plant.{self._members[port_key(port)]}"
-                halves = f"NULL, {function}" if port.direction == "out" else f"{function}, NULL"
-                entries.append(f"{{{member}, {halves}}}")
-            member = self.types.field(names)
-            value = entries[0] if ports[0].index is None else f"{{{', '.join(entries)}}}"
-            rows += statement(f".{member} = ", value, ",", INDENT)
-        if not self.network.external_ports:
-            rows.append(f"{INDENT}0")
-        return [*rows, "};"]
+    def _drivers(self) -> Statement:
+        members: list[tuple[str | None, Code]] = []
+        for name, ports in port_groups(self.network.external_ports):
+            entries = [self._driver(port) for port in ports]
+            value = entries[0] if ports[0].index is None else Aggregate(tuple((None, entry) for entry in entries))
+            members.append((f".{self.types.field(name)}", value))
+        drivers = Aggregate(tuple(members) or ((None, code("0")),))
+        return define("const struct network_drivers", f"{self.name}_drivers", drivers)
 
-    def _table(self) -> list[str]:
-        step = duration(self.environment.step)
-        return statement(f"const csp_environment {self.name} = ", f"{{{step}, {self.name}_start, {self.name}_advance}}")
+    def _driver(self, port: ExternalPort) -> Aggregate:
+        member, function = _plant(self._members[port_key(port)]), code(self._transfer(port))
+        device, nothing = member if _is_event(port) else address(member), code("NULL")
+        parts = (device, nothing, function) if port.direction == "out" else (device, function, nothing)
+        return Aggregate(tuple((None, part) for part in parts))
+
+    def _table(self) -> Statement:
+        functions = (code(f"{self.name}_start"), code(f"{self.name}_advance"))
+        parts = tuple((None, part) for part in (duration(self.environment.step), *functions))
+        return define("const csp_environment", self.name, Aggregate(parts))
+
+
+def _plant(member: str) -> Code:
+    return code("plant").field(member)
 
 
 def port_key(port: ExternalPort) -> str:

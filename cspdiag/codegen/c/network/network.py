@@ -12,11 +12,22 @@ from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.port_layout import PortLayout
 from cspdiag.codegen.c.process.processes import Facts, ProcessFiles, process_files
 from cspdiag.codegen.c.process.unwritten import Unwritten
-from cspdiag.codegen.c.text.code import broken
+from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, code, ignored, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames
-from cspdiag.codegen.c.text.rows import Row, block, lines, rows
+from cspdiag.codegen.c.text.statements import (
+    Blank,
+    Block,
+    Function,
+    Remark,
+    Statement,
+    define,
+    lines,
+    run,
+    signature,
+    store,
+)
 from cspdiag.codegen.c.text.types import CTypes, duration
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
@@ -75,7 +86,7 @@ class _NetworkFiles:
                 "#define CSP_CONFIG_H",
                 "",
                 "#ifndef CSP_TRACE",
-                "#define CSP_TRACE 0 /* whether communications, processes and groups are reported to csp_observe... */",
+                "#define CSP_TRACE 0 /* whether communications, processes and groups are observed */",
                 "#endif",
                 f"#define CSP_LEVELS {self.levels.count}U /* of priority */",
                 "",
@@ -90,8 +101,8 @@ class _NetworkFiles:
         found = [*comment(told), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
         found += ['#include "types.h"', ""] if self._events else [""]
         found += ["/* A device or a simulated one for every port. */"]
-        members = [Row(*driver) for driver in _driver_members(self.network, self.types)]
-        found += [*lines(block("struct network_drivers", members or [Row("char unused;")], "};")), ""]
+        members = [*_driver_members(self.network, self.types)] or [define("char", "unused")]
+        found += [*lines([Block(tuple(members), "struct network_drivers", "};")]), ""]
         found += ["/* Builds the network, before each run. */"]
         found += ["void network_initialize(const struct network_drivers *drivers);", ""]
         found += self._bringers_declared()
@@ -114,25 +125,22 @@ class _NetworkFiles:
         members = self._members()
         found = ['#include "network.h"', "", '#include "constants.h"', f'#include "{struct}.h"', ""]
         found += ["/* All memory of the program. */", f"static struct {struct} {struct};"]
-        fields = [Row(f"{_STRUCTS[kind_of(port)]} {members[port_key(port)]};") for port in self.network.external_ports]
-        values = [
-            Row(f"{self.types.type_name(port.type)} {members[port_key(port)]};")
-            for port in self.network.external_ports
-            if kind_of(port) != "direct"
-        ]
-        if fields:
-            found += lines(block("static struct", fields, "} external;"))
-        if values:
-            found += lines(block("static struct", values, "} present;"))
-        if self._events:
-            brought = [Row(f"{self.types.type_name(port.type)} {members[port_key(port)]};") for port in self._events]
-            found += lines(block("static struct", brought, "} brought; /* by interrupt handlers */"))
+        ports = [(port, members[port_key(port)]) for port in self.network.external_ports]
+        fields = [define(_STRUCTS[kind_of(port)], name) for port, name in ports]
+        values = [define(self.types.type_name(port.type), name) for port, name in ports if kind_of(port) != "direct"]
+        brought = [define(self.types.type_name(port.type), name) for port, name in ports if kind_of(port) == "event"]
+        for body, tail in (
+            (fields, "external;"),
+            (values, "present;"),
+            (brought, "brought; /* by interrupt handlers */"),
+        ):
+            found += lines([Block(tuple(body), "static struct", f"}} {tail}")]) if body else []
         found += ["", *self._safe_values(members), *self._table(members)]
-        found += [
-            "void network_initialize(const struct network_drivers *drivers)",
-            *lines(block("", self._building(members))),
-        ]
-        found += ["", *self._bringers(members), *self._reports(), *self._program(struct)]
+        building = Function(
+            "void network_initialize", ("const struct network_drivers *drivers",), tuple(self._building(members))
+        )
+        found += [*lines([building]), ""]
+        found += [*self._bringers(members), *self._reports(), *self._program(struct)]
         return "\n".join([*found, ""])
 
     def _members(self) -> Names:
@@ -145,112 +153,103 @@ class _NetworkFiles:
     def _events(self) -> list[ExternalPort]:
         return [port for port in self.network.external_ports if kind_of(port) == "event"]
 
-    def _bringer(self, port: ExternalPort, members: Names) -> list[str]:
-        member = members[port_key(port)]
-        return broken(f"void network_bring_{member}({self.types.type_name(port.type)} value)", "        ")
+    def _bringer(self, port: ExternalPort, members: Names) -> tuple[str, tuple[str, ...]]:
+        head = f"void network_bring_{members[port_key(port)]}"
+        return head, (f"{self.types.type_name(port.type)} value",)
 
     def _bringers_declared(self) -> list[str]:
         if not self._events:
             return []
         found = ["/* An interrupt handler brings an event: the latest value counts. */"]
         for port in self._events:
-            *rest, last = self._bringer(port, self._members())
-            found += [*rest, f"{last};"]
+            found += signature(*self._bringer(port, self._members()), ";")
         return [*found, ""]
 
     def _bringers(self, members: Names) -> list[str]:
-        found: list[str] = []
+        found: list[Statement] = []
         for port in self._events:
-            body = rows(f"csp_event_bring(&external.{members[port_key(port)]}, &value);")
-            found += [*self._bringer(port, members), *lines(block("", body)), ""]
-        return found
+            latest = address(_external(members[port_key(port)]))
+            body = run(call("csp_event_bring", latest, "&value"))
+            found += [Function(*self._bringer(port, members), (body,)), Blank()]
+        return lines(found)
 
     def _safe_values(self, members: Names) -> list[str]:
-        found = [
-            Row(
-                f"static const {self.types.type_name(port.type)} safe_{members[port_key(port)]} = "
-                f"{self.types.initializer(self._safe(port), port.type)};"
+        found: list[Statement] = [
+            define(
+                f"static const {self.types.type_name(port.type)}",
+                f"safe_{members[port_key(port)]}",
+                self.types.initial(self._safe(port), port.type),
             )
             for port in self.network.external_ports
             if port.direction == "out"
         ]
-        return [*lines(found), ""] if found else []
+        return lines([*found, Blank()]) if found else []
 
     def _safe(self, port: ExternalPort) -> Value:
         return self.types.zero(port.type) if port.safe is None else port.safe
 
     def _table(self, members: Names) -> list[str]:
-        entries = []
-        for port in self.network.external_ports:
-            name = members[port_key(port)]
-            safe = f", .safe = &safe_{name}" if port.direction == "out" else ""
-            told = quoted(f"{self.network.top}.{port_key(port)}")
-            entries.append(
-                f"{{.kind = {_KINDS[kind_of(port)]}, .medium = &external.{name}.medium{safe}, .name = {told}}}"
-            )
-        if not entries:
-            return []
-        body = [Row(f"{entry},") for entry in entries[:-1]] + [Row(entries[-1])]
-        return [*lines(block("static const csp_port port_table[] =", body, "};")), ""]
+        entries = tuple((None, self._port(port, members[port_key(port)])) for port in self.network.external_ports)
+        return lines([store("static const csp_port port_table[]", Aggregate(entries)), Blank()]) if entries else []
 
-    def _building(self, members: Names) -> list[Row]:
-        top = self.names.classes[self.network.top]
-        found = rows(
-            "csp_numbers numbers = {.process = 1U, .channel = 0U};",
-            "csp_begin_building();",
-            f"(void)memset(&{top}, 0, sizeof({top}));",
-        )
-        if self.network.external_ports:
-            found += rows("(void)memset(&external, 0, sizeof(external));")
-        drivers = dict(
-            zip(
-                (port_key(port) for port in self.network.external_ports),
-                _driver_lvalues(self.network, self.types),
-                strict=True,
-            )
-        )
-        for number, port in enumerate(self.network.external_ports):
-            key = port_key(port)
-            name, driver = members[key], drivers[key]
-            medium, value = f"&external.{name}", f"&present.{name}"
-            kind = kind_of(port)
-            period = "" if port.period is None else str(duration(port.period))
-            match kind:
-                case "sampled":
-                    call = f"csp_sampled_input_init({medium}, {number}U, {period}, {value}, {driver});"
-                case "event":
-                    broadcast = "true" if port.kind == "broadcast" else "false"
-                    call = f"csp_event_input_init({medium}, {number}U, {broadcast}, {value}, {driver});"
-                case "latched":
-                    call = f"csp_latched_output_init({medium}, {number}U, {period}, {value}, {driver});"
-                case _:
-                    call = f"csp_direct_output_init({medium}, {number}U, {driver});"
-            found.append(Row(call))
-            if kind == "event":
-                found.append(Row(f"csp_event_input_accept({medium}, &brought.{name}, sizeof(brought.{name}));"))
-            if port.direction == "out":
-                found.append(Row(f"external.{name}.name = {quoted(f'{self.network.top}.{key}')};"))
-        if not self.network.external_ports:
-            found.append(Row("(void)drivers;"))
-        else:
-            found.append(Row(f"numbers.channel = {len(self.network.external_ports)}U;"))
-        found.append(Row(f"{self._initialize()};"))
+    def _port(self, port: ExternalPort, name: str) -> Aggregate:
+        parts: list[tuple[str, Code]] = [(".kind", code(_KINDS[kind_of(port)]))]
+        parts.append((".medium", address(_external(name).field("medium"))))
+        if port.direction == "out":
+            parts.append((".safe", code(f"&safe_{name}")))
+        parts.append((".name", code(quoted(f"{self.network.top}.{port_key(port)}"))))
+        return Aggregate(tuple(parts))
+
+    def _building(self, members: Names) -> list[Statement]:
+        top, ports = self.names.classes[self.network.top], self.network.external_ports
+        numbers = Aggregate(((".process", unsigned(1)), (".channel", unsigned(0))))
+        found: list[Statement] = [define("csp_numbers", "numbers", numbers), run("csp_begin_building()")]
+        found.append(_cleared(top))
+        if ports:
+            found.append(_cleared("external"))
+        drivers = _driver_lvalues(self.network, self.types)
+        for number, (port, driver) in enumerate(zip(ports, drivers, strict=True)):
+            found += self._connected(port, members[port_key(port)], unsigned(number), driver)
+        found.append(store("numbers.channel", unsigned(len(ports))) if ports else run("(void)drivers"))
+        found.append(run(self._initialize()))
         return found
 
-    def _initialize(self) -> str:
+    def _connected(self, port: ExternalPort, name: str, number: Code, driver: Code) -> list[Statement]:
+        """What makes a port, whose values go to and come from a driver."""
+        medium, value = address(_external(name)), f"&present.{name}"
+        period = code("") if port.period is None else duration(port.period)
+        found: list[Statement] = []
+        match kind_of(port):
+            case "sampled":
+                found.append(run(call("csp_sampled_input_init", medium, number, period, value, driver)))
+            case "event":
+                broadcast = "true" if port.kind == "broadcast" else "false"
+                found.append(run(call("csp_event_input_init", medium, number, broadcast, value, driver)))
+                brought = code("brought").field(name)
+                size = call("sizeof", brought)
+                found.append(run(call("csp_event_input_accept", medium, address(brought), size)))
+            case "latched":
+                found.append(run(call("csp_latched_output_init", medium, number, period, value, driver)))
+            case _:
+                found.append(run(call("csp_direct_output_init", medium, number, driver)))
+        if port.direction == "out":
+            name_of_port = quoted(f"{self.network.top}.{port_key(port)}")
+            found.append(store(_external(name).field("name"), name_of_port))
+        return found
+
+    def _initialize(self) -> Code:
         struct, layout, members = self.names.classes[self.network.top], PortLayout(self.top), self._members()
-        fields = []
+        fields: list[tuple[str, Code]] = []
         for port in self.network.external_ports:
             designator = layout.designator(port.name.partition("[")[0], port.index)
             if designator is not None:
-                fields.append(f".{designator} = &external.{members[port_key(port)]}")
-        given = [f"&{struct}", "&numbers"]
+                fields.append((f".{designator}", address(_external(members[port_key(port)]))))
+        given: list[Code] = [code(f"&{struct}"), code("&numbers")]
         if fields:
-            given.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
+            given.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
         values = dict(self.network.arguments)
-        for item in self.top.parameters:
-            given.append(str(self.types.literal(values[item.name], item.type)))
-        return f"{struct}_initialize({', '.join(given)})"
+        given += [self.types.literal(values[item.name], item.type) for item in self.top.parameters]
+        return call(f"{struct}_initialize", *given)
 
     def _reports(self) -> list[str]:
         return [
@@ -283,8 +282,8 @@ class _NetworkFiles:
         exceptions = [name for name in self.network.exceptions if name in self.names.exceptions]
         found: list[str] = []
         if exceptions:
-            listed = ", ".join(quoted(name) for name in exceptions)
-            found += [*broken(f"static const char *const exception_names[] = {{{listed}}};", "    "), ""]
+            listed = Aggregate(tuple((None, code(quoted(name))) for name in exceptions))
+            found += [*lines([store("static const char *const exception_names[]", listed)]), ""]
         count = len(self.network.external_ports)
         return [
             *found,
@@ -307,16 +306,25 @@ def kind_of(port: ExternalPort) -> str:
     return "direct" if port.period is None or port.immediate else "latched"
 
 
-def _driver_lvalues(network: Network, types: CTypes) -> Iterator[str]:
+def _external(name: str) -> Code:
+    return code("external").field(name)
+
+
+def _cleared(name: str) -> Statement:
+    return run(ignored(call("memset", f"&{name}", "0", call("sizeof", name))))
+
+
+def _driver_lvalues(network: Network, types: CTypes) -> Iterator[Code]:
     """The driver of each port, in order, as the function that builds the network has it."""
     for name, ports in port_groups(network.external_ports):
         for position, port in enumerate(ports):
-            yield f"drivers->{types.field(name)}{'' if port.index is None else f'[{position}]'}"
+            member = code("drivers").arrow(types.field(name))
+            yield member if port.index is None else member.at(position)
 
 
-def _driver_members(network: Network, types: CTypes) -> Iterator[tuple[str, int, str]]:
+def _driver_members(network: Network, types: CTypes) -> Iterator[Statement]:
     """The declarations of the members of ``struct network_drivers``, and what their functions are handed a pointer to."""
     for name, ports in port_groups(network.external_ports):
-        member = f"csp_driver {types.field(name)}{'' if ports[0].index is None else f'[{len(ports)}]'};"
         access = "reads" if ports[0].direction == "in" else "writes"
-        yield member, 0, f"{access} {types.type_name(ports[0].type)}"
+        yield Remark(f"{access} {types.type_name(ports[0].type)}")
+        yield define("csp_driver", f"{types.field(name)}{'' if ports[0].index is None else f'[{len(ports)}]'}")

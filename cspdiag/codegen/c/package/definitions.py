@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from cspdiag.codegen.c.text.code import INDENT, LINE_LENGTH, broken, statement
+from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Code, call, code, infix
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.names import PackageNames
-from cspdiag.codegen.c.text.types import CTypes, scalars
-from cspdiag.model.types import ArrayType, EnumType, RealType, StructType, Type
+from cspdiag.codegen.c.text.statements import Block, Function, Statement, define, give, lines, run, store
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.network.ir.network import Network
-
-_COMPARED = " && "
 
 
 def types_header(network: Network, names: PackageNames, types: CTypes) -> str:
@@ -24,21 +23,20 @@ def types_header(network: Network, names: PackageNames, types: CTypes) -> str:
         rows += ['#include "csp_core.h"', ""]
     if names.exceptions:
         first, *others = names.exceptions.values()
-        entries = ", ".join([f"{first} = CSP_FIRST_EXCEPTION", *others])
-        rows += ["/* The exceptions that the program declares. */", *broken(f"enum {{ {entries} }};", INDENT), ""]
+        entries = [f"{first} = CSP_FIRST_EXCEPTION", *others]
+        rows += ["/* The exceptions that the program declares. */", *_enum("enum", entries), ""]
     for enum in network.enums:
-        rows += [*_enum(enum, names), ""]
+        rows += [*_enum(f"enum {names.types[enum.name]}", names.literals[enum.name]), ""]
     for type_ in _in_order(network, types):
         rows += [*_struct(type_, types), ""]
     return "\n".join([*rows, "#endif", ""])
 
 
-def _enum(enum: EnumType, names: PackageNames) -> list[str]:
-    literals = names.literals[enum.name]
-    line = f"enum {names.types[enum.name]} {{ {', '.join(literals)} }};"
+def _enum(head: str, literals: Sequence[str]) -> list[str]:
+    line = f"{head} {{ {', '.join(literals)} }};"
     if len(line) <= LINE_LENGTH:
         return [line]
-    return [f"enum {names.types[enum.name]} {{", *(f"{INDENT}{name}," for name in literals), "};"]
+    return [f"{head} {{", *(f"{INDENT}{name}," for name in literals), "};"]
 
 
 def _in_order(network: Network, types: CTypes) -> Iterator[StructType | ArrayType]:
@@ -60,65 +58,55 @@ def _in_order(network: Network, types: CTypes) -> Iterator[StructType | ArrayTyp
 
 
 def _struct(type_: StructType | ArrayType, types: CTypes) -> list[str]:
-    name = types.type_name(type_)
-    rows = [f"{name} {{"]
+    name, suffix = types.type_name(type_), types.suffix(type_)
     if isinstance(type_, StructType):
-        rows += [f"{INDENT}{types.type_name(field)} {types.field(member)};" for member, field in type_.fields]
+        members = [define(types.type_name(field), types.field(member)) for member, field in type_.fields]
     else:
-        rows += [f"{INDENT}{types.type_name(type_.element)} at[{type_.size}];"]
-    rows += ["};", ""]
-    rows += [f"static inline bool {types.suffix(type_)}_equal({name} left, {name} right)", "{"]
-    rows += [*_equality(type_, types), "}"]
+        members = [define(types.type_name(type_.element), f"at[{type_.size}]")]
+    rows = [*lines([Block(tuple(members), name, "};")]), ""]
+    compared = (f"{name} left", f"{name} right")
+    rows += lines([Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))])
     if types.has_reals(type_):
-        rows += ["", f"static inline void {types.suffix(type_)}_finite({name} value, const char *port)", "{"]
-        rows += [*_finiteness(type_, types), "}"]
+        given = (f"{name} value", "const char *port")
+        looked = Function(f"static inline void {suffix}_finite", given, tuple(_finiteness(type_, types)))
+        rows += ["", *lines([looked])]
     return rows
 
 
-def _equality(type_: StructType | ArrayType, types: CTypes) -> list[str]:
+def _equality(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
+    left, right = code("left"), code("right")
     if isinstance(type_, StructType):
-        parts = [_equal(field, f".{types.field(name)}", types) for name, field in type_.fields]
-        return statement("return ", _COMPARED.join(parts) or "true", ";", INDENT)
-    part = _equal(type_.element, ".at[position]", types)
-    return [
-        f"{INDENT}bool equal = true;",
-        f"{INDENT}for (int position = 0; position < {type_.size}; position++) {{",
-        f"{INDENT * 2}equal = equal && {part};",
-        f"{INDENT}}}",
-        f"{INDENT}return equal;",
-    ]
+        whole: Code | None = None
+        for name, kind in type_.fields:
+            part = _equal(kind, left.field(types.field(name)), right.field(types.field(name)), types)
+            whole = part if whole is None else infix("&&", AND, whole, part)
+        return [give(whole or "true")]
+    position = code("position")
+    part = _equal(type_.element, left.field("at").at(position), right.field("at").at(position), types)
+    body = store("equal", infix("&&", AND, code("equal"), part))
+    return [define("bool", "equal", "true"), _each(type_, body), give("equal")]
 
 
-def _equal(type_: Type, member: str, types: CTypes) -> str:
+def _each(type_: ArrayType, body: Statement) -> Statement:
+    return Block((body,), f"for (int position = 0; position < {type_.size}; position++)")
+
+
+def _equal(type_: Type, left: Code, right: Code, types: CTypes) -> Code:
     if isinstance(type_, StructType | ArrayType):
-        return f"{types.suffix(type_)}_equal(left{member}, right{member})"
-    return f"(left{member} == right{member})"
+        return call(f"{types.suffix(type_)}_equal", left, right)
+    return infix("==", EQUALITY, left, right)
 
 
-def _finiteness(type_: StructType | ArrayType, types: CTypes) -> list[str]:
+def _finiteness(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
+    value = code("value")
     if isinstance(type_, StructType):
-        checks = (finite_check(types, field, f"value.{types.field(name)}", "port") for name, field in type_.fields)
-        return [f"{INDENT}{check}" for check in checks if check is not None]
-    check = finite_check(types, type_.element, "value.at[position]", "port")
-    return [
-        f"{INDENT}for (int position = 0; position < {type_.size}; position++) {{",
-        f"{INDENT * 2}{check}",
-        f"{INDENT}}}",
-    ]
-
-
-def finite_check(types: CTypes, type_: Type, value: str, port: str) -> str | None:
-    """The statement that notes a fault if a value that is written to an external output is not finite; None if it always is.
-
-    ``port`` is a C expression: the name of the port as a string.
-    """
-    if not any(isinstance(part, RealType) for part in scalars(type_)):
-        return None
-    if isinstance(type_, StructType | ArrayType):
-        return f"{types.suffix(type_)}_finite({value}, {port});"
-    return (
-        f"csp_finite({'(double)' if type_.bits == 32 else ''}{value}, {port});" if isinstance(type_, RealType) else None
-    )
+        checks = (
+            types.finite_check(field, value.field(types.field(name)), code("port")) for name, field in type_.fields
+        )
+        return [run(check) for check in checks if check is not None]
+    check = types.finite_check(type_.element, value.field("at").at(code("position")), code("port"))
+    assert check is not None
+    return [_each(type_, run(check))]
 
 
 def constants_header(network: Network, names: PackageNames, types: CTypes) -> str:
@@ -129,6 +117,6 @@ def constants_header(network: Network, names: PackageNames, types: CTypes) -> st
         if constant.doc:
             rows += comment(wrapped(constant.doc))
         place = names.place(constant.span.file, constant.span.line)
-        head = f"static const {types.type_name(constant.type)} {names.constants[constant.name]} = "
-        rows += statement(head, types.initializer(constant.value, constant.type), ";", "", place)
+        kind, value = f"static const {types.type_name(constant.type)}", types.initial(constant.value, constant.type)
+        rows += lines([define(kind, names.constants[constant.name], value, place)])
     return "\n".join([*rows, *([""] if network.constants else []), "#endif", ""])

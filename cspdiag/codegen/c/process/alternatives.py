@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import assert_never
 
 from cspdiag.codegen.c.process.flow import ends
-from cspdiag.codegen.c.process.members import SELF, Member
-from cspdiag.codegen.c.process.plain_steps import WRITES, finite_rows, flag_rows, store_rows, take_rows
+from cspdiag.codegen.c.process.members import Member
+from cspdiag.codegen.c.process.plain_steps import finite_checked, hand_over, mark_written, put, size_of, take
 from cspdiag.codegen.c.process.writer import Writer
+from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.media import Spelling
-from cspdiag.codegen.c.text.rows import Row, block, rows
+from cspdiag.codegen.c.text.statements import (
+    Label,
+    Plain,
+    Statement,
+    Switch,
+    can_wait,
+    choose,
+    go,
+    has_effect,
+    run,
+    store,
+)
 from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputEvent, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.network.ir.faults import is_known_at_start
 
@@ -26,9 +39,7 @@ class Guard:
     """One guard of an alternative or interrupt; guards of one text are not the same guard."""
 
     branch: Branch
-    setup: list[str] = field(default_factory=list)
-    """Calls that make it, without the first argument, the alternative."""
-    kept: str | None = None
+    kept: Code | None = None
     """The lvalue of what it writes or reads, where that is no variable of the process."""
 
     @property
@@ -37,46 +48,53 @@ class Guard:
         return self.branch.event
 
 
-def choice_rows(writer: Writer, choice: Choice) -> list[Row]:
+def choice(writer: Writer, step: Choice) -> list[Statement]:
     """Chooses one of the guards that are ready, and goes on with its process."""
-    member = writer.members.names.fresh(choice.name)
-    alternative = f"{SELF}{member}.alternative"
-    guards = [make_guard(writer, branch, f"{member}_value_{number}") for number, branch in enumerate(choice.branches)]
-    count = len(guards)
-    fields = [Member("csp_alternative alternative"), Member(f"csp_guard guards[{count}]")]
+    name = writer.members.names.fresh(step.name)
+    member = own(name)
+    alternative = address(member.field("alternative"))
+    guards = [make_guard(writer, branch, f"{name}_value_{number}") for number, branch in enumerate(step.branches)]
     timers = [guard for guard in guards if isinstance(guard.event, AfterEvent)]
-    if timers:
-        fields.append(Member(f"csp_timer time_outs[{len(timers)}]"))
-    words = "NULL"
-    if count > WORD // 2:
-        fields.append(Member(f"csp_word words[2U * CSP_WORDS({count}U)]"))
-        words = f"{SELF}{member}.words"
-    writer.members.structs[member] = fields
-    made = (
-        f"csp_alternative_init(&{alternative}, {SELF}{member}.guards, {count}U, {words}, {_truth(choice.prioritized)});"
-    )
-    setup = rows(made)
+    writer.members.structs[name] = _fields(len(guards), len(timers))
+    conditional = any(branch.condition is not None for branch in step.branches)
+    setup: list[Statement] = [_made(member, len(guards), prioritized=step.prioritized)]
     for number, guard in enumerate(guards):
-        timer = f"{SELF}{member}.time_outs[{timers.index(guard)}]" if guard in timers else ""
-        setup.append(Row(guard_call(writer, guard, f"&{alternative}", number, timer)))
+        timer = member.field("time_outs").at(timers.index(guard)) if guard in timers else member
+        setup.append(run(guard_call(writer, guard, alternative, number, timer)))
         if isinstance(guard.event, AfterEvent) and is_known_at_start(guard.event.duration):
-            duration = writer.members.initial_printer.print(guard.event.duration)
-            setup.append(Row(f"csp_delay(&{alternative}, {number}U, {duration});"))
-    conditional = any(branch.condition is not None for branch in choice.branches)
+            duration = writer.members.initial_printer.plain(guard.event.duration)
+            setup.append(run(call("csp_delay", alternative, unsigned(number), duration)))
     if not conditional:
-        setup.append(Row(f"csp_enable_all(&{alternative});"))
-    writer.members.made_choices[choice.name] = setup
+        setup.append(run(call("csp_enable_all", alternative)))
+    writer.members.made_choices[step.name] = setup
 
-    opening = Row("", comment=writer.comment(choice))
-    enabling = rows(f"csp_enable_none(&{alternative});") if conditional else []
+    enabling: list[Statement] = [run(call("csp_enable_none", alternative))] if conditional else []
     for number, guard in enumerate(guards):
-        enabling += _enabled(writer, guard, f"&{alternative}", number, conditional=conditional)
-    place = writer.place(choice, choice.name.replace("choice", "chooses"), "ALTERNATIVE", f"{member}.alternative")
-    again = f"csp_select_again(party, &{alternative})"
-    waited = writer.await_rows(choice, f"csp_select(party, &{alternative})", again, place)
-    bodies = [[*taken_rows(writer, guard), *writer.rows(guard.branch.body)] for guard in guards]
-    chosen = _chosen(writer, f"{alternative}.chosen", guards, bodies)
-    return [opening, *enabling, Row(waited[0].text), *waited[1:], *chosen]
+        enabling += _enabled(writer, guard, alternative, number, conditional=conditional)
+    state = step.name.replace("choice", "chooses")
+    place = writer.place(step, state, "ALTERNATIVE", member.member.field("alternative"))
+    again = call("csp_select_again", "party", alternative)
+    waited = writer.wait(call("csp_select", "party", alternative), again, place)
+    bodies = [[*taken(writer, guard), *writer.statements(guard.branch.body)] for guard in guards]
+    chosen = _chosen(writer, member.field("alternative").field("chosen"), guards, bodies)
+    return [writer.remark(step), *enabling, waited, *chosen]
+
+
+def _fields(count: int, timers: int) -> list[Member]:
+    """The members of an alternative with so many guards."""
+    found = [Member("csp_alternative alternative"), Member(f"csp_guard guards[{count}]")]
+    if timers:
+        found.append(Member(f"csp_timer time_outs[{timers}]"))
+    if count > WORD // 2:
+        found.append(Member(f"csp_word words[2U * CSP_WORDS({count}U)]"))
+    return found
+
+
+def _made(member: Code, count: int, *, prioritized: bool) -> Plain:
+    words = member.field("words") if count > WORD // 2 else code("NULL")
+    alternative, guards = address(member.field("alternative")), member.field("guards")
+    truth = "true" if prioritized else "false"
+    return run(call("csp_alternative_init", alternative, guards, unsigned(count), words, truth))
 
 
 def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:
@@ -94,143 +112,121 @@ def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:
     return guard
 
 
-def _kept(writer: Writer, name: str, end: Spelling) -> str:
+def _kept(writer: Writer, name: str, end: Spelling) -> Code:
     member = writer.members.names.fresh(name)
     writer.members.work.append(Member(f"{writer.members.types.type_name(end.type)} {member}"))
-    return SELF + member
+    return own(member)
 
 
-def guard_call(writer: Writer, guard: Guard, alternative: str, number: int, timer: str) -> str:
+def guard_call(writer: Writer, guard: Guard, alternative: Code, number: int, timer: Code) -> Code:
     """The call that makes a guard; what never waits is a guard that is always ready."""
     event, members = guard.event, writer.members
-    always = f"csp_guard_skip({alternative}, {number}U);"
     match event:
-        case InputEvent(source=source, target=target):
-            end = members.source(source)
+        case InputEvent(source=source, target=target) if not (end := members.source(source)).at_once:
             into = guard.kept or members.variable(target.channel)
-            return (
-                always
-                if end.at_once
-                else (f"csp_guard_read({alternative}, {number}U, {end.medium}, &{into}, sizeof({into}));")
-            )
-        case ReadyEvent(source=source):
-            end = members.source(source)
-            return always if end.at_once else f"csp_guard_ready({alternative}, {number}U, {end.medium});"
-        case OutputEvent(sink=sink):
-            end, value = members.sink(sink), guard.kept
-            return (
-                always
-                if end.at_once
-                else (f"csp_guard_write({alternative}, {number}U, {end.medium}, &{value}, sizeof({value}));")
-            )
+            return call("csp_guard_read", alternative, unsigned(number), end.medium, address(into), size_of(into))
+        case ReadyEvent(source=source) if not (end := members.source(source)).at_once:
+            return call("csp_guard_ready", alternative, unsigned(number), end.medium)
+        case OutputEvent(sink=sink) if not (end := members.sink(sink)).at_once:
+            assert guard.kept is not None
+            value = guard.kept
+            return call("csp_guard_write", alternative, unsigned(number), end.medium, address(value), size_of(value))
         case AfterEvent():
-            return f"csp_guard_after({alternative}, {number}U, &{timer});"
-        case SkipEvent():
-            return always
+            return call("csp_guard_after", alternative, unsigned(number), address(timer))
+        case InputEvent() | ReadyEvent() | OutputEvent() | SkipEvent():
+            return call("csp_guard_skip", alternative, unsigned(number))
+    assert_never(event)
 
 
-def _enabled(writer: Writer, guard: Guard, alternative: str, number: int, *, conditional: bool) -> list[Row]:
+def _enabled(writer: Writer, guard: Guard, alternative: Code, number: int, *, conditional: bool) -> list[Statement]:
     """What a selection does for a guard beforehand, where its condition holds."""
-    prepared = prepare_rows(writer, guard, alternative, number)
+    prepared = prepare(writer, guard, alternative, number)
     condition = guard.branch.condition
     if conditional:
-        prepared.append(Row(f"csp_enable({alternative}, {number}U);"))
+        prepared.append(run(call("csp_enable", alternative, unsigned(number))))
     if condition is None:
         return prepared
     setup, holds = writer.condition(condition, guard.branch)
-    return [*setup, *block(f"if ({holds})", prepared)]
+    return [*setup, *choose(holds, prepared)]
 
 
-def prepare_rows(writer: Writer, guard: Guard, alternative: str, number: int, *, always: bool = False) -> list[Row]:
+def prepare(writer: Writer, guard: Guard, alternative: Code, number: int, *, always: bool = False) -> list[Statement]:
     """The value to be written, or the length of a time-out that varies (or ``always``)."""
     event = guard.event
     where = writer.where(event)
     match event:
         case OutputEvent(value=value):
-            return writer.evaluated(f"{guard.kept} = ", value, ";", where)
+            assert guard.kept is not None
+            return writer.evaluated(guard.kept, value, where)
         case AfterEvent(duration=duration) if always or not is_known_at_start(duration):
-            setup, code = writer.operand(duration, where, "duration")
-            return [*setup, Row(f"csp_delay({alternative}, {number}U, {code});")]
+            setup, known = writer.operand(duration, where, "duration")
+            return [*setup, run(call("csp_delay", alternative, unsigned(number), known))]
     return []
 
 
-def taken_rows(writer: Writer, guard: Guard) -> list[Row]:
+def taken(writer: Writer, guard: Guard) -> list[Statement]:
     """What the branch of a guard begins with: the communication of what never waits, and values into elements of arrays."""
     event, where = guard.event, writer.where(guard.event)
-    comment = Row("", comment=writer.comment(event))
+    remark = writer.remark(event)
     match event:
         case InputEvent(source=source, target=target):
             end = writer.members.source(source)
             if end.at_once:
-                return [comment, *take_rows(writer, target, end, where)]
+                return [remark, *take(writer, target, end, where)]
             if guard.kept is not None:
-                return [comment, *store_rows(writer, target, guard.kept, end.type, where)]
-            return [comment, *writer.wrote(target.channel)]
+                return [remark, *put(writer, target, guard.kept, end.type, where)]
+            return [remark, *writer.wrote(target.channel)]
         case OutputEvent(sink=sink):
-            end, value = writer.members.sink(sink), guard.kept or ""
+            end, value = writer.members.sink(sink), guard.kept
+            assert value is not None
             if end.access == "variable":
-                return [comment, *rows(f"{end.pointer} = {value};"), *flag_rows(end)]
+                return [remark, store(end.pointer, value), *mark_written(end)]
             if end.access in ("latched", "direct"):
-                written = f"(void){WRITES[end.access]}(party, {end.pointer}, &{value}, sizeof({value}));"
-                return [comment, *finite_rows(writer, end, value, where), Row(written)]
-    return [comment]
+                return [remark, *finite_checked(writer, end, value, where), hand_over(end, value)]
+    return [remark]
 
 
-def _chosen(writer: Writer, chosen: str, guards: Sequence[Guard], bodies: Sequence[list[Row]]) -> list[Row]:
+def _chosen(
+    writer: Writer, chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]
+) -> list[Statement]:
     """The branches: as a ``switch`` where they do not wait, else as an ``if`` or a jump."""
     if len(bodies) == 1:
         return bodies[0]
-    if all(not row.text for body in bodies for row in body):
+    if not any(map(has_effect, bodies)):
         return []
-    waits = any(_has_labels(body) for body in bodies)
-    if not waits:
-        return _switch(chosen, guards, bodies)
-    if len(bodies) > FEW:
-        return _jumps(writer, chosen, guards, bodies)
-    found: list[Row] = []
-    for number, body in enumerate(bodies):
-        last = number == len(bodies) - 1
-        head = "else" if last else f"{'else ' if number else ''}if ({chosen} == {number}U)"
-        opened = block(head, body)
-        if found:
-            found[-1:] = [Row(f"}} {opened[0].text}"), *opened[1:]]
-        else:
-            found = opened
+    waits = any(map(can_wait, bodies))
+    if len(bodies) == 2 or (waits and len(bodies) <= FEW):
+        return _tested(chosen, bodies)
+    return _jumps(writer, chosen, guards, bodies) if waits else _switch(chosen, guards, bodies)
+
+
+def _tested(chosen: Code, bodies: Sequence[list[Statement]]) -> list[Statement]:
+    found = bodies[-1]
+    for number in range(len(bodies) - 2, -1, -1):
+        found = choose(infix("==", EQUALITY, chosen, unsigned(number)), bodies[number], found)
     return found
 
 
-def _has_labels(body: Sequence[Row]) -> bool:
-    return any(
-        "case " in row.text or row.text.startswith(("CSP_AWAIT", "CSP_COMM", "CSP_CALL", "CSP_TAKE")) for row in body
-    )
-
-
-def _switch(chosen: str, guards: Sequence[Guard], bodies: Sequence[list[Row]]) -> list[Row]:
-    found = [Row(f"switch ({chosen}) {{")]
+def _switch(chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]) -> list[Statement]:
+    cases = []
     for number, (guard, body) in enumerate(zip(guards, bodies, strict=True)):
-        found.append(Row(f"case {number}:" if number < len(bodies) - 1 else "default:"))
-        found += [Row(row.text, row.depth + 1, row.comment) for row in body]
-        if ends(guard.branch.body):
-            found.append(Row("break;", 1))
-    return [*found, Row("}")]
+        label = f"case {number}" if number < len(bodies) - 1 else "default"
+        cases.append((label, (*body, *([run("break")] if ends(guard.branch.body) else []))))
+    return [Switch(chosen, tuple(cases))]
 
 
-def _jumps(writer: Writer, chosen: str, guards: Sequence[Guard], bodies: Sequence[list[Row]]) -> list[Row]:
+def _jumps(writer: Writer, chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]) -> list[Statement]:
     after = writer.states.fresh("chosen")
     labels = [writer.states.fresh(f"guard_{number}") for number in range(len(bodies))]
-    found = [Row(f"switch ({chosen}) {{")]
-    for number, label in enumerate(labels):
-        found.append(Row(f"case {number}:" if number < len(labels) - 1 else "default:"))
-        found.append(Row(f"goto {label};", 1))
-    found.append(Row("}"))
+    cases = tuple(
+        (f"case {number}" if number < len(labels) - 1 else "default", (go(label),))
+        for number, label in enumerate(labels)
+    )
+    found: list[Statement] = [Switch(chosen, cases)]
     for guard, label, body in zip(guards, labels, bodies, strict=True):
-        found += [Row(f"{label}:;", -1), *body]
+        found += [Label(label), *body]
         if ends(guard.branch.body):
-            found.append(Row(f"goto {after};"))
+            found.append(go(after))
     if any(ends(guard.branch.body) for guard in guards):
-        found.append(Row(f"{after}:;", -1))
+        found.append(Label(after))
     return found
-
-
-def _truth(value: bool) -> str:
-    return "true" if value else "false"

@@ -5,25 +5,38 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import assert_never
 
-from cspdiag.codegen.c.process.alternatives import choice_rows
+from cspdiag.codegen.c.process.alternatives import choice
 from cspdiag.codegen.c.process.flow import ends
-from cspdiag.codegen.c.process.interrupts import interrupt_rows
+from cspdiag.codegen.c.process.interrupts import interrupt
 from cspdiag.codegen.c.process.laws_in_processes import (
-    law_rows,
-    read_inputs_rows,
-    reset_rows,
-    reset_states_rows,
-    run_law_rows,
-    write_outputs_rows,
+    call_law,
+    read_inputs,
+    reset,
+    reset_law_states,
+    run_inlined_law,
+    write_outputs,
 )
-from cspdiag.codegen.c.process.members import SELF, Member
-from cspdiag.codegen.c.process.parallels import parallel_rows
-from cspdiag.codegen.c.process.plain_steps import assign_rows, read_rows, stop_rows, wait_rows, write_rows
-from cspdiag.codegen.c.process.scopes import group_rows, report_rows, scope_rows
+from cspdiag.codegen.c.process.members import Member
+from cspdiag.codegen.c.process.parallels import parallel
+from cspdiag.codegen.c.process.plain_steps import assign_value, discard, read_value, stop, wait, write_value
+from cspdiag.codegen.c.process.scopes import group, report, scope
 from cspdiag.codegen.c.process.writer import Writer
+from cspdiag.codegen.c.text.code import address, call, ignored, negated, own
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
-from cspdiag.codegen.c.text.rows import Row, block, rows
+from cspdiag.codegen.c.text.statements import (
+    Block,
+    DoWhile,
+    Plain,
+    Statement,
+    Wait,
+    While,
+    choose,
+    go,
+    has_effect,
+    run,
+    store,
+)
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -65,7 +78,7 @@ def exception_number(names: PackageNames, exception: str) -> str:
 class Composition(Writer):
     """Writes the step functions of one process class."""
 
-    def rows(self, action: Action) -> list[Row]:
+    def statements(self, action: Action) -> list[Statement]:
         """An action as statements; control does not come to their end where it does not come to the end of the action."""
         match action:
             case SkipStep():
@@ -73,16 +86,15 @@ class Composition(Writer):
             case SequentialSteps(steps=steps):
                 return self._sequence(steps)
             case AssignValue(target=target, value=value):
-                assigned = assign_rows(self, target, value, self.where(action))
-                return [Row("", comment=self.comment(action)), *assigned]
+                return [self.remark(action), *assign_value(self, target, value, self.where(action))]
             case ReadValue():
-                return read_rows(self, action)
+                return read_value(self, action)
             case WriteValue():
-                return write_rows(self, action)
+                return write_value(self, action)
             case WaitStep():
-                return wait_rows(self, action)
+                return wait(self, action)
             case StopStep():
-                return stop_rows(self, action)
+                return stop(self, action)
             case RaiseException():
                 return self._raise(action)
             case Repeat():
@@ -96,123 +108,116 @@ class Composition(Writer):
             case CatchException():
                 return self._catch(action)
             case Group():
-                return group_rows(self, action)
+                return group(self, action)
             case RunInstance():
                 return self._run(action)
             case ParallelSteps():
-                return parallel_rows(self, action)
+                return parallel(self, action)
             case Choice():
-                return choice_rows(self, action)
+                return choice(self, action)
             case InterruptOn():
-                return interrupt_rows(self, action)
+                return interrupt(self, action)
             case ResetInstance():
-                return reset_rows(self, action)
+                return reset(self, action)
             case ReadInputs():
-                return read_inputs_rows(self, action)
+                return read_inputs(self, action)
             case RunLaw():
-                return run_law_rows(self, action)
+                return run_inlined_law(self, action)
             case WriteOutputs():
-                return write_outputs_rows(self, action)
+                return write_outputs(self, action)
             case ResetStates():
-                return reset_states_rows(self, action)
+                return reset_law_states(self, action)
             case ProcessScope():
-                return scope_rows(self, action)
+                return scope(self, action)
             case ReportCommunication():
-                return report_rows(self, action)
+                return report(self, action)
         assert_never(action)
 
-    def _sequence(self, steps: Sequence[Action]) -> list[Row]:
-        found: list[Row] = []
+    def _sequence(self, steps: Sequence[Action]) -> list[Statement]:
+        found: list[Statement] = []
         for position, step in enumerate(steps):
             outer, self.inner = self.inner, _law_of(steps, position) or self.inner
-            found += self.rows(step)
+            found += self.statements(step)
             self.inner = outer
             if not ends(step):
                 break
         return found
 
-    def _raise(self, action: RaiseException) -> list[Row]:
+    def _raise(self, action: RaiseException) -> list[Statement]:
         number = exception_number(self.names, action.exception)
-        raised = f"(void)csp_raise(party, {number}, {quoted(self.where(action))});"
-        inner = rows(f"csp.error.inner = {quoted(self.inner)};") if self.inner is not None else []
-        return [Row(raised, comment=self.comment(action)), *inner, Row(f"goto {self.failing()};")]
+        raised = run(ignored(call("csp_raise", "party", number, quoted(self.where(action)))))
+        inner = [store("csp.error.inner", quoted(self.inner))] if self.inner is not None else []
+        return [self.remark(action), raised, *inner, go(self.failing())]
 
-    def _run(self, action: RunInstance) -> list[Row]:
+    def _run(self, action: RunInstance) -> list[Statement]:
         class_ = self.class_of(action.instance)
         if isinstance(class_, SubmodelClass):
-            return law_rows(self, action, class_)
+            return call_law(self, action, class_)
         member = self.members.member(action.instance)
         place = self.place(action, f"runs_{action.instance}", "CALL", member)
-        return [Row(f"CSP_CALL(&{SELF}{member}.process, {place})", comment=self.comment(action))]
+        return [self.remark(action), Wait(call("CSP_CALL", address(own(member.field("process"))), place))]
 
-    def _repeat(self, action: Repeat) -> list[Row]:
+    def _repeat(self, action: Repeat) -> list[Statement]:
         body, behind = self._body(action)
         if action.until is None:
-            return block("for (;;)", body)
+            return [While(None, tuple(body))]
         if not ends(action.body):
             return body
-        setup, condition = self.condition(action.until, action)
+        setup, condition = self.condition(action.until, action, opposite=True)
         if not setup:
-            return [*block("do", body, f"}} while (!({condition}));"), *behind]
-        return [*block("for (;;)", [*body, *setup, *block(f"if ({condition})", rows("break;"))]), *behind]
+            return [DoWhile(tuple(body), condition), *behind]
+        leaving = choose(negated(condition), [run("break")])
+        return [While(None, (*body, *setup, *leaving)), *behind]
 
-    def _while(self, action: WhileLoop) -> list[Row]:
+    def _while(self, action: WhileLoop) -> list[Statement]:
         setup, condition = self.condition(action.condition, action)
         body, behind = self._body(action)
         if not setup:
-            return [*block(f"while ({condition})", body), *behind]
-        return [*block("for (;;)", [*setup, *block(f"if (!{condition})", rows("break;")), *body]), *behind]
+            return [While(condition, tuple(body)), *behind]
+        return [While(None, (*setup, *choose(negated(condition), [run("break")]), *body)), *behind]
 
-    def _body(self, action: Repeat | WhileLoop) -> tuple[list[Row], list[Row]]:
+    def _body(self, action: Repeat | WhileLoop) -> tuple[list[Statement], list[Statement]]:
         """The body of a loop and what follows the loop: one in which the process cannot wait is told of, as no state of the process tells of it."""
         waiting = self._waiting_places()
-        body = self.rows(action.body)
+        body = self.statements(action.body)
         if not body or self._waiting_places() > waiting:
             return body, []
-        return [*rows(f"csp_observe_loop({quoted(self.where(action))});"), *body], rows("csp_observe_loop(NULL);")
+        return [_loops(quoted(self.where(action))), *body], [_loops("NULL")]
 
     def _waiting_places(self) -> int:
         return sum(place.waiting != "NOTHING" for place in self.current.places)
 
-    def _turns(self, action: CountedLoop) -> list[Row]:
-        body = self.rows(action.body)
+    def _turns(self, action: CountedLoop) -> list[Statement]:
+        body = self.statements(action.body)
         if not body or not ends(action.body):
             return body
-        turn = self.members.names.fresh("turn")
-        self.members.work.append(Member(f"uint32_t {turn}"))
-        turn = f"{SELF}{turn}"
-        return block(f"for ({turn} = 0U; {turn} < {action.turns}U; {turn}++)", body)
+        name = self.members.names.fresh("turn")
+        self.members.work.append(Member(f"uint32_t {name}"))
+        turn = own(name)
+        return [Block(tuple(body), f"for ({turn} = 0U; {turn} < {action.turns}U; {turn}++)")]
 
-    def _if(self, action: IfElse) -> list[Row]:
+    def _if(self, action: IfElse) -> list[Statement]:
+        then, otherwise = self.statements(action.then), self.statements(action.otherwise)
+        if not has_effect(then) and not has_effect(otherwise):
+            return [*discard(self, action.condition, self.where(action)), *then, *otherwise]
         setup, condition = self.condition(action.condition, action)
-        then, otherwise = self.rows(action.then), self.rows(action.otherwise)
-        if not otherwise:
-            return [*setup, *block(f"if ({condition})", then)]
-        if not then:
-            return [*setup, *block(f"if (!({condition}))", otherwise)]
-        chained = isinstance(action.otherwise, IfElse) and otherwise[0].text.startswith("if (")
-        if chained:
-            first, *rest = otherwise
-            return [
-                *setup,
-                *block(f"if ({condition})", then)[:-1],
-                Row(f"}} else {first.text}", 0, first.comment),
-                *rest,
-            ]
-        return [*setup, *block(f"if ({condition})", then)[:-1], *block("} else", otherwise)]
+        return [*setup, *choose(condition, then, otherwise)]
 
-    def _catch(self, action: CatchException) -> list[Row]:
+    def _catch(self, action: CatchException) -> list[Statement]:
         outer = self.handler
         inner = self.handler = self.new_handler(f"CATCHES_{action.exception}".upper())
-        body = self.rows(action.body)
+        body = self.statements(action.body)
         self.handler = outer
         if not (inner.reached or inner.needed):
             return body
-        missed = block(
-            f"if (!csp_catch({exception_number(self.names, action.exception)}))", rows(f"goto {self.failing()};")
-        )
-        handling = [*missed, *self.rows(action.handler)]
+        caught = call("csp_catch", exception_number(self.names, action.exception))
+        missed = choose(negated(caught), [go(self.failing())])
+        handling = [*missed, *self.statements(action.handler)]
         return self.protected(body, inner, handling, passes=ends(action.body), where=self.where(action))
+
+
+def _loops(where: str) -> Plain:
+    return run(call("csp_observe_loop", where))
 
 
 def _law_of(steps: Sequence[Action], position: int) -> str | None:

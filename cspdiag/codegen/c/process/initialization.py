@@ -4,13 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.process.leaves import KINDS
-from cspdiag.codegen.c.process.members import SELF, Member, Members
+from cspdiag.codegen.c.process.members import Member, Members
 from cspdiag.codegen.c.process.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.writer import Writer
+from cspdiag.codegen.c.text.code import (
+    Aggregate,
+    Assignment,
+    Code,
+    address,
+    call,
+    cast,
+    code,
+    ignored,
+    nodes,
+    own,
+    unsigned,
+)
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
 from cspdiag.codegen.c.text.rolling import marked, rolled
-from cspdiag.codegen.c.text.rows import Row, rows
+from cspdiag.codegen.c.text.statements import Plain, Statement, run, store
+from cspdiag.codegen.shared.document import Document
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import AfterEvent, ChannelEnd, End, PortEnd
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue
@@ -26,12 +41,30 @@ from cspdiag.network.ir.network import (
 )
 from cspdiag.network.ir.walk import parts
 
+PORTS = code("ports")
+
 _MAKERS = {"channel": "csp_channel_init", "any": "csp_any_init", "broadcast": "csp_broadcast_init"}
 
 
-def initialize_rows(writer: Writer) -> list[Row]:
+@record
+class Given(Code):
+    """A member of the ports that a process is given: ``ports->x``."""
+
+    member: Code
+
+    def _document(self) -> Document:
+        return (PORTS.document, "->", self.member.document)
+
+
+def _counted(kind: str, by: int) -> Plain:
+    """The next free number of processes, channels or variables."""
+    number = code(f"numbers->{kind}")
+    return run(f"{number}++") if by == 1 else Plain(Assignment(number, unsigned(by), "+="))
+
+
+def initialization(writer: Writer) -> list[Statement]:
     """The statements of the function."""
-    return _Initialization(writer).rows()
+    return _Initialization(writer).statements()
 
 
 class _Initialization:
@@ -42,30 +75,30 @@ class _Initialization:
         self.printer = writer.members.initial_printer
         self.layouts: dict[str, PortLayout] = {}
 
-    def rows(self) -> list[Row]:
-        members, numbers = self.members, len(self.writer.observed) + 1
-        found = rows(f"csp_process_init(&{SELF}process, &{self.writer.struct}_class, numbers->process);")
-        found.append(Row("numbers->process++;" if numbers == 1 else f"numbers->process += {numbers}U;"))
+    def statements(self) -> list[Statement]:
+        members, number = self.members, code("numbers->process")
+        made = call("csp_process_init", address(own("process")), f"&{self.writer.struct}_class", number)
+        found: list[Statement] = [run(made), _counted("process", len(self.writer.observed) + 1)]
         stored = set(members.stored_parameters())
         used = self._used_parameters()
         for item in self.process.parameters:
             name = members.parameters[item.name]
             if item.name in stored:
-                found.append(Row(f"{SELF}{name} = {name};"))
+                found.append(store(own(name), name))
             elif item.name not in used:
-                found.append(Row(f"(void){name};"))
-        ports = rolled([[text] for text in self._ports()])
-        found += ports
+                found.append(run(ignored(code(name))))
+        found += rolled([[statement] for statement in self._ports()])
         found += self._channels()
         if members.reports:
-            found += rows(f"{SELF}first_report = numbers->channel;", f"numbers->channel += {len(members.reports)}U;")
+            found += [store(own("first_report"), "numbers->channel"), _counted("channel", len(members.reports))]
         found += self._signals()
         for member, count in self.writer.offer_arrays().items():
-            found.append(Row(f"csp_offers_init(&{SELF}{member}, {SELF}{member}_made, {count}U);"))
+            made = call("csp_offers_init", address(own(member)), own(f"{member}_made"), unsigned(count))
+            found.append(run(made))
         found += self._created()
         found += self.writer.initial
-        if members.port_members() and not any("ports->" in row.text or "(*ports)" in row.text for row in found):
-            found.insert(0, Row("(void)ports;"))
+        if members.port_members() and not any(isinstance(node, Given) for node in nodes(found)):
+            found.insert(0, run(ignored(PORTS)))
         return found
 
     def _used_parameters(self) -> set[str]:
@@ -81,58 +114,59 @@ class _Initialization:
         )
         return {part.name for part in parts(evaluated) if isinstance(part, ParameterValue)}
 
-    def _ports(self) -> Iterator[str]:
+    def _ports(self) -> Iterator[Plain]:
         members = self.members
         for port, index in members.used_ports():
             access = access_of_medium(port.media[index or 0])
             if access != "discard" and not (port.direction == "in" and access in READING_ENDS):
                 member = members.layout.member(port, index)
-                yield f"{SELF}{member} = ports->{member};"
+                yield store(own(member), Given(member))
                 if members.unwritten.has_port(self.process.name, port.name, index):
                     flag = members.layout.written(port, index)
-                    yield f"{SELF}{flag} = ports->{flag};"
+                    yield store(own(flag), Given(code(flag)))
 
-    def _channels(self) -> list[Row]:
-        groups: list[list[str]] = []
+    def _channels(self) -> list[Statement]:
+        groups: list[list[Plain]] = []
         for channel in self.process.channels:
-            access, lvalue = access_of_channel(channel), SELF + self.members.member(channel.name)
+            access, lvalue = access_of_channel(channel), own(self.members.member(channel.name))
+            number = code("numbers->channel")
             if access == "variable":
                 if channel.initial is not None:
-                    groups.append([f"{lvalue} = {self._printed(channel.initial)};"])
+                    groups.append([store(lvalue, self._printed(channel.initial))])
                 flag = self.members.written(channel.name)
                 if flag is not None:
-                    groups.append([f"{SELF}{flag}.number = numbers->variable;", "numbers->variable++;"])
+                    groups.append([store(flag.field("number"), "numbers->variable"), _counted("variable", 1)])
             elif access == "buffer":
-                values = SELF + self.members.storage(channel.name, self.members.arrays.subscript(channel.name))
+                values, capacity = own(self.members.storage(channel.name)), unsigned(channel.capacity or 0)
                 overwrites = "true" if channel.kind == "overwrite" else "false"
-                made = f"csp_buffer_init(&{lvalue}, numbers->channel, {values}, {channel.capacity}U, {overwrites});"
-                groups.append([made, "numbers->channel++;"])
+                made = call("csp_buffer_init", address(lvalue), number, values, capacity, overwrites)
+                groups.append([run(made), _counted("channel", 1)])
             else:
-                groups.append([f"{_MAKERS[access]}(&{lvalue}, numbers->channel);", "numbers->channel++;"])
-        return rolled(groups)
+                groups.append([run(call(_MAKERS[access], address(lvalue), number)), _counted("channel", 1)])
+        return list(rolled(groups))
 
-    def _signals(self) -> list[Row]:
-        found: list[Row] = []
+    def _signals(self) -> list[Statement]:
+        found: list[Statement] = []
         for constant in self.process.constants:
             found += self._assigned(self.members.signal(constant.name), constant.value)
         for state in self.process.states:
             found += self._assigned(self.members.signal(state.name), state.initial)
         return found
 
-    def _assigned(self, lvalue: str, value: Expression) -> list[Row]:
-        text = f"{lvalue} = {self.printer.print(value)};"
-        return [*rows(*self.printer.take_temporaries()), Row(text)]
+    def _assigned(self, lvalue: Code, value: Expression) -> list[Statement]:
+        found = self.printer.evaluate(value)
+        return [*found.setup, store(lvalue, found.code)]
 
-    def _printed(self, value: Expression) -> str:
+    def _printed(self, value: Expression) -> Code:
         match value:
             case LiteralValue(type=IntType(), value=int(number), name=None) if number >= 0:
                 return marked(number)
-        return str(self.printer.print(value))
+        return self.printer.plain(value)
 
-    def _created(self) -> list[Row]:
+    def _created(self) -> list[Statement]:
         """Reading ends, instances and alternatives, in the order in which they come to be."""
-        found: list[Row] = []
-        groups: list[list[str]] = []
+        found: list[Statement] = []
+        groups: list[list[Plain]] = []
         for item in self.process.creation:
             match item:
                 case CreatedInstance(instance=name):
@@ -145,39 +179,40 @@ class _Initialization:
                     groups.append(self._end(end))
         return [*found, *rolled(groups)]
 
-    def _end(self, end: End) -> list[str]:
+    def _end(self, end: End) -> list[Plain]:
         access, members = self.members.access(end), self.members
         if access not in READING_ENDS:
             return []
-        member = SELF + members.end_member(end)
-        if isinstance(end, ChannelEnd):
-            medium = f"&{SELF}{members.member(end.channel)}"
-        else:
-            medium = f"ports->{members.layout.member(members.ports[end.port], end.index)}"
-        match access:
-            case "sampled":
-                return [f"csp_sampled_end_init(&{member}, {medium}, &{SELF}{members.samples(end)});"]
-            case "broadcast":
-                return [f"csp_broadcast_end_init(&{member}, {medium});"]
-            case _:
-                latch = SELF + members.latch(members.end_member(end))
-                return [f"{member} = csp_event_reader(&{latch}, {medium});"]
+        member = own(members.end_member(end))
+        match access, end:
+            case "sampled", _:
+                samples = address(own(members.samples(end)))
+                return [run(call("csp_sampled_end_init", address(member), self._medium(end), samples))]
+            case "event", PortEnd():
+                latch = address(own(members.latch(end)))
+                return [store(member, call("csp_event_reader", latch, self._medium(end)))]
+        return [run(call("csp_broadcast_end_init", address(member), self._medium(end)))]
 
-    def _instance(self, instance: InstanceOf) -> list[str]:
+    def _medium(self, end: End) -> Code:
+        if isinstance(end, ChannelEnd):
+            return address(own(self.members.member(end.channel)))
+        return Given(self.members.layout.member(self.members.ports[end.port], end.index))
+
+    def _instance(self, instance: InstanceOf) -> list[Plain]:
         class_ = self.members.classes[instance.class_name]
         struct = self.writer.names.classes[class_.name]
-        lvalue = SELF + self.members.member(instance.name)
+        lvalue = own(self.members.member(instance.name))
         given = [self._printed(value) for _, value in instance.arguments]
         if isinstance(class_, SubmodelClass):
-            return [f"{struct}_initialize({', '.join([f'&{lvalue}', *given])});"]
-        arguments = [f"&{lvalue}", "numbers"]
+            return [run(call(f"{struct}_initialize", address(lvalue), *given))]
+        arguments: list[Code] = [address(lvalue), code("numbers")]
         layout = self._layout(class_)
         if class_.external is not None:
             return self._by_hand(instance, class_, layout, [*arguments], given)
         if any(layout.designator(port.name, index) for port in class_.ports for index in elements(port)):
             fields = self._fields(class_.name, instance.connections, layout)
-            arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
-        return [f"{struct}_initialize({', '.join([*arguments, *given])});"]
+            arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
+        return [run(call(f"{struct}_initialize", *arguments, *given))]
 
     def _layout(self, class_: ProcessClass) -> PortLayout:
         if class_.name not in self.layouts:
@@ -185,10 +220,12 @@ class _Initialization:
         return self.layouts[class_.name]
 
     def _by_hand(
-        self, instance: InstanceOf, class_: ProcessClass, layout: PortLayout, arguments: list[str], given: list[str]
-    ) -> list[str]:
+        self, instance: InstanceOf, class_: ProcessClass, layout: PortLayout, arguments: list[Code], given: list[Code]
+    ) -> list[Plain]:
         """A process that is written by hand; a constant input is a variable that nobody writes."""
-        struct, found, fields = self.writer.names.classes[class_.name], [], []
+        struct = self.writer.names.classes[class_.name]
+        found: list[Plain] = []
+        fields: list[tuple[str | None, Code]] = []
         for connection in instance.connections:
             port = layout.ports[connection.port]
             access = access_of_medium(port.media[connection.index or 0])
@@ -197,46 +234,44 @@ class _Initialization:
                 case ConstantEnd(value=value):
                     kept = self.members.names[f"{instance.name} {name} constant"]
                     self.members.work.append(Member(f"{self.writer.members.types.type_name(port.type)} {kept}"))
-                    found.append(f"{SELF}{kept} = {self._printed(value)};")
-                    at = f"&{SELF}{kept}"
+                    found.append(store(own(kept), self._printed(value)))
+                    at: Code = address(own(kept))
                 case DiscardEnd():
-                    at = "NULL"
+                    at = code("NULL")
                 case ChannelEnd(channel=channel):
-                    at = f"&{SELF}{self.members.member(channel)}"
+                    at = address(own(self.members.member(channel)))
                 case PortEnd():
-                    at = (
-                        f"(void *)({self._attached(connection)})"
-                        if access == "variable"
-                        else self._attached(connection)
-                    )
-            size = f"sizeof({self.writer.members.types.type_name(port.type)})"
-            fields.append(f".{name} = {{{KINDS[access]}, {at}, {size}}}")
+                    at = self._attached(connection)
+                    at = cast("void *", at) if access == "variable" else at
+            size = call("sizeof", self.writer.members.types.type_name(port.type))
+            fields.append((f".{name}", Aggregate(((None, code(KINDS[access])), (None, at), (None, size)))))
         if fields:
-            arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
-        return [*found, f"{struct}_initialize({', '.join([*arguments, *given])});"]
+            arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
+        return [*found, run(call(f"{struct}_initialize", *arguments, *given))]
 
-    def _flag(self, connection: Connection) -> str | None:
+    def _flag(self, connection: Connection) -> Code | None:
         """A pointer to what tells whether the variable at a connection was written; None where that is sure."""
         members = self.members
         match connection.attachment:
             case ChannelEnd(channel=channel):
                 flag = members.written(channel)
-                return None if flag is None else f"&{SELF}{flag}"
+                return None if flag is None else address(flag)
             case PortEnd(port=port, index=index) if members.unwritten.has_port(self.process.name, port, index):
-                return f"ports->{members.layout.written(members.ports[port], index)}"
+                return Given(code(members.layout.written(members.ports[port], index)))
         return None
 
-    def _fields(self, class_: str, connections: Sequence[Connection], layout: PortLayout) -> Iterator[str]:
+    def _fields(self, class_: str, connections: Sequence[Connection], layout: PortLayout) -> Iterator[tuple[str, Code]]:
         for connection in connections:
             designator = layout.designator(connection.port, connection.index)
             if designator is None:
                 continue
-            yield f".{designator} = {self._attached(connection)}"
+            yield f".{designator}", self._attached(connection)
             flag = self._flag(connection)
             if flag is not None and self.members.unwritten.has_port(class_, connection.port, connection.index):
-                yield f".{layout.written(layout.ports[connection.port], connection.index)} = {flag}"
+                written = layout.written(layout.ports[connection.port], connection.index)
+                yield f".{written}", flag
 
-    def _attached(self, connection: Connection) -> str:
+    def _attached(self, connection: Connection) -> Code:
         members = self.members
         match connection.attachment:
             case ConstantEnd(value=value):
@@ -244,6 +279,6 @@ class _Initialization:
             case DiscardEnd():
                 raise AssertionError("what is discarded needs no port")
             case ChannelEnd(channel=channel):
-                return f"&{SELF}{members.member(channel)}"
+                return address(own(members.member(channel)))
             case PortEnd(port=port, index=index):
-                return f"ports->{members.layout.member(members.ports[port], index)}"
+                return Given(members.layout.member(members.ports[port], index))

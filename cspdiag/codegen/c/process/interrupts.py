@@ -2,35 +2,40 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.process.alternatives import guard_call, make_guard, prepare_rows, taken_rows
-from cspdiag.codegen.c.process.members import SELF
+from cspdiag.codegen.c.process.alternatives import guard_call, make_guard, prepare, taken
+from cspdiag.codegen.c.process.members import Member
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.rows import Row, block
-from cspdiag.network.ir.actions import InterruptOn
+from cspdiag.codegen.c.text.code import address, call, cast, own
+from cspdiag.codegen.c.text.names import identifier
+from cspdiag.codegen.c.text.statements import Statement, Wait, choose, run
+from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.network.ir.actions import InterruptOn, RunInstance
 
 
-def interrupt_rows(writer: Writer, step: InterruptOn) -> list[Row]:
+def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
     """Runs the body; the guard's process follows if the guard has ended it. Without the guard, whose condition does not hold, it is just called."""
     body = writer.branch(step.body)
-    interrupt = writer.single(f"interrupt_{body.partition('.')[0]}", "csp_interrupt")
-    alternative = f"&{SELF}{interrupt}.alternative"
-    offset = f"(uint32_t)offsetof(struct {writer.struct}, {body})"
-    writer.initial.append(Row(f"csp_interrupt_init(&{SELF}{interrupt}, {offset});"))
-    guard = make_guard(writer, step.branch, f"{interrupt}_value")
+    name = step.body.instance if isinstance(step.body, RunInstance) else branch_name(step.body)
+    member = writer.members.names.fresh(f"interrupt_{identifier(name)}")
+    writer.members.work.append(Member(f"csp_interrupt {member}"))
+    whole = own(member)
+    alternative = address(whole.field("alternative"))
+    offset = cast("uint32_t", call("offsetof", f"struct {writer.struct}", body))
+    writer.initial.append(run(call("csp_interrupt_init", address(whole), offset)))
+    guard = make_guard(writer, step.branch, f"{member}_value")
     prepared = [
-        Row(f"csp_interrupt_prepare(&{SELF}{interrupt});"),
-        Row(guard_call(writer, guard, alternative, 0, f"{SELF}{interrupt}.timer")),
-        *prepare_rows(writer, guard, alternative, 0, always=True),
+        run(call("csp_interrupt_prepare", address(whole))),
+        run(guard_call(writer, guard, alternative, 0, whole.field("timer"))),
+        *prepare(writer, guard, alternative, 0, always=True),
     ]
-    place = writer.place(step, f"interruptible_{body.partition('.')[0]}", "INTERRUPT", interrupt)
-    again = f"csp_interruptible_again(party, &{SELF}{interrupt})"
-    waited = writer.await_rows(step, f"csp_interruptible(party, &{SELF}{interrupt})", again, place)
-    handler = [*taken_rows(writer, guard), *writer.rows(step.branch.body)]
-    opening = Row("", comment=writer.comment(step))
-    whole = [*prepared, Row(waited[0].text), *waited[1:], *block(f"if ({SELF}{interrupt}.taken)", handler)]
+    place = writer.place(step, f"interruptible_{identifier(name)}", "INTERRUPT", whole.member)
+    begun = call("csp_interruptible", "party", address(whole))
+    waited = writer.wait(begun, call("csp_interruptible_again", "party", address(whole)), place)
+    handler = [*taken(writer, guard), *writer.statements(step.branch.body)]
+    guarded = [*prepared, waited, *choose(whole.field("taken"), handler)]
     if step.branch.condition is None:
-        return [opening, *whole]
+        return [writer.remark(step), *guarded]
     setup, holds = writer.condition(step.branch.condition, step.branch)
-    called = writer.place(step, f"runs_{body.partition('.')[0]}", "CALL", body)
-    plain = [Row(f"CSP_CALL(&{SELF}{body}, {called})")]
-    return [opening, *setup, *block(f"if ({holds})", whole)[:-1], *block("} else", plain)]
+    called = writer.place(step, f"runs_{identifier(name)}", "CALL", body)
+    plain = Wait(call("CSP_CALL", address(own(body)), called))
+    return [writer.remark(step), *setup, *choose(holds, guarded, [plain])]

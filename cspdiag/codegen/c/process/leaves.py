@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from cspdiag.codegen.c.process.port_layout import PortLayout
-from cspdiag.codegen.c.text.code import INDENT, broken
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.media import Access
 from cspdiag.codegen.c.text.names import PackageNames
-from cspdiag.codegen.c.text.rows import Row, block, lines
+from cspdiag.codegen.c.text.statements import Block, lines, run, signature
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.network.ir.network import ProcessClass
 
@@ -41,14 +40,14 @@ def ports_header(class_: ProcessClass, names: PackageNames, types: CTypes) -> di
     told = [f"What the process {class_.definition}, written by hand in {class_.external.target}, is connected to."]
     found = [*comment([*told, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]
     found += ['#include "csp.h"', '#include "csp_leaf.h"', '#include "types.h"', "", f"struct {struct};", ""]
-    members = [
-        Row(f"csp_connection {layout.names[port.name]}{'' if port.size is None else f'[{port.size}]'};")
+    members = tuple(
+        run(f"csp_connection {layout.names[port.name]}{'' if port.size is None else f'[{port.size}]'}")
         for port in class_.ports
-    ]
+    )
     given = [f"struct {struct} *self", "csp_numbers *numbers"]
     if members:
-        found += [*lines(block(f"struct {struct}_ports", members, "};")), ""]
+        found += [*lines([Block(members, f"struct {struct}_ports", "};")]), ""]
         given.append(f"const struct {struct}_ports *ports")
     given += [f"{types.type_name(item.type)} {layout.parameters[item.name]}" for item in class_.parameters]
-    found += ["/* To be defined by hand. */", *broken(f"void {struct}_initialize({', '.join(given)});", INDENT)]
+    found += ["/* To be defined by hand. */", *signature(f"void {struct}_initialize", given, ";")]
     return {f"{struct}_ports.h": "\n".join([*found, "", "#endif", ""])}

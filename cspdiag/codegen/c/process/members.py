@@ -10,6 +10,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.process.port_layout import TAKEN, PortLayout, elements
 from cspdiag.codegen.c.process.signals import kept_signals, signals_of
 from cspdiag.codegen.c.process.unwritten import Unwritten
+from cspdiag.codegen.c.text.code import Code, address, code, own, target
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.media import (
     READING_ENDS,
@@ -21,12 +22,12 @@ from cspdiag.codegen.c.text.media import (
     port_type,
 )
 from cspdiag.codegen.c.text.names import Names
-from cspdiag.codegen.c.text.rows import Row
+from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.places_in_arrays import Arrays
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
-from cspdiag.network.ir.expressions import ParameterValue, VariableValue
+from cspdiag.network.ir.expressions import ParameterValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
@@ -40,8 +41,6 @@ from cspdiag.network.ir.network import (
 from cspdiag.network.ir.walk import parts
 
 T = TypeVar("T", LocalChannel, InstanceOf)
-
-SELF = "self->"
 
 
 @record
@@ -63,7 +62,7 @@ class Members:
     work: list[Member] = field(default_factory=list)
     structs: dict[str, list[Member]] = field(default_factory=dict)
     """Members that are structs: what an alternative consists of."""
-    made_choices: dict[str, list[Row]] = field(default_factory=dict)
+    made_choices: dict[str, list[Statement]] = field(default_factory=dict)
     """How the alternatives are made, by name."""
     reports: dict[str, tuple[int, Type]] = field(default_factory=dict)
     """Channels that are no more, by path, with their number and type."""
@@ -143,42 +142,41 @@ class Members:
 
     # How things are written
 
-    def member(self, name: str) -> str:
+    def member(self, name: str) -> Code:
         """The member of a channel or instance: ``cell[3]``."""
-        return self._plain[name] + self.arrays.subscript(name)
+        return self._element(self._plain[name], name)
 
-    def variable(self, name: str) -> str:
+    def _element(self, array: str, name: str) -> Code:
+        index = self.arrays.place(name)[1]
+        return code(array) if index is None else code(array).at(index)
+
+    def variable(self, name: str) -> Code:
         """The lvalue of a variable."""
-        return SELF + self.member(name)
+        return own(self.member(name))
 
-    def written(self, name: str) -> str | None:
+    def written(self, name: str) -> Code | None:
         """The member that tells whether a variable was written; None where that is sure."""
         if name not in self.unwritten.variables[self.process.name]:
             return None
-        return f"{self.names[f'{self._plain[name]} written']}{self.arrays.subscript(name)}"
+        return own(self._element(self.names[f"{self._plain[name]} written"], name))
 
-    def value(self, name: str) -> str:
-        """A variable in an expression; a fault is noted if it was not written."""
+    def _flag(self, name: str) -> Code | None:
+        """A pointer to it."""
         written = self.written(name)
-        return required(f"&{SELF}{written}", self.variable(name)) if written is not None else self.variable(name)
+        return None if written is None else address(written)
 
-    def is_sure(self, value: object) -> bool:
-        """Whether all variables in an expression were written when it is evaluated."""
-        flagged = self.unwritten.variables[self.process.name]
-        return not any(isinstance(part, VariableValue) and part.channel in flagged for part in parts(value))
-
-    def running_parameter(self, name: str) -> str:
+    def running_parameter(self, name: str) -> Code:
         """A parameter in a step function."""
-        return SELF + self.parameters[name]
+        return own(self.parameters[name])
 
-    def initial_parameter(self, name: str) -> str:
+    def initial_parameter(self, name: str) -> Code:
         """A parameter in the function that initializes the process."""
-        return self.parameters[name]
+        return code(self.parameters[name])
 
-    def signal(self, name: str) -> str:
+    def signal(self, name: str) -> Code:
         """The lvalue of a signal of an inlined law, a state or a constant."""
         local = self.local_signals.get(name)
-        return SELF + self.signal_members[name] if local is None else local
+        return own(self.signal_members[name]) if local is None else code(local)
 
     @property
     def initial_printer(self) -> Printer:
@@ -188,7 +186,13 @@ class Members:
     @property
     def running_printer(self) -> Printer:
         """For expressions in step functions."""
-        return Printer(self.types, parameter=self.running_parameter, signal=self.signal, variable=self.value)
+        return Printer(
+            self.types,
+            parameter=self.running_parameter,
+            signal=self.signal,
+            variable=self.variable,
+            written=self._flag,
+        )
 
     def is_own(self, variable: str) -> bool:
         """Whether only this process has the variable."""
@@ -230,25 +234,22 @@ class Members:
         if reads and access in READING_ENDS:
             member = self.end_member(end)
             indirect = access == "event"
-            return Spelling(access, f"{'' if indirect else '&'}{SELF}{member}", member, indirect, type_, name)
+            return Spelling(access, own(member) if indirect else address(own(member)), member, indirect, type_, name)
         if isinstance(end, ChannelEnd):
             member = self.member(end.channel)
-            pointer = SELF + member if access == "variable" else f"&{SELF}{member}"
-            flag = self.written(end.channel)
-            written = f"&{SELF}{flag}" if flag is not None else None
+            pointer = own(member) if access == "variable" else address(own(member))
+            written = self._flag(end.channel)
         else:
             member = self.layout.member(self.ports[end.port], end.index)
-            pointer = f"*{SELF}{member}" if access == "variable" else SELF + member
+            pointer = target(own(member)) if access == "variable" else own(member)
             flagged = self.unwritten.has_port(self.process.name, end.port, end.index)
-            written = SELF + self.layout.written(self.ports[end.port], end.index) if flagged else None
-        if reads and written is not None:
-            pointer = required(written, pointer)
+            written = own(self.layout.written(self.ports[end.port], end.index)) if flagged else None
         return Spelling(access, pointer, member, isinstance(end, PortEnd), type_, name, written)
 
-    def end_member(self, end: End) -> str:
+    def end_member(self, end: End) -> Code:
         """The member of a reading end that is an object of its own, or of the pointer to a latch of an event input."""
         base = self._end_names[_whole(end)]
-        return self.layout.element(base, self.ports[end.port], end.index) if isinstance(end, PortEnd) else base
+        return self.layout.element(base, self.ports[end.port], end.index) if isinstance(end, PortEnd) else code(base)
 
     def _name_ends(self) -> None:
         for end in self.created:
@@ -307,7 +308,7 @@ class Members:
             if port.direction == "in" and access in READING_ENDS:
                 continue
             type_ = port_type(access, self.types.type_name(port.type), writes=port.direction == "out")
-            name = self.layout.member(port, index)
+            name = str(self.layout.member(port, index))
             if index is not None and self._uniform[port.name]:
                 name = f"{self.names[port.name]}[{port.size}]"
             if type_ is not None and name not in done:
@@ -329,25 +330,30 @@ class Members:
             access = self.access(end)
             if access not in READING_ENDS:
                 continue
-            name, size, doc = self.end_member(end), "", None
+            base, size, doc = self._end_names[_whole(end)], "", None
             if isinstance(end, PortEnd):
                 port = self.ports[end.port]
                 doc = port.doc
-                if end.index is not None and self._uniform[end.port]:
-                    name, size = self._end_names[_whole(end)], f"[{port.size}]"
-            if name in done:
+                if end.index is not None:
+                    base, size = (base, f"[{port.size}]") if self._uniform[end.port] else (f"{base}_{end.index}", "")
+            if base in done:
                 continue
-            done.add(name)
+            done.add(base)
             if access == "event":
-                yield Member(f"csp_event_end *{name}{size}", doc)
-                yield Member(f"csp_event_end {self.latch(name)}{size}", "if it has one of its own")
+                yield Member(f"csp_event_end *{base}{size}", doc)
+                yield Member(f"csp_event_end {self._latch(base)}{size}", "if it has one of its own")
             else:
-                yield Member(f"{READING_ENDS[access]} {name}{size}", doc)
+                yield Member(f"{READING_ENDS[access]} {base}{size}", doc)
 
-    def latch(self, name: str) -> str:
+    def _latch(self, base: str) -> str:
+        return self.names[f"{base} latch"]
+
+    def latch(self, end: PortEnd) -> Code:
         """The member for the latch that a reader of an event input may have for itself."""
-        base, bracket, rest = name.partition("[")
-        return f"{self.names[f'{base} latch']}{bracket}{rest}"
+        base, uniform = self._end_names[_whole(end)], self._uniform[end.port]
+        if end.index is None or uniform:
+            return self.layout.element(self._latch(base), self.ports[end.port], end.index)
+        return code(self._latch(f"{base}_{end.index}"))
 
     def _channel_declarations(self) -> Iterator[Member]:
         for channel, count in self._grouped(self.process.channels):
@@ -357,11 +363,14 @@ class Members:
             if channel.name in self.unwritten.variables[self.process.name]:
                 yield Member(f"csp_written {self.names[f'{name} written']}{count}")
             if access == "buffer":
-                yield Member(f"{type_name} {self.storage(channel.name, '')}{count}[{channel.capacity}]")
+                yield Member(f"{type_name} {self._storage(channel.name)}{count}[{channel.capacity}]")
 
-    def storage(self, channel: str, subscript: str) -> str:
+    def _storage(self, channel: str) -> str:
+        return self.names[f"{self._plain[channel]} values"]
+
+    def storage(self, channel: str) -> Code:
         """The member for the values in a buffer."""
-        return self.names[f"{self._plain[channel]} values"] + subscript
+        return self._element(self._storage(channel), channel)
 
     def _instance_declarations(self) -> Iterator[Member]:
         for instance, count in self._grouped(self.process.instances):
@@ -376,11 +385,6 @@ class Members:
                 done.add(base)
                 size = self.arrays.size(item.name)
                 yield item, "" if size is None else f"[{size}]"
-
-
-def required(written: str, lvalue: str) -> str:
-    """An lvalue that is looked at only if it was written."""
-    return f"(*(csp_require_written({written}), &{lvalue}))"
 
 
 def name_of(end: End) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.c.process.members import SELF
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.rows import Row, block
+from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, code, own, unsigned
+from cspdiag.codegen.c.text.statements import Blank, Statement, store
 from cspdiag.network.ir.actions import Action, Group, ParallelSteps, RunInstance
 
 
@@ -15,31 +15,28 @@ from cspdiag.network.ir.actions import Action, Group, ParallelSteps, RunInstance
 class _Run:
     """Branches that stand one behind the other in memory."""
 
-    member: str
-    stride: str
+    member: Code
+    stride: Code
     count: int
     level: int
 
 
-def parallel_rows(writer: Writer, step: ParallelSteps) -> list[Row]:
+def parallel(writer: Writer, step: ParallelSteps) -> list[Statement]:
     """Starts the branches and waits for all of them."""
     runs = _runs(writer, step)
-    parallel = writer.single("parallel", "csp_parallel")
-    place = writer.place(step, "in_parallel", "PARALLEL", parallel)
+    member = writer.single("parallel", "csp_parallel")
+    place = writer.place(step, "in_parallel", "PARALLEL", code(member))
     table = writer.states.fresh(f"{writer.struct}_branches")
-    entries = [_entry(writer.struct, run) for run in runs]
-    body = [Row(f"{entry},") for entry in entries[:-1]] + [Row(entries[-1])]
-    writer.tables += [*block(f"static const csp_branches {table}[] =", body, "};"), Row("")]
-    count = f"{len(runs)}U"
-    first = f"csp_par(party, &{SELF}{parallel}, {table}, {count})"
-    return writer.await_rows(step, first, f"csp_par_again(party, &{SELF}{parallel})", place)
+    entries = tuple((None, _entry(writer.struct, run)) for run in runs)
+    writer.tables += [store(f"static const csp_branches {table}[]", Aggregate(entries)), Blank()]
+    begun = call("csp_par", "party", address(own(member)), table, unsigned(len(runs)))
+    return [writer.remark(step), writer.wait(begun, call("csp_par_again", "party", address(own(member))), place)]
 
 
-def _entry(struct: str, run: _Run) -> str:
-    return (
-        f"{{.offset = offsetof(struct {struct}, {run.member}), .stride = {run.stride}, .count = {run.count}U, "
-        f".level = {run.level}U}}"
-    )
+def _entry(struct: str, run: _Run) -> Aggregate:
+    offset = call("offsetof", f"struct {struct}", run.member)
+    count, level = unsigned(run.count), unsigned(run.level)
+    return Aggregate(((".offset", offset), (".stride", run.stride), (".count", count), (".level", level)))
 
 
 def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
@@ -51,10 +48,10 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
         branch = step.steps[position]
         level = writer.levels.below(writer.members.process.name, writer.depth - 1, position) if step.prioritized else 0
         hint = branch.label if isinstance(branch, Group) else None
-        stride = "0U"
+        stride: Code = unsigned(0)
         if count > 1 and isinstance(branch, RunInstance):
             class_ = writer.members.instances[branch.instance].class_name
-            stride = f"sizeof(struct {writer.names.classes[class_]})"
+            stride = call("sizeof", f"struct {writer.names.classes[class_]}")
         runs.append(_Run(writer.branch(branch, hint), stride, count, level))
         position += count
     writer.depth -= step.prioritized

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.process.members import SELF
+from math import isfinite
+
 from cspdiag.codegen.c.process.writer import Writer
+from cspdiag.codegen.c.text.code import EQUALITY, Code, Own, address, call, code, ignored, infix, member_of, own
 from cspdiag.codegen.c.text.media import Spelling
-from cspdiag.codegen.c.text.rows import Row, block, rows
-from cspdiag.model.types import ArrayType, RealType, Type
+from cspdiag.codegen.c.text.statements import Block, Plain, Statement, Wait, choose, define, give, go, run, store
+from cspdiag.model.types import ArrayType, Type
 from cspdiag.network.ir.actions import ReadValue, Step, StopStep, Target, WaitStep, WriteValue
 from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
 
@@ -22,144 +24,153 @@ WRITES = {
 }  # fmt: skip
 
 
-def read_rows(writer: Writer, step: ReadValue) -> list[Row]:
+def read_value(writer: Writer, step: ReadValue) -> list[Statement]:
     """A communication that reads into a variable."""
     source, target = writer.members.source(step.source), step.target
     if source.at_once:
-        stored = take_rows(writer, target, source, writer.where(step))
-        return [Row("", comment=writer.comment(step)), *stored]
+        return [writer.remark(step), *take(writer, target, source, writer.where(step))]
     if not target.indexes:
         variable = writer.members.variable(target.channel)
-        return [*receive_rows(writer, step, source, variable), *writer.wrote(target.channel)]
+        return [writer.remark(step), receive(writer, step, source, variable), *writer.wrote(target.channel)]
     received = writer.slot(source.name, source.type, "received")
-    stored = store_rows(writer, target, received, source.type, writer.where(step))
-    return [*receive_rows(writer, step, source, received), *stored]
+    stored = put(writer, target, received, source.type, writer.where(step))
+    return [writer.remark(step), receive(writer, step, source, received), *stored]
 
 
-def receive_rows(writer: Writer, step: Step, source: Spelling, into: str) -> list[Row]:
+def receive(writer: Writer, step: Step, source: Spelling, into: Code) -> Wait:
     """Waits for a value and puts it into an lvalue that outlives the wait."""
     place = writer.place(step, f"reads_{source.name}", "READ", source.member, indirect=source.indirect)
     operation = READS[source.access]
     waits_outside = source.access in ("sampled", "event")
     writer.current.progress |= waits_outside
     macro = "CSP_TAKE" if waits_outside else "CSP_COMMUNICATE"
-    text = f"{macro}({operation}, {source.pointer}, {into}, {place}, {writer.failing()})"
-    return [Row(text, comment=writer.comment(step))]
+    return Wait(call(macro, operation, source.pointer, into, place, writer.failing()))
 
 
-def write_rows(writer: Writer, step: WriteValue) -> list[Row]:
+def write_value(writer: Writer, step: WriteValue) -> list[Statement]:
     """A communication that writes a value."""
     sink, value, where = writer.members.sink(step.sink), step.value, writer.where(step)
     if sink.access == "variable":
-        stored = writer.stored(sink.pointer, value, where)
-        return [Row("", comment=writer.comment(step)), *stored, *flag_rows(sink)]
+        return [writer.remark(step), *writer.stored(sink.pointer, value, where), *mark_written(sink)]
     if sink.access == "discard":
-        return discard_rows(writer, value, where)
-    own = isinstance(value, VariableValue) and writer.members.is_own(value.channel) and writer.members.is_sure(value)
-    if writer.alone and own and isinstance(value, VariableValue):
-        return send_rows(writer, step, sink, writer.members.variable(value.channel))
+        return discard(writer, value, where)
+    own_variable = isinstance(value, VariableValue) and writer.members.is_own(value.channel)
+    if writer.alone and own_variable and isinstance(value, VariableValue) and not writer.may_fault(value):
+        return [writer.remark(step), *send(writer, step, sink, writer.members.variable(value.channel))]
     slot = writer.slot(sink.name, sink.type)
-    computed = writer.evaluated(f"{slot} = ", value, ";", where)
-    sent = send_rows(writer, step, sink, slot)
-    return [Row("", comment=sent[0].comment), *computed, Row(sent[0].text), *sent[1:]]
+    computed = writer.evaluated(slot, value, where)
+    return [writer.remark(step), *computed, *send(writer, step, sink, slot, finite=_is_finite(value))]
 
 
-def discard_rows(writer: Writer, value: Expression, where: str) -> list[Row]:
+def _is_finite(value: Expression) -> bool:
+    return isinstance(value, LiteralValue) and isinstance(value.value, int | float) and isfinite(value.value)
+
+
+def discard(writer: Writer, value: Expression, where: str) -> list[Statement]:
     """A value that nobody takes: it can only fault."""
     if not writer.may_fault(value):
         return []
-    slot = writer.slot("unused", value.type)
-    return writer.evaluated(f"{slot} = ", value, ";", where)
+    return writer.evaluated(writer.slot("unused", value.type), value, where)
 
 
-def send_rows(writer: Writer, step: Step, sink: Spelling, value: str) -> list[Row]:
-    """Writes what is in an lvalue that outlives the wait."""
-    operation = WRITES[sink.access]
+def check(writer: Writer) -> Plain:
+    """Cancelled processes go no further, also where a communication never waits."""
+    return run(call("CSP_CHECK", writer.failing()), "")
+
+
+def send(writer: Writer, step: Step, sink: Spelling, value: Code, *, finite: bool = False) -> list[Statement]:
+    """Writes what is in an lvalue that outlives the wait; ``finite``: what is surely no NaN and no infinity."""
     if sink.at_once:
-        checked = finite_rows(writer, sink, value, writer.where(step))
-        written = f"(void){operation}(party, {sink.pointer}, &{value}, sizeof({value}));"
-        return [Row(f"CSP_CHECK({writer.failing()})", comment=writer.comment(step)), *checked, Row(written)]
+        checked = [] if finite else finite_checked(writer, sink, value, writer.where(step))
+        return [check(writer), *checked, hand_over(sink, value)]
     place = writer.place(step, f"writes_{sink.name}", "WRITE", sink.member, indirect=sink.indirect)
-    text = f"CSP_COMMUNICATE({operation}, {sink.pointer}, {value}, {place}, {writer.failing()})"
-    return [Row(text, comment=writer.comment(step))]
+    return [Wait(call("CSP_COMMUNICATE", WRITES[sink.access], sink.pointer, value, place, writer.failing()))]
 
 
-def finite_rows(writer: Writer, sink: Spelling, value: str, where: str) -> list[Row]:
+def hand_over(sink: Spelling, value: Code) -> Plain:
+    """Writes to an output of the program."""
+    return run(ignored(call(WRITES[sink.access], "party", sink.pointer, address(value), size_of(value))))
+
+
+def size_of(value: Code) -> Code:
+    """The bytes of an object."""
+    return call("sizeof", value)
+
+
+def finite_checked(writer: Writer, sink: Spelling, value: Code, where: str) -> list[Plain]:
     """Refuses a NaN or an infinity for an output of the program."""
-    check = finite_check(writer, sink.type, value, f"{sink.pointer}->name")
-    return [] if check is None else [Row(f"{check};"), writer.fault(where)]
+    looked = writer.members.types.finite_check(sink.type, value, sink.pointer.arrow("name"))
+    return [] if looked is None else [run(looked), writer.fault(where)]
 
 
-def finite_check(writer: Writer, type_: Type, value: str, name: str) -> str | None:
-    """A call that notes a fault if a part of the value is no number."""
-    types = writer.members.types
-    if not types.has_reals(type_):
-        return None
-    if isinstance(type_, RealType):
-        return f"csp_finite({'(double)' if type_.bits == 32 else ''}{value}, {name})"
-    return f"{types.suffix(type_)}_finite({value}, {name})"
-
-
-def assign_rows(writer: Writer, target: Target, value: Expression, where: str) -> list[Row]:
+def assign_value(writer: Writer, target: Target, value: Expression, where: str) -> list[Statement]:
     """Sets a variable, or an element of it once the value is known."""
     variable = writer.members.variable(target.channel)
     if not target.indexes:
         return [*writer.stored(variable, value, where), *writer.wrote(target.channel)]
-    computed, code = writer.operand(value, where, target.channel)
-    return [*computed, *store_rows(writer, target, code, value.type, where)]
+    computed, known = writer.operand(value, where, target.channel)
+    return [*computed, *put(writer, target, known, value.type, where)]
 
 
-def take_rows(writer: Writer, target: Target, source: Spelling, where: str) -> list[Row]:
+def take(writer: Writer, target: Target, source: Spelling, where: str) -> list[Statement]:
     """Reads what is had at once."""
-    stored = store_rows(writer, target, source.pointer, source.type, where)
-    return stored if source.written is None else [*stored[:1], writer.fault(where), *stored[1:]]
+    return [*required(writer, source, where), *put(writer, target, source.pointer, source.type, where)]
 
 
-def flag_rows(sink: Spelling) -> list[Row]:
+def required(writer: Writer, source: Spelling, where: str) -> list[Plain]:
+    """Looks whether a variable was written, where that is not sure."""
+    if source.written is None:
+        return []
+    return [run(call("csp_require_written", source.written)), writer.fault(where)]
+
+
+def mark_written(sink: Spelling) -> list[Statement]:
     """Behind a write to a variable."""
     if sink.written is None:
         return []
-    if sink.written.startswith("&"):
-        return rows(f"{sink.written[1:]}.done = true;")
-    return block(f"if ({sink.written} != NULL)", rows(f"{sink.written}->done = true;"))
+    done = store(member_of(sink.written, "done"), "true")
+    if isinstance(sink.written, Own):  # a pointer in a port, NULL where the variable surely was written
+        return choose(infix("!=", EQUALITY, sink.written, code("NULL")), [done])
+    return [done]
 
 
-def store_rows(writer: Writer, target: Target, value: str, type_: Type, where: str) -> list[Row]:
+def put(writer: Writer, target: Target, value: Code, type_: Type, where: str) -> list[Statement]:
     """Puts a value that is known into a variable or an element of it; an index out of range changes nothing."""
     lvalue = writer.members.variable(target.channel)
     if not target.indexes:
-        return [*rows(f"{lvalue} = {value};"), *writer.wrote(target.channel)]
-    setup: list[Row] = []
+        return [store(lvalue, value), *writer.wrote(target.channel)]
+    setup: list[Statement] = []
     flag = writer.members.written(target.channel)
     if flag is not None:
-        setup += [Row(f"csp_require_written(&{SELF}{flag});"), writer.fault(where)]
+        setup += [run(call("csp_require_written", address(flag))), writer.fault(where)]
     kind: Type = writer.members.channels[target.channel].type
     for number, index in enumerate(target.indexes, 1):
         assert isinstance(kind, ArrayType)
+        lvalue = lvalue.field("at")
         if isinstance(index, LiteralValue) and isinstance(index.value, int) and 0 <= index.value < (kind.size or 0):
-            lvalue += f".at[{index.value}]"
+            lvalue = lvalue.at(index.value)
         else:
             name = "index" if len(target.indexes) == 1 else f"index_{number}"
-            computed, code = writer.operand(index, where, name, "place")  # beside the value, which is there already
-            setup += [*computed, Row(f"const size_t {name} = csp_index({code}, {kind.size});")]
+            computed, found = writer.operand(index, where, name, "place")  # beside the value, which is there already
+            setup += [*computed, define("const size_t", name, call("csp_index", found, str(kind.size)))]
             setup.append(writer.fault(where))
-            lvalue += f".at[{name}]"
+            lvalue = lvalue.at(code(name))
         kind = kind.element
-    stored = rows(f"{lvalue} = {value};")
-    return block("", [*setup, *stored]) if setup else stored
+    return [Block((*setup, store(lvalue, value)))] if setup else [store(lvalue, value)]
 
 
-def wait_rows(writer: Writer, step: WaitStep) -> list[Row]:
+def wait(writer: Writer, step: WaitStep) -> list[Statement]:
     """A delay."""
     delay = writer.single("delay", "csp_timer")
-    place = writer.place(step, "waits", "DELAY", delay)
+    place = writer.place(step, "waits", "DELAY", code(delay))
     first, duration = writer.operand(step.duration, writer.where(step), "duration")
-    again = "csp_wait_again(party)"
-    return [*first, *writer.await_rows(step, f"csp_wait(party, &{SELF}{delay}, {duration})", again, place)]
+    begun = call("csp_wait", "party", address(own(delay)), duration)
+    return [writer.remark(step), *first, writer.wait(begun, code("csp_wait_again(party)"), place)]
 
 
-def stop_rows(writer: Writer, step: StopStep) -> list[Row]:
+def stop(writer: Writer, step: StopStep) -> list[Statement]:
     """Waits for nothing but cancellation."""
     place = writer.place(step, "stops", "STOP")
-    refused = block("if (csp_stop(party) == CSP_FAILS)", rows(f"goto {writer.failing()};"))
-    return [Row("", comment=writer.comment(step)), *refused, *rows(f"party->state = {place};", "return NULL;")]
+    fails = infix("==", EQUALITY, code("csp_stop(party)"), code("CSP_FAILS"))
+    refused = choose(fails, [go(writer.failing())])
+    return [writer.remark(step), *refused, store("party->state", place), give("NULL")]

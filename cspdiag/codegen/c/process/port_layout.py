@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cspdiag.codegen.c.text.code import Code, code
 from cspdiag.codegen.c.text.media import access_of_medium, port_type
 from cspdiag.codegen.c.text.names import Names
 from cspdiag.network.ir.network import Port, ProcessClass
@@ -27,7 +28,7 @@ class PortLayout:
             port.name: len({access_of_medium(medium) for medium in port.media}) <= 1 for port in process.ports
         }
 
-    def member(self, port: Port, index: int | None) -> str:
+    def member(self, port: Port, index: int | None) -> Code:
         """The member of a port, or of an element of an array of ports."""
         return self.element(self.names[port.name], port, index)
 
@@ -36,13 +37,13 @@ class PortLayout:
         suffix = "" if index is None else f"_{index}"
         return self.names[f"{self.names[port.name]}{suffix} written"]
 
-    def element(self, base: str, port: Port, index: int | None) -> str:
+    def element(self, base: str, port: Port, index: int | None) -> Code:
         """The member with a name of its own for each port, or for each element."""
         if index is None:
-            return base
-        return f"{base}[{index}]" if self.uniform[port.name] else f"{base}_{index}"
+            return code(base)
+        return code(base).at(index) if self.uniform[port.name] else code(f"{base}_{index}")
 
-    def designator(self, port: str, index: int | None) -> str | None:
+    def designator(self, port: str, index: int | None) -> Code | None:
         """What an initializer names; None for a port that needs nothing."""
         found = self.ports[port]
         type_ = port_type(access_of_medium(found.media[index or 0]), "", writes=found.direction == "out")

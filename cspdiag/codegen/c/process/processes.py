@@ -6,15 +6,24 @@ from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.composition import Composition
-from cspdiag.codegen.c.process.initialization import initialize_rows
+from cspdiag.codegen.c.process.initialization import initialization
 from cspdiag.codegen.c.process.leaves import leaf_header
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.members import Member, Members
 from cspdiag.codegen.c.process.unwritten import Unwritten
-from cspdiag.codegen.c.text.code import INDENT, broken
+from cspdiag.codegen.c.text.code import code
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.names import PackageNames
-from cspdiag.codegen.c.text.rows import Row, block, lines
+from cspdiag.codegen.c.text.statements import (
+    Block,
+    Function,
+    Plain,
+    Remark,
+    Statement,
+    lines,
+    run,
+    signature,
+)
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
@@ -64,7 +73,7 @@ class _Writer:
         self.members = Members(process, network, types, facts.unwritten)
         self.types = types
         self.composition = Composition(self.members, self.members.running_printer, names, facts.levels, self.struct)
-        self.initial = initialize_rows(self.composition)
+        self.initial = initialization(self.composition)
         self.place = names.place(process.span.file, process.span.line)
 
     # The header
@@ -77,9 +86,9 @@ class _Writer:
         ports = self.members.port_members()
         if ports:
             rows += ["", "/* What the ports are connected to. */"]
-            rows += lines(block(f"struct {struct}_ports", _fields(ports), "};"))
-        rows += ["", *lines(block(f"struct {struct}", self._struct(), "};"))]
-        rows += ["", "/* Before the program starts. */", *broken(f"{signature(self.members, struct)};", INDENT)]
+            rows += lines([Block(tuple(_fields(ports)), f"struct {struct}_ports", "};")])
+        rows += ["", *lines([Block(tuple(self._struct()), f"struct {struct}", "};")])]
+        rows += ["", "/* Before the program starts. */", *signature(*head(self.members, struct), ";")]
         return "\n".join([*rows, "", "#endif", ""])
 
     def _included(self) -> Iterable[str]:
@@ -91,18 +100,19 @@ class _Writer:
             return leaf_header(class_)
         return f"{self.names.classes[class_.name]}.h"
 
-    def _struct(self) -> list[Row]:
+    def _struct(self) -> list[Statement]:
         members = self.members
-        rows = _fields(members.declared())
+        found = _fields(members.declared())
         for name, fields in members.structs.items():
-            rows += block("struct", _fields(fields), f"}} {name};")
+            found.append(Block(tuple(_fields(fields)), "struct", f"}} {name};"))
         for name, kept in self.composition.unions():
-            rows += block("union", _fields(kept), f"}} {name};")
-        rows += _fields(members.work)
-        rows += [Row(f"csp_offer {name}_made[{count}];") for name, count in self.composition.offer_arrays().items()]
+            found.append(Block(tuple(_fields(kept)), "union", f"}} {name};"))
+        found += _fields(members.work)
+        offers = self.composition.offer_arrays()
+        found += [run(f"csp_offer {name}_made[{count}]") for name, count in offers.items()]
         if members.reports:
-            rows.append(Row("uint32_t first_report;", comment="number of the first channel that was optimized away"))
-        return rows
+            found += [Remark("number of the first channel that was optimized away"), run("uint32_t first_report")]
+        return found
 
     # The source
 
@@ -111,28 +121,32 @@ class _Writer:
         rows = [f'#include "{self.struct}.h"', "", '#include "constants.h"', '#include "csp_arithmetic.h"', ""]
         states = [place.state for routine in composition.routines for place in routine.places]
         if states:
-            entries = [Row(f"{states[0]} = 1,"), *(Row(f"{state},") for state in states[1:])]
-            entries[-1] = Row(entries[-1].text[:-1])
+            entries = [f"{states[0]} = 1", *states[1:]]
+            listed = tuple(Plain(code(entry), "," if entry != entries[-1] else "") for entry in entries)
             rows += ["/* Where the process waits, and where it goes on after a failure. */"]
-            rows += [*lines(block("enum", entries, "};")), ""]
+            rows += [*lines([Block(listed, "enum", "};")]), ""]
         rows += lines(composition.tables)
-        rows += [line for function in composition.functions for line in function]
+        for function in composition.functions:
+            rows += [*lines(function), ""]
         for routine in reversed(composition.routines):
             rows += [*routine.text(), "", *routine.table(), ""]
-        rows += [*broken(signature(self.members, self.struct), INDENT), *lines(block("", self.initial))]
-        return "\n".join([*rows, ""])
+        return "\n".join([*rows, *lines([Function(*head(self.members, self.struct), tuple(self.initial))]), ""])
 
 
-def _fields(members: Sequence[Member]) -> list[Row]:
+def _fields(members: Sequence[Member]) -> list[Statement]:
     """Members with their remarks above them."""
-    return [Row(f"{member.declaration};", comment=member.comment) for member in members]
+    found: list[Statement] = []
+    for member in members:
+        found += [Remark(member.comment)] if member.comment is not None else []
+        found.append(run(member.declaration))
+    return found
 
 
-def signature(members: Members, struct: str) -> str:
-    """The function that initializes a process."""
+def head(members: Members, struct: str) -> tuple[str, tuple[str, ...]]:
+    """The function that initializes a process, and its parameters."""
     given = [f"struct {struct} *self", "csp_numbers *numbers"]
     if members.port_members():
         given.append(f"const struct {struct}_ports *ports")
     for item in members.process.parameters:
         given.append(f"{members.types.type_name(item.type)} {members.parameters[item.name]}")
-    return f"void {struct}_initialize({', '.join(given)})"
+    return f"void {struct}_initialize", tuple(given)

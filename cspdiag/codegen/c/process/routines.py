@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.text.code import Aggregate, Code, call, code, mentions_self
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
-from cspdiag.codegen.c.text.rows import Row, block, lines, rows
+from cspdiag.codegen.c.text.statements import (
+    Blank,
+    Block,
+    Label,
+    State,
+    Statement,
+    Switch,
+    define,
+    give,
+    lines,
+    signature,
+    store,
+)
 
 Waiting: TypeAlias = Literal[
     "NOTHING", "CALL", "READ", "WRITE", "ALTERNATIVE", "INPUTS", "OUTPUTS", "DELAY", "STOP", "PARALLEL", "INTERRUPT"
@@ -36,7 +48,7 @@ class Place:
     waiting: Waiting
     handler: Handler
     where: str
-    member: str | None = None
+    member: Code | None = None
     indirect: bool = False
     inner: str | None = None
     """The path, below the class's own, of a process that was flattened into it."""
@@ -53,7 +65,7 @@ class Routine:
     member: str | None
     states: Names
     places: list[Place] = field(default_factory=list)
-    body: list[Row] = field(default_factory=list)
+    body: list[Statement] = field(default_factory=list)
     progress: bool = False
     condition: bool = False
 
@@ -65,14 +77,14 @@ class Routine:
         name = self.states.fresh(state)
         return Handler(name, name.lower())
 
-    def label(self, handler: Handler, where: str) -> list[Row]:
+    def label(self, handler: Handler, where: str) -> list[Statement]:
         """Where the handler begins."""
-        found: list[Row] = []
+        found: list[Statement] = []
         if handler.needed:
             self.places.append(Place(handler.state, "NOTHING", handler, where))
-            found.append(Row(f"case {handler.state}:", -1))
+            found.append(State(handler.state))
         if handler.reached:
-            found.append(Row(f"{handler.label}:", -1))
+            found.append(Label(handler.label))
         return found
 
     @property
@@ -82,53 +94,46 @@ class Routine:
 
     def table(self) -> list[str]:
         """The table of places and the class."""
-        entries = [f"[0] = {{.waiting = CSP_AT_NOTHING, .where = {quoted(self.where)}}}"]
-        entries += [f"[{place.state}] = {{{', '.join(self._fields(place))}}}" for place in self.places]
-        head = [Row(f"{entry},") for entry in entries[:-1]] + [Row(entries[-1])]
-        offset = "0" if self.member is None else f"offsetof(struct {self.struct}, {self.member})"
+        start = Aggregate(((".waiting", code("CSP_AT_NOTHING")), (".where", code(quoted(self.where)))))
+        entries = [("[0]", start), *((f"[{place.state}]", self._entry(place)) for place in self.places)]
+        offset = code("0") if self.member is None else self._offset(code(self.member))
         fields = [
-            f".step = {self.function}",
-            f".places = {self.name}_places",
-            f".name = {quoted(self.definition)}",
-            f".where = {quoted(self.where)}",
-            f".offset = {offset}",
+            (".step", code(self.function)),
+            (".places", code(f"{self.name}_places")),
+            (".name", code(quoted(self.definition))),
+            (".where", code(quoted(self.where))),
+            (".offset", offset),
         ]
-        values = [Row(f"{text},") for text in fields[:-1]] + [Row(fields[-1])]
-        return [
-            *lines(block(f"static const csp_place {self.name}_places[] =", head, "};")),
-            "",
-            *lines(block(f"static const csp_class {self.name}_class =", values, "};")),
-        ]
+        places = store(f"static const csp_place {self.name}_places[]", Aggregate(tuple(entries)))
+        return lines([places, Blank(), store(f"static const csp_class {self.name}_class", Aggregate(tuple(fields)))])
 
-    def _fields(self, place: Place) -> list[str]:
-        parts = [f".waiting = CSP_AT_{place.waiting}"]
+    def _offset(self, member: Code) -> Code:
+        return call("offsetof", f"struct {self.struct}", member)
+
+    def _entry(self, place: Place) -> Aggregate:
+        parts: list[tuple[str, Code]] = [(".waiting", code(f"CSP_AT_{place.waiting}"))]
         if place.indirect:
-            parts.append(".indirect = true")
-        parts.append(f".failed = {place.handler.state}")
-        parts.append(f".where = {quoted(place.where)}")
+            parts.append((".indirect", code("true")))
+        parts += [(".failed", code(place.handler.state)), (".where", code(quoted(place.where)))]
         if place.inner is not None:
-            parts.append(f".inner = {quoted(place.inner)}")
+            parts.append((".inner", code(quoted(place.inner))))
         if place.member is not None:
-            parts.append(f".offset = offsetof(struct {self.struct}, {place.member})")
-        return parts
+            parts.append((".offset", self._offset(place.member)))
+        return Aggregate(tuple(parts))
 
     def text(self) -> list[str]:
         """The step function."""
-        struct, enclosing = self.struct, f"CSP_ENCLOSING(party, struct {self.struct}, {self.member})"
-        own = f"(struct {struct} *)(void *)party" if self.member is None else enclosing
-        uses_self = any("self->" in row.text for row in self.body)
-        inside = rows(f"struct {struct} *const self = {own};") if uses_self else []
+        inside: list[Statement] = []
+        if mentions_self(self.body):
+            member = self.member or "process"
+            enclosing = call("CSP_ENCLOSING", "party", f"struct {self.struct}", member)
+            inside.append(define(f"struct {self.struct} *const", "self", enclosing))
         if self.progress:
-            inside += rows("csp_progress progress;")
+            inside.append(define("csp_progress", "progress"))
         if self.condition:
-            inside += rows("bool condition;")
+            inside.append(define("bool", "condition"))
         if inside:
-            inside.append(Row(""))
-        inside += [Row("switch (party->state) {"), Row("case 0:"), *indented(self.body)]
-        inside += [Row("default:"), Row("return NULL;", 1), Row("}")]
-        return lines([Row(f"static csp_party *{self.function}(csp_party *party)"), *block("", inside)])
-
-
-def indented(body: Sequence[Row]) -> list[Row]:
-    """Statements one deeper than labels."""
-    return [Row(row.text, row.depth + 1, row.comment) for row in body]
+            inside.append(Blank())
+        cases = (("case 0", tuple(self.body)), ("default", (give("NULL"),)))
+        function = Block((*inside, Switch(code("party->state"), cases)))
+        return [*signature(f"static csp_party *{self.function}", ["csp_party *party"]), *lines([function])]

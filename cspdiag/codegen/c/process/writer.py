@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.levels import Levels
-from cspdiag.codegen.c.process.members import SELF, Member, Members
+from cspdiag.codegen.c.process.members import Member, Members
 from cspdiag.codegen.c.process.routines import Handler, Place, Routine, Waiting
+from cspdiag.codegen.c.text.code import Code, address, call, code, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames, identifier, snake_case
-from cspdiag.codegen.c.text.rows import Row, block, rows
+from cspdiag.codegen.c.text.statements import (
+    Label,
+    Plain,
+    Remark,
+    Statement,
+    Wait,
+    define,
+    give,
+    go,
+    in_block,
+    jumps_to,
+    run,
+    store,
+)
 from cspdiag.codegen.shared.branch_names import branch_name
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import Action, InterruptOn, ParallelSteps, RunInstance, Step
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
@@ -36,12 +48,12 @@ class Writer:
     levels: Levels
     struct: str
     routines: list[Routine] = field(default_factory=list)
-    initial: list[Row] = field(default_factory=list)
+    initial: list[Plain] = field(default_factory=list)
     """What the function that initializes the process has to do for the composition besides, in the order of the text."""
-    tables: list[Row] = field(default_factory=list)
+    tables: list[Statement] = field(default_factory=list)
     """Constant tables that step functions refer to."""
-    functions: list[list[str]] = field(default_factory=list)
-    """Other functions, before the step functions, each with an empty line behind it."""
+    functions: list[tuple[Statement, ...]] = field(default_factory=list)
+    """Other functions, before the step functions."""
 
     current: Routine = field(init=False)
     handler: Handler = field(init=False)
@@ -63,7 +75,7 @@ class Writer:
         self._offers: dict[str, int] = {}
         self._routine(self.struct, None, process.body)
 
-    def rows(self, action: Action) -> list[Row]:
+    def statements(self, action: Action) -> list[Statement]:
         """An action as statements; control does not come to their end where it does not come to the end of the action."""
         raise NotImplementedError
 
@@ -84,36 +96,36 @@ class Writer:
         self.routines.append(routine)
         self.current, self.handler = routine, routine.outermost
         whole = member is None
-        closing = rows(f"csp_ends_close(&{SELF}samples);") if whole and self.members.has_samples else []
+        closing = [run(call("csp_ends_close", address(own("samples"))))] if whole and self.members.has_samples else []
         if whole:
-            closing += rows("csp_observe_end(party->number);")
-            routine.body += rows("csp_observe_begin(party->number);")
-        routine.body += self.rows(action)
+            closing.append(run("csp_observe_end(party->number)"))
+            routine.body.append(run("csp_observe_begin(party->number)"))
+        routine.body += self.statements(action)
         if ends(action):
-            routine.body += [*closing, Row("return csp_end(party);")]
+            routine.body += [*closing, give("csp_end(party)")]
         failing = routine.label(routine.outermost, place)
-        unwinding = [Row("csp_unwind(party);"), *closing, Row("return csp_fail(party);")]
-        if failing and not routine.outermost.needed and routine.body[-1].text == f"goto {routine.outermost.label};":
+        unwinding = [run("csp_unwind(party)"), *closing, give("csp_fail(party)")]
+        if failing and not routine.outermost.needed and routine.body[-1] == go(routine.outermost.label):
             routine.body.pop()
-            reached = re.compile(rf"\b{routine.outermost.label}\b")
-            failing = failing if any(reached.search(row.text) for row in routine.body) else []
-            routine.body += [*failing, *unwinding]
+            reached = jumps_to(routine.outermost.label, routine.body)
+            routine.body += [*(failing if reached else []), *unwinding]
         elif failing:
             routine.body += [*failing, *unwinding]
         if outer is not None:
             self.current, self.handler = outer
 
-    def branch(self, action: Action, hint: str | None = None) -> str:
+    def branch(self, action: Action, hint: str | None = None) -> Code:
         """The member of the ``csp_process`` that runs an action beside others; it is made if the action is no process of its own."""
         if isinstance(action, RunInstance) and isinstance(self.class_of(action.instance), ProcessClass):
-            return f"{self.members.member(action.instance)}.process"
+            return self.members.member(action.instance).field("process")
         wanted = hint or branch_name(action)
         member = self.members.names.fresh(wanted if wanted == "branch" else f"{wanted} branch")
         self.members.work.append(Member(f"csp_process {member}"))
         name = self.states.fresh(f"{self.struct}_{identifier(snake_case(wanted))}")
         self._routine(name, member, action)
-        self.initial += rows(f"csp_process_init(&{SELF}{member}, &{name}_class, {SELF}process.party.number);")
-        return member
+        number = own("process").field("party").field("number")
+        self.initial.append(run(call("csp_process_init", address(own(member)), f"&{name}_class", number)))
+        return code(member)
 
     def class_of(self, instance: str) -> ProcessClass | SubmodelClass:
         """The class of an instance inside."""
@@ -137,7 +149,7 @@ class Writer:
         return self.handler.label
 
     def place(
-        self, step: Step, state: str, waiting: Waiting, member: str | None = None, *, indirect: bool = False
+        self, step: Step, state: str, waiting: Waiting, member: Code | None = None, *, indirect: bool = False
     ) -> str:
         """A state in which the process waits, and which fails to the present handler."""
         self.handler.needed = True
@@ -145,17 +157,17 @@ class Writer:
         self.current.places.append(Place(name, waiting, self.handler, self.where(step), member, indirect, self.inner))
         return name
 
-    def await_rows(self, step: Step, first: str, again: str, state: str) -> list[Row]:
+    def wait(self, first: Code, again: Code, state: str) -> Wait:
         """An operation that the process goes on with each time it runs."""
         self.current.progress = True
-        return [Row(f"CSP_AWAIT({first}, {again}, {state}, {self.failing()})", comment=self.comment(step))]
+        return Wait(call("CSP_AWAIT", first, again, state, self.failing()))
 
     # Members
 
-    def add_function(self, lines: Sequence[str]) -> None:
+    def add_function(self, function: Sequence[Statement]) -> None:
         """A function that step functions call, once however often it is added."""
-        if lines and [*lines, ""] not in self.functions:
-            self.functions.append([*lines, ""])
+        if function and tuple(function) not in self.functions:
+            self.functions.append(tuple(function))
 
     def single(self, name: str, type_: str) -> str:
         """A member that the present step function needs one of, whatever it is doing."""
@@ -175,7 +187,7 @@ class Writer:
         """The numbers of offers, by the member of the offers they are for."""
         return self._offers
 
-    def slot(self, name: str, type_: Type, hint: str = "sent") -> str:
+    def slot(self, name: str, type_: Type, hint: str = "sent") -> Code:
         """A member that keeps a value while the present step function waits; those of one ``hint`` share their memory."""
         key = (hint, self.current.name)
         whole = self._singles.get(key)
@@ -190,7 +202,7 @@ class Writer:
             if other is None:
                 self._slots[key].append(member)
             if other is None or other == member:
-                return f"{SELF}{whole}.{wanted}"
+                return own(whole).field(wanted)
             count += 1
             wanted = f"{identifier(name)}_{count}"
 
@@ -200,65 +212,71 @@ class Writer:
 
     # Expressions
 
-    def evaluated(self, before: str, expression: Expression, after: str, where: str) -> list[Row]:
-        """``before expression after``, and what follows if it faults."""
-        text = f"{before}{self.printer.print(expression)}{after}"
-        temporaries = self.printer.take_temporaries()
-        found = rows(text)
-        if self.may_fault(expression):
-            found.append(self.fault(where))
-        return block("", [*rows(*temporaries), *found]) if temporaries else found
+    def evaluated(self, target: Code, expression: Expression, where: str) -> list[Statement]:
+        """``target = expression;``, and what follows if it faults."""
+        found = self.printer.evaluate(expression)
+        stored, fault = store(target, found.code), [self.fault(where)] if found.faults else []
+        return in_block([*found.setup, stored, *fault] if found.late else [*found.setup, *fault, stored])
 
-    def stored(self, lvalue: str, expression: Expression, where: str) -> list[Row]:
+    def stored(self, lvalue: Code, expression: Expression, where: str) -> list[Statement]:
         """``lvalue = expression;``: one that faults leaves the variable as it was."""
-        if not self.may_fault(expression):
-            return self.evaluated(f"{lvalue} = ", expression, ";", where)
-        kind = self.members.types.type_name(expression.type)
-        text = f"const {kind} csp_result = {self.printer.print(expression)};"
-        temporaries = self.printer.take_temporaries()
-        return block("", [*rows(*temporaries, text), self.fault(where), *rows(f"{lvalue} = csp_result;")])
+        found = self.printer.evaluate(expression)
+        if not found.late:
+            fault = [self.fault(where)] if found.faults else []
+            return in_block([*found.setup, *fault, store(lvalue, found.code)])
+        result = define(f"const {self.members.types.type_name(expression.type)}", "csp_result", found.code)
+        return in_block([*found.setup, result, self.fault(where), store(lvalue, "csp_result")])
 
     def may_fault(self, expression: Expression) -> bool:
         """Whether the evaluation of an expression can note a fault."""
-        return may_fault(expression) or not self.members.is_sure(expression)
+        return self.printer.faults(expression)
 
-    def wrote(self, variable: str) -> list[Row]:
+    def wrote(self, variable: str) -> list[Statement]:
         """Behind a write to a variable of the class."""
         flag = self.members.written(variable)
-        return [] if flag is None else rows(f"{SELF}{flag}.done = true;")
+        return [] if flag is None else [store(flag.field("done"), "true")]
 
-    def fault(self, where: str) -> Row:
+    def fault(self, where: str) -> Plain:
         """Raises the fault that has been noted, if there is one."""
-        inside = "" if self.inner is None else f"_INSIDE({quoted(self.inner)}, "
-        return Row(f"CSP_FAULT{inside or '('}{quoted(where)}, {self.failing()});")
+        if self.inner is None:
+            return run(call("CSP_FAULT", quoted(where), self.failing()))
+        return run(call("CSP_FAULT_INSIDE", quoted(self.inner), quoted(where), self.failing()))
 
-    def condition(self, expression: Expression, step: Step) -> tuple[list[Row], str]:
-        """What must be done first, and the condition."""
-        code = str(self.printer.print(expression))
-        temporaries = self.printer.take_temporaries()
-        if not temporaries and not self.may_fault(expression):
-            return [], code
-        self.current.condition = True
+    def condition(self, expression: Expression, step: Step, *, opposite: bool = False) -> tuple[list[Statement], Code]:
+        """What must be done first, and the condition, or its ``opposite``."""
+        found = (self.printer.opposite if opposite else self.printer.evaluate)(expression)
+        if not found.faults:
+            return [], found.code
         span = expression.span or step.span
-        where = self.names.place(span.file, span.line)
-        return self.evaluated("condition = ", expression, ";", where), "condition"
+        fault = self.fault(self.names.place(span.file, span.line))
+        if not found.late and in_block(found.setup) == list(found.setup):
+            return [*found.setup, fault], found.code
+        self.current.condition = True
+        return in_block([*found.setup, store("condition", found.code), fault]), code("condition")
 
-    def operand(self, expression: Expression, where: str, name: str, hint: str = "computed") -> tuple[list[Row], str]:
+    def operand(
+        self, expression: Expression, where: str, name: str, hint: str = "computed"
+    ) -> tuple[list[Statement], Code]:
         """What must be done first, and the value; a value that can fault is kept in a slot of that name until the next of that ``hint``."""
-        code = str(self.printer.print(expression))
-        temporaries = self.printer.take_temporaries()
-        if not temporaries and not self.may_fault(expression):
-            return [], code
+        found = self.printer.evaluate(expression)
+        if not found.faults:
+            return [], found.code
+        if not found.late and in_block(found.setup) == list(found.setup):
+            return [*found.setup, self.fault(where)], found.code
         slot = self.slot(name, expression.type, hint)
-        return self.evaluated(f"{slot} = ", expression, ";", where), slot
+        return in_block([*found.setup, store(slot, found.code), self.fault(where)]), slot
+
+    def printed(self, expression: Expression) -> Code:
+        """A value that cannot fault."""
+        return self.printer.plain(expression)
 
     def new_handler(self, state: str) -> Handler:
         """A place for exceptions of an extent to go to."""
         return self.current.handler(state)
 
     def protected(
-        self, body: Sequence[Row], handler: Handler, handling: Sequence[Row], *, passes: bool, where: str
-    ) -> list[Row]:
+        self, body: Sequence[Statement], handler: Handler, handling: Sequence[Statement], *, passes: bool, where: str
+    ) -> list[Statement]:
         """A body, what is done where something in it fails, and, if control ``passes`` the end of the body, what follows both."""
         label = self.current.label(handler, where)
         if not label:
@@ -266,8 +284,12 @@ class Writer:
         found = [*body]
         past = self.states.fresh(f"after_{handler.label}")
         if passes:
-            found.append(Row(f"goto {past};"))
-        found += [*label, Row("csp_unwind(party);"), *handling]
+            found.append(go(past))
+        found += [*label, run("csp_unwind(party)"), *handling]
         if passes:
-            found.append(Row(f"{past}:;", -1))
+            found.append(Label(past))
         return found
+
+    def remark(self, step: Step) -> Remark:
+        """The comment above what a step becomes."""
+        return Remark(self.comment(step))

@@ -1,110 +1,383 @@
-"""C expressions as text with a precedence, and statements broken over lines."""
+"""C expressions as trees that know their precedence; parentheses stand where C, its compilers or a reader wants them.
+
+The convention is that of the kernel: what ``&&`` and ``||`` join and the condition of ``?:`` stand in parentheses, as MISRA C has it (rule 12.1), if
+they have operators with two operands; sums and products need none.
+"""
 
 from __future__ import annotations
 
-from cspdiag.base.record import record
-from cspdiag.codegen.c.text.literals import in_comment
+from collections.abc import Iterator
+from functools import cached_property
+from typing import ClassVar, Literal
 
-COMMA, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(10)
+from cspdiag.base.record import field_names, is_record, record
+from cspdiag.codegen.shared.document import (
+    LINE,
+    SOFT,
+    Choice,
+    Document,
+    Fill,
+    Flat,
+    Group,
+    Nest,
+    flat,
+    joined,
+    listed,
+)
+
+COMMA, ASSIGNMENT, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(11)
 """Precedences of C, the loosest first; those that the generator does not use are left out."""
 
 LINE_LENGTH = 100
 """Of generated code."""
 
 INDENT = "    "
+"""Of a block, and of what continues a line."""
+
+STEP = len(INDENT)
+
+
+class Code:
+    """An expression; ``str`` gives its text on one line."""
+
+    _PRECEDENCE: ClassVar[int] = POSTFIX
+
+    @property
+    def precedence(self) -> int:
+        """How tightly its operator binds."""
+        return self._PRECEDENCE
+
+    @cached_property
+    def document(self) -> Document:
+        """The text, and where it may be broken."""
+        return self._document()
+
+    def _document(self) -> Document:
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return flat(self.document)
+
+    def field(self, name: str) -> Code:
+        """``x.name``."""
+        return Postfix(at_least(self, POSTFIX), f".{name}")
+
+    def arrow(self, name: str) -> Code:
+        """``x->name``."""
+        return Postfix(at_least(self, POSTFIX), f"->{name}")
+
+    def at(self, index: int | Code) -> Code:
+        """``x[index]``."""
+        return Element(at_least(self, POSTFIX), Count(index, "index") if isinstance(index, int) else index)
 
 
 @record
-class Code:
-    """An expression; ``str`` gives the text."""
+class Atom(Code):
+    """A name or a literal."""
 
     text: str
-    precedence: int = POSTFIX
 
-    def __str__(self) -> str:
+    def _document(self) -> Document:
         return self.text
 
-    def at_least(self, precedence: int) -> str:
-        """The text, in parentheses if its operator is looser than ``precedence``."""
-        return self.text if self.precedence >= precedence else f"({self.text})"
+
+@record
+class Count(Code):
+    """A whole number that may count in a row of like statements: an index, an unsigned literal, or an argument of type ``int64_t``."""
+
+    value: int
+    form: Literal["index", "unsigned", "argument"]
+
+    def _document(self) -> Document:
+        return f"{self.value}U" if self.form == "unsigned" else str(self.value)
 
 
-def call(function: str, *arguments: Code | str) -> Code:
+@record
+class Own(Code):
+    """A member of the object that a function is about: ``self->x``."""
+
+    member: Code
+
+    def _document(self) -> Document:
+        return ("self->", self.member.document)
+
+    def field(self, name: str) -> Code:
+        """``self->x.name``."""
+        return Own(self.member.field(name))
+
+    def at(self, index: int | Code) -> Code:
+        """``self->x[index]``."""
+        return Own(self.member.at(index))
+
+
+@record
+class Postfix(Code):
+    """A member of a value: ``.x`` or ``->x``."""
+
+    operand: Code
+    text: str
+
+    def _document(self) -> Document:
+        return (self.operand.document, self.text)
+
+
+@record
+class Element(Code):
+    """``x[i]``."""
+
+    operand: Code
+    index: Code
+
+    def _document(self) -> Document:
+        return (self.operand.document, "[", self.index.document, "]")
+
+
+@record
+class Call(Code):
+    """A call of a function or of a macro that looks like one."""
+
+    function: str
+    arguments: tuple[Code, ...]
+
+    def _document(self) -> Document:
+        if not self.arguments:
+            return f"{self.function}()"
+        arguments = listed([argument.document for argument in self.arguments])
+        whole = Fill(tuple(map(Flat, arguments)))
+        layouts = (Nest(STEP, whole), Nest(STEP, (SOFT, whole)), Nest(STEP, Fill(arguments)))
+        return (self.function, "(", Choice(tuple((layout, ")") for layout in layouts)))
+
+
+@record
+class Prefix(Code):
+    """A sign, a negation, an address, what a pointer points to, or a cast ``(type)``."""
+
+    text: str
+    operand: Code
+
+    _PRECEDENCE = UNARY
+
+    def _document(self) -> Document:
+        return (self.text, self.operand.document)
+
+
+@record
+class Chain(Code):
+    """Operands joined by operators of one precedence: ``a + b - c``."""
+
+    level: int
+    first: Code
+    rest: tuple[tuple[str, Code], ...]
+
+    @property
+    def precedence(self) -> int:
+        """That of the operators."""
+        return self.level
+
+    def _document(self) -> Document:
+        rest = [(f"{operator} ", operand.document) for operator, operand in self.rest]
+        parts = (self.first.document, *rest)
+        return Nest(STEP, Fill(parts) if self.level == PRODUCT else Group(joined(LINE, parts)))
+
+
+@record
+class Conditional(Code):
+    """``condition ? then : otherwise``."""
+
+    condition: Code
+    then: Code
+    otherwise: Code
+
+    _PRECEDENCE = CONDITIONAL
+
+    def _document(self) -> Document:
+        choices = (LINE, "? ", self.then.document, LINE, ": ", self.otherwise.document)
+        return Group(Nest(STEP, (self.condition.document, choices)))
+
+
+@record
+class Assignment(Code):
+    """``target = value``, also as a statement with the type before it, or another operator that assigns."""
+
+    target: Code
+    value: Code
+    operator: str = "="
+
+    _PRECEDENCE = ASSIGNMENT
+
+    def _document(self) -> Document:
+        return assigned((self.target.document, f" {self.operator}"), self.value.document)
+
+
+@record
+class Sequence(Code):
+    """Evaluated one after the other; the value is that of the last: only where no statement can stand."""
+
+    parts: tuple[Code, ...]
+
+    _PRECEDENCE = COMMA
+
+    def _document(self) -> Document:
+        return Nest(STEP, Fill(listed([part.document for part in self.parts])))
+
+
+@record
+class Parenthesized(Code):
+    """An expression in the parentheses that its surroundings want."""
+
+    operand: Code
+
+    def _document(self) -> Document:
+        return ("(", self.operand.document, ")")
+
+
+@record
+class Aggregate(Code):
+    """The value of a struct or an array, each part with the name of its member or without; with a type it is a value by itself."""
+
+    parts: tuple[tuple[str | None, Code], ...]
+    type_name: str | None = None
+
+    def _document(self) -> Document:
+        before = "{" if self.type_name is None else f"({self.type_name}){{"
+        named = any(name is not None for name, _ in self.parts)
+        inner = [part.document if name is None else (f"{name} = ", part.document) for name, part in self.parts]
+        items = joined(LINE, listed(inner)) if named else Fill(listed(inner))
+        return Group((before, Nest(STEP, (SOFT, items)), SOFT, "}"))
+
+
+def assigned(head: Document, value: Document) -> Document:
+    """``head value``: on one line, else all of the value on the next, else broken inside the value."""
+    return Choice(
+        (
+            (head, " ", Flat(value)),
+            (head, Nest(STEP, (LINE, Flat(value)))),
+            (head, " ", value),
+            (head, Nest(STEP, (LINE, value))),
+        )
+    )
+
+
+def code(item: Code | str) -> Code:
+    """A name or a literal as a node."""
+    return Atom(item) if isinstance(item, str) else item
+
+
+def own(member: Code | str) -> Own:
+    """``self->member``; the member of a member, or an element of one, belongs inside."""
+    return Own(code(member))
+
+
+def unsigned(value: int) -> Count:
+    """``3U``."""
+    return Count(value, "unsigned")
+
+
+def at_least(item: Code, precedence: int) -> Code:
+    """``item``, in parentheses if its operator is looser than ``precedence``."""
+    return item if item.precedence >= precedence else Parenthesized(item)
+
+
+def call(function: str, *arguments: Code | str) -> Call:
     """``function(a, b)``."""
-    return Code(f"{function}({', '.join(map(str, arguments))})")
+    return Call(function, tuple(at_least(code(argument), ASSIGNMENT) for argument in arguments))
 
 
-def cast(type_name: str, code: Code) -> Code:
-    """``(int8_t)x``."""
-    return Code(f"({type_name}){code.at_least(UNARY)}", UNARY)
+def cast(type_name: str, item: Code) -> Code:
+    """``(int8_t)x``; what has been cast to that type stays as it is."""
+    if isinstance(item, Prefix) and item.text == f"({type_name})":
+        return item
+    return Prefix(f"({type_name})", at_least(item, UNARY))
+
+
+def ignored(item: Code) -> Code:
+    """A call whose result nobody wants."""
+    return Prefix("(void)", item)
+
+
+def address(item: Code) -> Code:
+    """A pointer to an object."""
+    if isinstance(item, Prefix) and item.text == "*":
+        return item.operand
+    return Prefix("&", at_least(item, UNARY))
+
+
+def target(pointer: Code) -> Code:
+    """What a pointer points to."""
+    if isinstance(pointer, Prefix) and pointer.text == "&":
+        return pointer.operand
+    return Prefix("*", at_least(pointer, UNARY))
+
+
+def member_of(pointer: Code, name: str) -> Code:
+    """A member of the struct that a pointer points to."""
+    if isinstance(pointer, Prefix) and pointer.text == "&":
+        return pointer.operand.field(name)
+    return pointer.arrow(name)
+
+
+def minus(item: Code) -> Code:
+    """``-x``; never ``--x``."""
+    inner = at_least(item, UNARY)
+    return Prefix("-", Parenthesized(inner) if isinstance(inner, Prefix) and inner.text == "-" else inner)
+
+
+def negated(condition: Code) -> Code:
+    """The opposite of a condition."""
+    match condition:
+        case Prefix(text="!", operand=operand):
+            return operand.operand if isinstance(operand, Parenthesized) else operand
+        case Chain(first=first, rest=(("==" | "!=" as operator, second),)):
+            return Chain(EQUALITY, first, (("!=" if operator == "==" else "==", second),))
+        case Atom(text="true" | "false" as text):
+            return Atom("false" if text == "true" else "true")
+        case Parenthesized(operand=operand):
+            return negated(operand)
+    return Prefix("!", at_least(condition, UNARY))
 
 
 def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
-    """A left-associative operator; comparisons and logic are parenthesized where compilers ask for it."""
-    first, second = precedence, precedence + 1
-    if precedence in (EQUALITY, RELATION):
-        first = second = SUM
-    elif precedence == OR:
-        first = second = EQUALITY if AND in (left.precedence, right.precedence) else precedence
-    return Code(f"{left.at_least(first)} {operator} {right.at_least(second)}", precedence)
+    """An operator that groups to the left."""
+    if precedence in (AND, OR):
+        same = isinstance(left, Chain) and left.precedence == precedence
+        first = left if same else at_least(left, UNARY)
+        second = at_least(right, UNARY)
+    elif precedence in (EQUALITY, RELATION):
+        first, second = at_least(left, SUM), at_least(right, SUM)
+    else:
+        first, second = at_least(left, precedence), at_least(right, precedence + 1)
+    if isinstance(first, Chain) and first.precedence == precedence:
+        return Chain(precedence, first.first, (*first.rest, (operator, second)))
+    return Chain(precedence, first, ((operator, second),))
 
 
-def statement(
-    before: str, code: Code | str, after: str = ";", indent: str = "", comment: str | None = None
-) -> list[str]:
-    """The lines of ``before code after``, broken where they are longer than a line may be.
-
-    ``comment`` stands at the end of the line, or on a line of its own before a statement that does not fit with it.
-    """
-    line = f"{indent}{before}{code}{after}"
-    remark = "" if comment is None else f"/* {in_comment(comment)} */"
-    if comment is not None and len(line) + 1 + len(remark) <= LINE_LENGTH:
-        return [f"{line} {remark}"]
-    lines = [f"{indent}{remark}"] if comment is not None else []
-    return [*lines, *broken(line, indent + INDENT)]
+def conditional(condition: Code, then: Code, otherwise: Code) -> Conditional:
+    """A choice of two values."""
+    return Conditional(at_least(condition, UNARY), at_least(then, SUM), at_least(otherwise, SUM))
 
 
-def broken(line: str, deeper: str) -> list[str]:
-    """A line as several, each broken at the outermost bracket level that makes it fit; those after the first begin with ``deeper``."""
-    lines: list[str] = []
-    while len(line) > LINE_LENGTH:
-        found = _break(line)
-        if found is None:
-            break
-        position, depth = found
-        lines.append(line[:position].rstrip())
-        line = deeper + INDENT * depth + line[position:].lstrip()
-    return [*lines, line]
+def assign(target: Code | str, value: Code | str, operator: str = "=") -> Assignment:
+    """``target = value``."""
+    return Assignment(code(target), code(value), operator)
 
 
-def _break(line: str) -> tuple[int, int] | None:
-    """Where to break: at the outermost level after a comma, or before the loosest operator; the last such place that fits, and its level."""
-    best: tuple[int, int, int] | None = None
-    depth, quoted, escaped = 0, False, False
-    start = len(line) - len(line.lstrip()) + 1
-    for position, character in enumerate(line[:LINE_LENGTH]):
-        if character == '"' and not escaped:
-            quoted = not quoted
-        escaped = quoted and character == "\\" and not escaped
-        if quoted:
-            continue
-        if character in "([{":
-            depth += 1
-        elif character in ")]}":
-            depth -= 1
-        elif character == " " and position > start:
-            operator = line[position + 1 :].partition(" ")[0]
-            looseness = 0 if line[position - 1] == "," else _LOOSENESS.get(operator)
-            # An assignment is broken only as a last resort: in an initializer the comma before it is the better place.
-            if looseness is None or (operator == "=" and depth > 0):
-                continue
-            if best is None or (depth, looseness) <= best[:2]:
-                best = (depth, looseness, position)
-    return None if best is None else (best[2], best[0])
+def in_order(parts: tuple[Code, ...]) -> Code:
+    """The last part, with what has to be done before it."""
+    *before, last = parts
+    return Parenthesized(Sequence((*before, last))) if before else last
 
 
-_LOOSENESS = {
-    "?": 2, ":": 1, "||": 3, "&&": 4, "==": 5, "!=": 5, "<": 5, "<=": 5, ">": 5, ">=": 5,
-    "+": 6, "-": 6, "*": 7, "/": 7, "%": 7, "=": 8, "+=": 8,
-}  # fmt: skip
-"""Operators by how loosely they bind, the loosest first; a choice is broken before what else there is."""
+def nodes(item: object) -> Iterator[object]:
+    """All nodes of a tree, also of statements."""
+    if isinstance(item, tuple | list):
+        for part in item:
+            yield from nodes(part)
+    elif is_record(item):
+        yield item
+        for name in field_names(item):
+            yield from nodes(getattr(item, name))
+
+
+def mentions_self(item: object) -> bool:
+    """Whether an expression or statements need the object that the function is about."""
+    return any(isinstance(node, Own) for node in nodes(item))

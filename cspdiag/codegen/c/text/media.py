@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.text.code import Code, address, member_of
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import LocalChannel, Medium, Port
 
@@ -19,16 +20,16 @@ class Spelling:
     """An end as step functions write it.
 
     ``pointer`` is a pointer to the channel, port or reading end; of a variable or constant the lvalue. ``member`` is what ``offsetof`` names, where
-    ``indirect`` says that a pointer stands there; ``medium`` points to the kernel's view of it. ``name`` is what states are called after.
+    ``indirect`` says that a pointer stands there. ``name`` is what states are called after.
     """
 
     access: Access
-    pointer: str
-    member: str
+    pointer: Code
+    member: Code
     indirect: bool
     type: Type
     name: str
-    written: str | None = None
+    written: Code | None = None
     """A pointer to what tells whether a variable was written, where that is not sure."""
 
     @property
@@ -37,10 +38,9 @@ class Spelling:
         return self.access in ("variable", "constant", "discard", "latched", "direct")
 
     @property
-    def medium(self) -> str:
+    def medium(self) -> Code:
         """A pointer to the ``csp_medium`` that it begins with."""
-        inner = self.pointer.removeprefix("&")
-        return f"&{inner}.medium" if self.pointer.startswith("&") else f"&{inner}->medium"
+        return address(member_of(self.pointer, "medium"))
 
 
 def access_of_channel(channel: LocalChannel) -> Access:

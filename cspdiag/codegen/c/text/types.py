@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from cspdiag.base import Span
-from cspdiag.codegen.c.text.code import POSTFIX, PRODUCT, UNARY, Code
+from cspdiag.codegen.c.text.code import PRODUCT, Aggregate, Atom, Code, call, cast, infix, minus
 from cspdiag.codegen.c.text.names import Names, PackageNames, identifier
 from cspdiag.model.types import (
     ArrayType,
@@ -101,7 +101,7 @@ class CTypes:
         """A value as an expression; numbers keep the spelling that they have at ``span``."""
         match type_:
             case BoolType():
-                return Code("true" if value else "false")
+                return Atom("true" if value else "false")
             case IntType():
                 assert isinstance(value, int)
                 return integer(value)
@@ -113,29 +113,41 @@ class CTypes:
                 return real(float(value), type_.bits, span)
             case EnumType():
                 assert isinstance(value, int)
-                return Code(self.names.literals[type_.name][value])
+                return Atom(self.names.literals[type_.name][value])
             case StructType() | ArrayType():
-                return Code(f"({self.type_name(type_)}){self.initializer(value, type_)}")
+                return Aggregate(self.initializer(value, type_).parts, self.type_name(type_))
             case TextType() | UnknownType():
                 raise ValueError(f"{type_} has no literals in C")
         assert_never(type_)
 
-    def initializer(self, value: Value, type_: Type) -> str:
+    def initial(self, value: Value, type_: Type) -> Code:
         """A value as it stands behind ``=`` in a definition, also of something static."""
-        match type_:
-            case StructType():
-                assert isinstance(value, tuple)
-                fields = zip(type_.fields, value, strict=True)
-                inner = [f".{self.field(name)} = {self.initializer(part, kind)}" for (name, kind), part in fields]
-                return f"{{{', '.join(inner)}}}"
-            case ArrayType():
-                assert isinstance(value, tuple)
-                return f"{{{{{', '.join(self.initializer(part, type_.element) for part in value)}}}}}"
-        return self.literal(value, type_).text
+        return (
+            self.initializer(value, type_) if isinstance(type_, StructType | ArrayType) else self.literal(value, type_)
+        )
+
+    def initializer(self, value: Value, type_: StructType | ArrayType) -> Aggregate:
+        """The same of a struct or an array."""
+        assert isinstance(value, tuple)
+        if isinstance(type_, StructType):
+            fields = zip(type_.fields, value, strict=True)
+            return Aggregate(tuple((f".{self.field(name)}", self.initial(part, kind)) for (name, kind), part in fields))
+        return Aggregate(((None, Aggregate(tuple((None, self.initial(part, type_.element)) for part in value))),))
 
     def has_reals(self, type_: Type) -> bool:
         """Whether a value may hold a NaN."""
         return any(isinstance(part, RealType) for part in scalars(type_))
+
+    def finite_check(self, type_: Type, value: Code, port: Code) -> Code | None:
+        """A call that notes a fault if a part of the value that is written to an external output is no finite number; None if it always is.
+
+        ``port`` is the name of the port as a string.
+        """
+        if not self.has_reals(type_):
+            return None
+        if isinstance(type_, RealType):
+            return call("csp_finite", cast("double", value) if type_.bits == 32 else value, port)
+        return call(f"{self.suffix(type_)}_finite", value, port)
 
 
 def scalars(type_: Type) -> Iterator[Type]:
@@ -153,33 +165,38 @@ def scalars(type_: Type) -> Iterator[Type]:
 def integer(value: int) -> Code:
     """A whole number; larger ones than ``int`` is sure to hold say their type."""
     if value == -(2**63):
-        return Code("INT64_MIN")
-    text = str(value) if abs(value) <= _INT_MAXIMUM else f"{'-' if value < 0 else ''}INT64_C({abs(value)})"
-    return Code(text, UNARY if value < 0 else POSTFIX)
+        return Atom("INT64_MIN")
+    number = Atom(str(abs(value)) if abs(value) <= _INT_MAXIMUM else f"INT64_C({abs(value)})")
+    return minus(number) if value < 0 else number
 
 
 def duration(nanoseconds: int) -> Code:
-    """A duration in its greatest unit: ``2 * CSP_MS``."""
+    """A duration in its greatest unit: ``CSP_S``, ``2 * CSP_MS``."""
     for unit, size in _UNITS:
         if nanoseconds != 0 and nanoseconds % size == 0:
-            return Code(f"{integer(nanoseconds // size).text} * {unit}", PRODUCT)
+            count = nanoseconds // size
+            return Atom(unit) if count == 1 else infix("*", PRODUCT, integer(count), Atom(unit))
     return integer(nanoseconds)
 
 
 def real(value: float, bits: int = 64, span: Span | None = None) -> Code:
     """A real number that C reads as exactly this value, in the spelling of the text if that says the same."""
     if math.isnan(value):
-        return Code("(float)NAN" if bits == 32 else "(double)NAN", UNARY)
+        return cast("float" if bits == 32 else "double", Atom("NAN"))
+    if math.copysign(1.0, value) < 0:
+        return minus(_positive(-value, bits, "" if span is None else span.text.removeprefix("-")))
+    return _positive(value, bits, "" if span is None else span.text)
+
+
+def _positive(value: float, bits: int, text: str) -> Code:
     if math.isinf(value):
-        text = "INFINITY" if value > 0 else "-INFINITY"
-        return Code(text if bits == 32 else f"(double){text}", UNARY)
+        return Atom("INFINITY") if bits == 32 else cast("double", Atom("INFINITY"))
     if bits == 32:
         return _single(value)
-    if span is not None:
-        written = re.match(r"-?\d+\.\d*(e[+-]?\d+)?|-?\d+e[+-]?\d+", span.text)
-        if written and float(written[0]) == value and not written[0].endswith("."):
-            return Code(written[0], UNARY if written[0].startswith("-") else POSTFIX)
-    return Code(repr(value), UNARY if math.copysign(1.0, value) < 0 else POSTFIX)
+    written = re.match(r"\d+\.\d*(e[+-]?\d+)?|\d+e[+-]?\d+", text)
+    if written and float(written[0]) == value and not written[0].endswith("."):
+        return Atom(written[0])
+    return Atom(repr(value))
 
 
 def _single(value: float) -> Code:
@@ -187,14 +204,14 @@ def _single(value: float) -> Code:
     try:
         rounded = struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:
-        return real(math.copysign(math.inf, value), 32)
+        return Atom("INFINITY")
     text = next(
         (text for text in (f"{rounded:.{digits}g}" for digits in range(1, 10)) if _as_single(text) == rounded),
         repr(rounded),
     )
     if "." not in text and "e" not in text:
         text += ".0"
-    return Code(f"{text}f", UNARY if text.startswith("-") else POSTFIX)
+    return Atom(f"{text}f")
 
 
 def _as_single(text: str) -> float | None:

@@ -12,14 +12,18 @@ enum {
 static const csp_branches commstime_branches[] = {
     {.offset = offsetof(struct commstime, prefix.process), .stride = 0U, .count = 1U, .level = 0U},
     {.offset = offsetof(struct commstime, delta.process), .stride = 0U, .count = 1U, .level = 0U},
-    {.offset = offsetof(struct commstime, successor.process), .stride = 0U, .count = 1U,
-            .level = 0U},
+    {
+        .offset = offsetof(struct commstime, successor.process),
+        .stride = 0U,
+        .count = 1U,
+        .level = 0U
+    },
     {.offset = offsetof(struct commstime, consumer.process), .stride = 0U, .count = 1U, .level = 0U}
 };
 
 static csp_party *commstime_step(csp_party *party)
 {
-    struct commstime *const self = (struct commstime *)(void *)party;
+    struct commstime *const self = CSP_ENCLOSING(party, struct commstime, process);
     csp_progress progress;
 
     switch (party->state) {
@@ -27,7 +31,7 @@ static csp_party *commstime_step(csp_party *party)
         csp_observe_begin(party->number);
         /* (prefix || delta || successor || consumer) (commstime.csp:74) */
         CSP_AWAIT(csp_par(party, &self->parallel, commstime_branches, 4U),
-                csp_par_again(party, &self->parallel), IN_PARALLEL, catches_finished)
+            csp_par_again(party, &self->parallel), IN_PARALLEL, catches_finished)
         goto after_catches_finished;
     case CATCHES_FINISHED:
     catches_finished:
@@ -35,7 +39,7 @@ static csp_party *commstime_step(csp_party *party)
         if (!csp_catch(EXCEPTION_FINISHED)) {
             goto fails;
         }
-    after_catches_finished:;
+    after_catches_finished:
         csp_observe_end(party->number);
         return csp_end(party);
     fails:
@@ -49,11 +53,17 @@ static csp_party *commstime_step(csp_party *party)
 
 static const csp_place commstime_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:60"},
-    [IN_PARALLEL]
-        = {.waiting = CSP_AT_PARALLEL, .failed = CATCHES_FINISHED, .where = "commstime.csp:74",
-            .offset = offsetof(struct commstime, parallel)},
-    [CATCHES_FINISHED]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_FINISHED, .where = "commstime.csp:74"}
+    [IN_PARALLEL] = {
+        .waiting = CSP_AT_PARALLEL,
+        .failed = CATCHES_FINISHED,
+        .where = "commstime.csp:74",
+        .offset = offsetof(struct commstime, parallel)
+    },
+    [CATCHES_FINISHED] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_FINISHED,
+        .where = "commstime.csp:74"
+    }
 };
 
 static const csp_class commstime_class = {
@@ -77,11 +87,11 @@ void commstime_initialize(struct commstime *self, csp_numbers *numbers, int64_t 
     csp_channel_init(&self->d, numbers->channel);
     numbers->channel++;
     prefix_initialize(&self->prefix, numbers,
-            &(const struct prefix_ports){.input = &self->d, .output = &self->a}, 0);
+        &(const struct prefix_ports){.input = &self->d, .output = &self->a}, 0);
     delta_initialize(&self->delta, numbers,
-            &(const struct delta_ports){.input = &self->a, .first = &self->b, .second = &self->c});
+        &(const struct delta_ports){.input = &self->a, .first = &self->b, .second = &self->c});
     successor_initialize(&self->successor, numbers,
-            &(const struct successor_ports){.input = &self->c, .output = &self->d});
-    consumer_initialize(&self->consumer, numbers,
-            &(const struct consumer_ports){.input = &self->b}, rounds);
+        &(const struct successor_ports){.input = &self->c, .output = &self->d});
+    consumer_initialize(&self->consumer, numbers, &(const struct consumer_ports){.input = &self->b},
+        rounds);
 }

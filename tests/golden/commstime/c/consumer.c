@@ -11,7 +11,7 @@ enum {
 
 static csp_party *consumer_step(csp_party *party)
 {
-    struct consumer *const self = (struct consumer *)(void *)party;
+    struct consumer *const self = CSP_ENCLOSING(party, struct consumer, process);
 
     switch (party->state) {
     case 0:
@@ -19,7 +19,7 @@ static csp_party *consumer_step(csp_party *party)
         do {
             /* input ? value (commstime.csp:55) */
             CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
-        } while (!(self->value == self->rounds - 1));
+        } while (self->value != self->rounds - 1);
         /* raise Finished (commstime.csp:55) */
         (void)csp_raise(party, EXCEPTION_FINISHED, "commstime.csp:55");
         goto fails;
@@ -35,9 +35,13 @@ static csp_party *consumer_step(csp_party *party)
 
 static const csp_place consumer_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:47"},
-    [READS_INPUT]
-        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:55",
-            .offset = offsetof(struct consumer, input)},
+    [READS_INPUT] = {
+        .waiting = CSP_AT_READ,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:55",
+        .offset = offsetof(struct consumer, input)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:47"}
 };
 
@@ -50,7 +54,7 @@ static const csp_class consumer_class = {
 };
 
 void consumer_initialize(struct consumer *self, csp_numbers *numbers,
-        const struct consumer_ports *ports, int64_t rounds)
+    const struct consumer_ports *ports, int64_t rounds)
 {
     csp_process_init(&self->process, &consumer_class, numbers->process);
     numbers->process++;

@@ -22,6 +22,6 @@ struct consumer {
 
 /* Before the program starts. */
 void consumer_initialize(struct consumer *self, csp_numbers *numbers,
-        const struct consumer_ports *ports, int64_t rounds);
+    const struct consumer_ports *ports, int64_t rounds);
 
 #endif

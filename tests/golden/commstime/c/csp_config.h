@@ -3,7 +3,7 @@
 #define CSP_CONFIG_H
 
 #ifndef CSP_TRACE
-#define CSP_TRACE 0 /* whether communications, processes and groups are reported to csp_observe... */
+#define CSP_TRACE 0 /* whether communications, processes and groups are observed */
 #endif
 #define CSP_LEVELS 1U /* of priority */
 

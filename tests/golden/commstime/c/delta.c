@@ -13,7 +13,7 @@ enum {
 
 static csp_party *delta_step(csp_party *party)
 {
-    struct delta *const self = (struct delta *)(void *)party;
+    struct delta *const self = CSP_ENCLOSING(party, struct delta, process);
 
     switch (party->state) {
     case 0:
@@ -38,15 +38,27 @@ static csp_party *delta_step(csp_party *party)
 
 static const csp_place delta_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:19"},
-    [READS_INPUT]
-        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:28",
-            .offset = offsetof(struct delta, input)},
-    [WRITES_FIRST]
-        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:28",
-            .offset = offsetof(struct delta, first)},
-    [WRITES_SECOND]
-        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:28",
-            .offset = offsetof(struct delta, second)},
+    [READS_INPUT] = {
+        .waiting = CSP_AT_READ,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:28",
+        .offset = offsetof(struct delta, input)
+    },
+    [WRITES_FIRST] = {
+        .waiting = CSP_AT_WRITE,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:28",
+        .offset = offsetof(struct delta, first)
+    },
+    [WRITES_SECOND] = {
+        .waiting = CSP_AT_WRITE,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:28",
+        .offset = offsetof(struct delta, second)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:19"}
 };
 

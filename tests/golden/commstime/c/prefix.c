@@ -12,7 +12,7 @@ enum {
 
 static csp_party *prefix_step(csp_party *party)
 {
-    struct prefix *const self = (struct prefix *)(void *)party;
+    struct prefix *const self = CSP_ENCLOSING(party, struct prefix, process);
 
     switch (party->state) {
     case 0:
@@ -35,12 +35,20 @@ static csp_party *prefix_step(csp_party *party)
 
 static const csp_place prefix_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:5"},
-    [WRITES_OUTPUT]
-        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:14",
-            .offset = offsetof(struct prefix, output)},
-    [READS_INPUT]
-        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:14",
-            .offset = offsetof(struct prefix, input)},
+    [WRITES_OUTPUT] = {
+        .waiting = CSP_AT_WRITE,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:14",
+        .offset = offsetof(struct prefix, output)
+    },
+    [READS_INPUT] = {
+        .waiting = CSP_AT_READ,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:14",
+        .offset = offsetof(struct prefix, input)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:5"}
 };
 
@@ -53,7 +61,7 @@ static const csp_class prefix_class = {
 };
 
 void prefix_initialize(struct prefix *self, csp_numbers *numbers, const struct prefix_ports *ports,
-        int64_t first)
+    int64_t first)
 {
     csp_process_init(&self->process, &prefix_class, numbers->process);
     numbers->process++;

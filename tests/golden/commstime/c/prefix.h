@@ -23,6 +23,6 @@ struct prefix {
 
 /* Before the program starts. */
 void prefix_initialize(struct prefix *self, csp_numbers *numbers, const struct prefix_ports *ports,
-        int64_t first);
+    int64_t first);
 
 #endif

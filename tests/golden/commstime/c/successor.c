@@ -12,7 +12,7 @@ enum {
 
 static csp_party *successor_step(csp_party *party)
 {
-    struct successor *const self = (struct successor *)(void *)party;
+    struct successor *const self = CSP_ENCLOSING(party, struct successor, process);
 
     switch (party->state) {
     case 0:
@@ -24,7 +24,7 @@ static csp_party *successor_step(csp_party *party)
             self->sent.output = csp_add(self->value, 1);
             CSP_FAULT("commstime.csp:42", fails);
             CSP_COMMUNICATE(csp_channel_write, self->output, self->sent.output, WRITES_OUTPUT,
-                    fails)
+                fails)
         }
     case FAILS:
     fails:
@@ -38,12 +38,20 @@ static csp_party *successor_step(csp_party *party)
 
 static const csp_place successor_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:33"},
-    [READS_INPUT]
-        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:42",
-            .offset = offsetof(struct successor, input)},
-    [WRITES_OUTPUT]
-        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:42",
-            .offset = offsetof(struct successor, output)},
+    [READS_INPUT] = {
+        .waiting = CSP_AT_READ,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:42",
+        .offset = offsetof(struct successor, input)
+    },
+    [WRITES_OUTPUT] = {
+        .waiting = CSP_AT_WRITE,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "commstime.csp:42",
+        .offset = offsetof(struct successor, output)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:33"}
 };
 
@@ -56,7 +64,7 @@ static const csp_class successor_class = {
 };
 
 void successor_initialize(struct successor *self, csp_numbers *numbers,
-        const struct successor_ports *ports)
+    const struct successor_ports *ports)
 {
     csp_process_init(&self->process, &successor_class, numbers->process);
     numbers->process++;

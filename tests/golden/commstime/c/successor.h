@@ -26,6 +26,6 @@ struct successor {
 
 /* Before the program starts. */
 void successor_initialize(struct successor *self, csp_numbers *numbers,
-        const struct successor_ports *ports);
+    const struct successor_ports *ports);
 
 #endif

@@ -29,12 +29,24 @@ static const bool safe_halted = false;
 static const csp_port port_table[] = {
     {.kind = CSP_PORT_EVENT, .medium = &external.panel.medium, .name = "Spindle.panel"},
     {.kind = CSP_PORT_SAMPLED, .medium = &external.feedback.medium, .name = "Spindle.feedback"},
-    {.kind = CSP_PORT_LATCHED, .medium = &external.control.medium, .safe = &safe_control,
-            .name = "Spindle.control"},
-    {.kind = CSP_PORT_LATCHED, .medium = &external.brake.medium, .safe = &safe_brake,
-            .name = "Spindle.brake"},
-    {.kind = CSP_PORT_DIRECT, .medium = &external.halted.medium, .safe = &safe_halted,
-            .name = "Spindle.halted"}
+    {
+        .kind = CSP_PORT_LATCHED,
+        .medium = &external.control.medium,
+        .safe = &safe_control,
+        .name = "Spindle.control"
+    },
+    {
+        .kind = CSP_PORT_LATCHED,
+        .medium = &external.brake.medium,
+        .safe = &safe_brake,
+        .name = "Spindle.brake"
+    },
+    {
+        .kind = CSP_PORT_DIRECT,
+        .medium = &external.halted.medium,
+        .safe = &safe_halted,
+        .name = "Spindle.halted"
+    }
 };
 
 void network_initialize(const struct network_drivers *drivers)
@@ -46,7 +58,7 @@ void network_initialize(const struct network_drivers *drivers)
     csp_event_input_init(&external.panel, 0U, false, &present.panel, drivers->panel);
     csp_event_input_accept(&external.panel, &brought.panel, sizeof(brought.panel));
     csp_sampled_input_init(&external.feedback, 1U, 2 * CSP_MS, &present.feedback,
-            drivers->feedback);
+        drivers->feedback);
     csp_latched_output_init(&external.control, 2U, 2 * CSP_MS, &present.control, drivers->control);
     external.control.name = "Spindle.control";
     csp_latched_output_init(&external.brake, 3U, 2 * CSP_MS, &present.brake, drivers->brake);
@@ -55,8 +67,13 @@ void network_initialize(const struct network_drivers *drivers)
     external.halted.name = "Spindle.halted";
     numbers.channel = 5U;
     spindle_initialize(&spindle, &numbers,
-            &(const struct spindle_ports){.panel = &external.panel, .feedback = &external.feedback,
-            .control = &external.control, .brake = &external.brake, .halted = &external.halted});
+        &(const struct spindle_ports){
+            .panel = &external.panel,
+            .feedback = &external.feedback,
+            .control = &external.control,
+            .brake = &external.brake,
+            .halted = &external.halted
+        });
 }
 
 void network_bring_panel(enum button value)

@@ -6,7 +6,7 @@
 /* Where the process waits, and where it goes on after a failure. */
 enum {
     READS_PANEL = 1,
-    INTERRUPTIBLE_REPEAT_LAW_BRANCH,
+    INTERRUPTIBLE_REPEAT_LAW,
     READS_FEEDBACK_2,
     FAILS,
     READS_FEEDBACK,
@@ -29,7 +29,7 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
             csp_finite(self->law.control, self->control->name);
             CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
             (void)csp_latched_write(party, self->control, &self->law.control,
-                    sizeof(self->law.control));
+                sizeof(self->law.control));
         }
     case FAILS_2:
     fails:
@@ -42,9 +42,13 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
 
 static const csp_place spindle_repeat_law_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "emergency.csp:17"},
-    [READS_FEEDBACK]
-        = {.waiting = CSP_AT_READ, .failed = FAILS_2, .where = "emergency.csp:8", .inner = "law",
-            .offset = offsetof(struct spindle, feedback)},
+    [READS_FEEDBACK] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS_2,
+        .where = "emergency.csp:8",
+        .inner = "law",
+        .offset = offsetof(struct spindle, feedback)
+    },
     [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "emergency.csp:17"}
 };
 
@@ -58,7 +62,7 @@ static const csp_class spindle_repeat_law_class = {
 
 static csp_party *spindle_step(csp_party *party)
 {
-    struct spindle *const self = (struct spindle *)(void *)party;
+    struct spindle *const self = CSP_ENCLOSING(party, struct spindle, process);
     csp_progress progress;
 
     switch (party->state) {
@@ -67,32 +71,30 @@ static csp_party *spindle_step(csp_party *party)
         do {
             /* panel ? button (emergency.csp:34) */
             CSP_TAKE(csp_event_read, self->panel, self->button, READS_PANEL, fails)
-        } while (!(self->button == BUTTON_START));
+        } while (self->button != BUTTON_START);
         /* brake ! false (emergency.csp:35) */
         self->sent.brake = false;
         CSP_CHECK(fails)
         (void)csp_latched_write(party, self->brake, &self->sent.brake, sizeof(self->sent.brake));
         /* (mu law) interrupt panel ? button -> (control ! 0<V> ; br... (emergency.csp:36) */
-        csp_interrupt_prepare(&self->interrupt_repeat_law_branch);
-        csp_guard_read(&self->interrupt_repeat_law_branch.alternative, 0U, &self->panel->medium,
-                &self->button, sizeof(self->button));
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_law_branch),
-                csp_interruptible_again(party, &self->interrupt_repeat_law_branch),
-            INTERRUPTIBLE_REPEAT_LAW_BRANCH, fails)
-        if (self->interrupt_repeat_law_branch.taken) {
+        csp_interrupt_prepare(&self->interrupt_repeat_law);
+        csp_guard_read(&self->interrupt_repeat_law.alternative, 0U, &self->panel->medium,
+            &self->button, sizeof(self->button));
+        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_law),
+            csp_interruptible_again(party, &self->interrupt_repeat_law), INTERRUPTIBLE_REPEAT_LAW,
+            fails)
+        if (self->interrupt_repeat_law.taken) {
             /* panel ? button (emergency.csp:36) */
             /* control ! 0<V> (emergency.csp:36) */
             self->sent.control = 0.0;
             CSP_CHECK(fails)
-            csp_finite(self->sent.control, self->control->name);
-            CSP_FAULT("emergency.csp:36", fails);
             (void)csp_latched_write(party, self->control, &self->sent.control,
-                    sizeof(self->sent.control));
+                sizeof(self->sent.control));
             /* brake ! true (emergency.csp:36) */
             self->sent.brake = true;
             CSP_CHECK(fails)
             (void)csp_latched_write(party, self->brake, &self->sent.brake,
-                    sizeof(self->sent.brake));
+                sizeof(self->sent.brake));
         }
         do {
             /* feedback ? speed (emergency.csp:37) */
@@ -118,15 +120,25 @@ static csp_party *spindle_step(csp_party *party)
 
 static const csp_place spindle_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "emergency.csp:17"},
-    [READS_PANEL]
-        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "emergency.csp:34",
-            .offset = offsetof(struct spindle, panel)},
-    [INTERRUPTIBLE_REPEAT_LAW_BRANCH]
-        = {.waiting = CSP_AT_INTERRUPT, .failed = FAILS, .where = "emergency.csp:36",
-            .offset = offsetof(struct spindle, interrupt_repeat_law_branch)},
-    [READS_FEEDBACK_2]
-        = {.waiting = CSP_AT_READ, .failed = FAILS, .where = "emergency.csp:37",
-            .offset = offsetof(struct spindle, feedback)},
+    [READS_PANEL] = {
+        .waiting = CSP_AT_READ,
+        .indirect = true,
+        .failed = FAILS,
+        .where = "emergency.csp:34",
+        .offset = offsetof(struct spindle, panel)
+    },
+    [INTERRUPTIBLE_REPEAT_LAW] = {
+        .waiting = CSP_AT_INTERRUPT,
+        .failed = FAILS,
+        .where = "emergency.csp:36",
+        .offset = offsetof(struct spindle, interrupt_repeat_law)
+    },
+    [READS_FEEDBACK_2] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS,
+        .where = "emergency.csp:37",
+        .offset = offsetof(struct spindle, feedback)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "emergency.csp:17"}
 };
 
@@ -139,7 +151,7 @@ static const csp_class spindle_class = {
 };
 
 void spindle_initialize(struct spindle *self, csp_numbers *numbers,
-        const struct spindle_ports *ports)
+    const struct spindle_ports *ports)
 {
     csp_process_init(&self->process, &spindle_class, numbers->process);
     numbers->process++;
@@ -151,7 +163,7 @@ void spindle_initialize(struct spindle *self, csp_numbers *numbers,
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     spindle_controller_initialize(&self->law, 200.0);
     csp_process_init(&self->repeat_law_branch, &spindle_repeat_law_class,
-            self->process.party.number);
-    csp_interrupt_init(&self->interrupt_repeat_law_branch,
-            (uint32_t)offsetof(struct spindle, repeat_law_branch));
+        self->process.party.number);
+    csp_interrupt_init(&self->interrupt_repeat_law,
+        (uint32_t)offsetof(struct spindle, repeat_law_branch));
 }

@@ -38,11 +38,11 @@ struct spindle {
         bool halted;
     } sent;
     csp_process repeat_law_branch;
-    csp_interrupt interrupt_repeat_law_branch;
+    csp_interrupt interrupt_repeat_law;
 };
 
 /* Before the program starts. */
 void spindle_initialize(struct spindle *self, csp_numbers *numbers,
-        const struct spindle_ports *ports);
+    const struct spindle_ports *ports);
 
 #endif

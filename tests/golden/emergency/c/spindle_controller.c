@@ -18,9 +18,8 @@ void spindle_controller_reset(struct spindle_controller *self)
 bool spindle_controller_calculate(struct spindle_controller *self)
 {
     /* emergency.csp:12 */
-    self->control
-        = csp_real(csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0,
-                24.0));
+    self->control = csp_real(
+        csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0, 24.0));
     CSP_CHECK_LAW("emergency.csp:12");
     return true;
 }

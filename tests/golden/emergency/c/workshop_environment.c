@@ -16,9 +16,9 @@ static struct {
     double wheel_inertia;
 } plant;
 
-/* The present and the last value: an event is a change. */
 static bool poll_button(void *device, void *value)
 {
+    /* The present and the last value: an event is a change. */
     enum button *const signal = device;
     const bool changed = signal[0] != signal[1];
     signal[1] = signal[0];
@@ -43,7 +43,7 @@ static void write_bool(void *device, const void *value)
 }
 
 static inline double workshop_environment_slopes(double wheel_w, double wheel_voltage,
-            bool wheel_brake)
+    bool wheel_brake)
 {
     const double wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0; /* emergency.csp:49 */
     const double wheel_braked = wheel_brake ? 0.002 * wheel_w : 0.0; /* emergency.csp:50 */
@@ -57,8 +57,8 @@ static bool workshop_environment_evaluate(void)
     const double time = csp_seconds(plant.now);
     const double wheel_speed = plant.wheel_w; /* emergency.csp:52 */
     /* emergency.csp:59 */
-    const enum button operator_button = time < 0.1 ? BUTTON_NONE : time < 0.9 ? BUTTON_START
-        : BUTTON_EMERGENCY;
+    const enum button operator_button =
+        (time < 0.1) ? BUTTON_NONE : ((time < 0.9) ? BUTTON_START : BUTTON_EMERGENCY);
     plant.panel[0] = operator_button; /* emergency.csp:66 */
     plant.feedback = wheel_speed; /* emergency.csp:67 */
     return true;
@@ -102,8 +102,8 @@ const struct network_drivers workshop_environment_drivers = {
     .feedback = {&plant.feedback, read_double, NULL},
     .control = {&plant.control, NULL, write_double},
     .brake = {&plant.brake, NULL, write_bool},
-    .halted = {&plant.halted, NULL, write_bool},
+    .halted = {&plant.halted, NULL, write_bool}
 };
 
-const csp_environment workshop_environment
-    = {2 * CSP_MS, workshop_environment_start, workshop_environment_advance};
+const csp_environment workshop_environment =
+    {2 * CSP_MS, workshop_environment_start, workshop_environment_advance};

@@ -16,7 +16,7 @@ static const csp_branches jiwy_branches[] = {
 
 static csp_party *jiwy_step(csp_party *party)
 {
-    struct jiwy *const self = (struct jiwy *)(void *)party;
+    struct jiwy *const self = CSP_ENCLOSING(party, struct jiwy, process);
     csp_progress progress;
 
     switch (party->state) {
@@ -24,7 +24,7 @@ static csp_party *jiwy_step(csp_party *party)
         csp_observe_begin(party->number);
         /* horizontal || vertical (jiwy.csp:157) */
         CSP_AWAIT(csp_par(party, &self->parallel, jiwy_branches, 2U),
-                csp_par_again(party, &self->parallel), IN_PARALLEL, fails)
+            csp_par_again(party, &self->parallel), IN_PARALLEL, fails)
         csp_observe_end(party->number);
         return csp_end(party);
     case FAILS:
@@ -39,9 +39,12 @@ static csp_party *jiwy_step(csp_party *party)
 
 static const csp_place jiwy_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:134"},
-    [IN_PARALLEL]
-        = {.waiting = CSP_AT_PARALLEL, .failed = FAILS, .where = "jiwy.csp:157",
-            .offset = offsetof(struct jiwy, parallel)},
+    [IN_PARALLEL] = {
+        .waiting = CSP_AT_PARALLEL,
+        .failed = FAILS,
+        .where = "jiwy.csp:157",
+        .offset = offsetof(struct jiwy, parallel)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:134"}
 };
 
@@ -58,12 +61,19 @@ void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_
     csp_process_init(&self->process, &jiwy_class, numbers->process);
     numbers->process++;
     joint_control_initialize(&self->horizontal, numbers,
-            &(const struct joint_control_ports){.feedback = ports->feedback_horizontal,
+        &(const struct joint_control_ports){
+            .feedback = ports->feedback_horizontal,
             .joystick_axis = ports->joystick_horizontal,
-        .joystick_buttons = ports->joystick_buttons, .control = ports->control_horizontal}, Tsh,
-        panGains, 0.3);
+            .joystick_buttons = ports->joystick_buttons,
+            .control = ports->control_horizontal
+        },
+        Tsh, panGains, 0.3);
     joint_control_initialize(&self->vertical, numbers,
-            &(const struct joint_control_ports){.feedback = ports->feedback_vertical,
-            .joystick_axis = ports->joystick_vertical, .joystick_buttons = ports->joystick_buttons,
-        .control = ports->control_vertical}, Tsv, tiltGains, 0.11);
+        &(const struct joint_control_ports){
+            .feedback = ports->feedback_vertical,
+            .joystick_axis = ports->joystick_vertical,
+            .joystick_buttons = ports->joystick_buttons,
+            .control = ports->control_vertical
+        },
+        Tsv, tiltGains, 0.11);
 }

@@ -5,14 +5,14 @@
 
 /* Where the process waits, and where it goes on after a failure. */
 enum {
-    INTERRUPTIBLE_RUN_VELOCITY_BRANCH = 1,
+    INTERRUPTIBLE_RUN_VELOCITY = 1,
     CATCHES_TIMEOUT,
-    INTERRUPTIBLE_RUN_VELOCITY_BRANCH_2,
+    INTERRUPTIBLE_RUN_VELOCITY_2,
     CATCHES_TIMEOUT_2,
     MOTION_CONTROL_CHOOSES,
     READS_INPUTS,
     CATCHES_TIMEOUT_3,
-    INTERRUPTIBLE_RUN_SERVO_BRANCH,
+    INTERRUPTIBLE_RUN_SERVO,
     CATCHES_TIMEOUT_4,
     READS_FEEDBACK,
     FAILS_2,
@@ -30,103 +30,89 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
     switch (party->state) {
     case 0:
         do {
-            self->homing_servo_leftmax
-                = (*(csp_require_written(&self->leftmax_written), &self->leftmax));
-            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
-            self->homing_servo_rightmax
-                = (*(csp_require_written(&self->rightmax_written), &self->rightmax));
-            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
             /* PositionController (laws.csp:56) */
+            csp_require_written(&self->leftmax_written);
+            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
+            self->homing_servo_leftmax = self->leftmax;
+            csp_require_written(&self->rightmax_written);
+            CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
+            self->homing_servo_rightmax = self->rightmax;
             CSP_TAKE(csp_sampled_read, &self->feedback_4, self->homing_servo_feedback,
-                    READS_FEEDBACK_3, fails)
+                READS_FEEDBACK_3, fails)
             /* homing.servo: Position servo of one joint. The set-point counts from the centre
              * between the end stops, 1 being `reach`; `reference` is the angle that this means.
              * The voltage for the friction is added in the direction in which the profile moves.
              * `stop` tells that the joint has stood where it should for `dwell`. (jiwy.csp:97)
              */
             {
-                double homing_servo_centre;
-                double homing_servo_profile_from;
-                double homing_servo_profile_velocity;
-                double homing_servo_profile_angle;
-                double homing_servo_pid_error;
-                double homing_servo_pid_d;
-                double homing_servo_pid_i;
-                double homing_servo_pid_sum;
-                double homing_servo_pid_output;
-                double homing_servo_assistance;
-                double homing_servo_standing;
-                double homing_servo_profile_last_next;
-                double homing_servo_pid_e1_next;
-                double homing_servo_pid_ud_next;
-                double homing_servo_pid_ui_next;
-                double homing_servo_arrived_next;
                 /* laws.csp:71 */
-                homing_servo_centre = (self->homing_servo_leftmax + self->homing_servo_rightmax)
-                    / 2.0;
+                const double homing_servo_centre =
+                    (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
                 /* laws.csp:72 */
-                self->homing_servo_reference
-                    = csp_real(csp_limit(homing_servo_centre + 0.0,
-                                self->homing_servo_leftmax + 0.05,
-                            self->homing_servo_rightmax - 0.05));
+                self->homing_servo_reference = csp_real(csp_limit(homing_servo_centre + 0.0,
+                        self->homing_servo_leftmax + 0.05, self->homing_servo_rightmax - 0.05));
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:72", fails);
                 /* laws.csp:35 */
-                homing_servo_profile_from = self->homing_servo_profile_moving
+                const double homing_servo_profile_from = self->homing_servo_profile_moving
                     ? self->homing_servo_profile_last
                     : self->homing_servo_feedback;
                 /* laws.csp:36 */
-                homing_servo_profile_velocity
-                    = csp_limit((self->homing_servo_reference - homing_servo_profile_from) / 0.05,
-                            -6.0, 6.0);
+                const double homing_servo_profile_velocity = csp_limit(
+                    (self->homing_servo_reference - homing_servo_profile_from) / 0.05, -6.0, 6.0);
                 /* laws.csp:37 */
-                homing_servo_profile_angle = homing_servo_profile_from
+                const double homing_servo_profile_angle = homing_servo_profile_from
                     + self->homing_servo_sample * homing_servo_profile_velocity;
-                homing_servo_pid_error = homing_servo_profile_angle
-                    - self->homing_servo_feedback; /* laws.csp:75 */
+                /* laws.csp:75 */
+                const double homing_servo_pid_error =
+                    homing_servo_profile_angle - self->homing_servo_feedback;
                 /* laws.csp:15 */
-                homing_servo_pid_d = self->homing_servo_pid_f
+                const double homing_servo_pid_d = self->homing_servo_pid_f
                     * (self->homing_servo_pid_tauD * self->homing_servo_pid_beta
                             * self->homing_servo_pid_ud
                         + self->homing_servo_pid_tauD * self->homing_servo_pid_kp
-                    * (homing_servo_pid_error - self->homing_servo_pid_e1)
-                    + self->homing_servo_sample * self->homing_servo_pid_kp
-                        * homing_servo_pid_error);
+                            * (homing_servo_pid_error - self->homing_servo_pid_e1)
+                        + self->homing_servo_sample * self->homing_servo_pid_kp
+                            * homing_servo_pid_error);
                 /* laws.csp:16 */
-                homing_servo_pid_i = self->homing_servo_pid_ui
+                const double homing_servo_pid_i = self->homing_servo_pid_ui
                     + csp_divide(self->homing_servo_sample * homing_servo_pid_d,
-                            self->homing_servo_pid_tauI);
+                        self->homing_servo_pid_tauI);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:16", fails);
-                homing_servo_pid_sum = homing_servo_pid_i + homing_servo_pid_d; /* laws.csp:17 */
-                homing_servo_pid_output
-                    = csp_limit(homing_servo_pid_sum, -0.99, 0.99); /* laws.csp:19 */
+                /* laws.csp:17 */
+                const double homing_servo_pid_sum = homing_servo_pid_i + homing_servo_pid_d;
+                /* laws.csp:19 */
+                const double homing_servo_pid_output = csp_limit(homing_servo_pid_sum, -0.99, 0.99);
                 /* laws.csp:77 */
-                homing_servo_assistance = self->gains.friction
+                const double homing_servo_assistance = self->gains.friction
                     * csp_limit(homing_servo_profile_velocity / 0.05, -1.0, 1.0);
                 /* laws.csp:78 */
-                self->homing_servo_control
-                    = csp_real(csp_limit(supply * homing_servo_pid_output
-                                + homing_servo_assistance, -12.0,
-                            supply));
+                self->homing_servo_control = csp_real(csp_limit(
+                        supply * homing_servo_pid_output + homing_servo_assistance, -12.0, supply));
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:78", fails);
                 /* laws.csp:80 */
-                homing_servo_standing
-                    = fabs(self->homing_servo_reference - self->homing_servo_feedback)
-                    < self->gains.tolerance
-                        ? self->homing_servo_arrived + self->homing_servo_sample : 0.0;
+                const double homing_servo_standing = (fabs(
+                            self->homing_servo_reference - self->homing_servo_feedback)
+                        < self->gains.tolerance)
+                    ? self->homing_servo_arrived + self->homing_servo_sample
+                    : 0.0;
                 self->homing_servo_stop = homing_servo_standing >= 0.1; /* laws.csp:82 */
-                homing_servo_profile_last_next
-                    = csp_real(homing_servo_profile_angle); /* laws.csp:33 */
+                /* laws.csp:33 */
+                const double homing_servo_profile_last_next = csp_real(homing_servo_profile_angle);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:33", fails);
-                homing_servo_pid_e1_next = csp_real(homing_servo_pid_error); /* laws.csp:10 */
+                /* laws.csp:10 */
+                const double homing_servo_pid_e1_next = csp_real(homing_servo_pid_error);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:10", fails);
-                homing_servo_pid_ud_next = csp_real(homing_servo_pid_d); /* laws.csp:11 */
+                /* laws.csp:11 */
+                const double homing_servo_pid_ud_next = csp_real(homing_servo_pid_d);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:11", fails);
                 /* laws.csp:12 */
-                homing_servo_pid_ui_next
-                    = csp_real(homing_servo_pid_sum == homing_servo_pid_output ? homing_servo_pid_i
+                const double homing_servo_pid_ui_next = csp_real((homing_servo_pid_sum
+                            == homing_servo_pid_output)
+                        ? homing_servo_pid_i
                         : self->homing_servo_pid_ui);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:12", fails);
-                homing_servo_arrived_next = csp_real(homing_servo_standing); /* laws.csp:69 */
+                /* laws.csp:69 */
+                const double homing_servo_arrived_next = csp_real(homing_servo_standing);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:69", fails);
                 self->homing_servo_profile_moving = true; /* laws.csp:32 */
                 self->homing_servo_profile_last = homing_servo_profile_last_next; /* laws.csp:33 */
@@ -140,10 +126,10 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
             csp_finite(self->homing_servo_control, self->control->name);
             CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
             (void)csp_latched_write(party, self->control, &self->homing_servo_control,
-                    sizeof(self->homing_servo_control));
+                sizeof(self->homing_servo_control));
             self->homing_reference = self->homing_servo_reference;
             self->homing_stop = self->homing_servo_stop;
-        } while (!(self->homing_stop));
+        } while (!self->homing_stop);
         return csp_end(party);
     case FAILS_4:
     fails:
@@ -156,9 +142,13 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
 
 static const csp_place joint_control_run_servo_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [READS_FEEDBACK_3]
-        = {.waiting = CSP_AT_READ, .failed = FAILS_4, .where = "laws.csp:56",
-            .inner = "homing.servo", .offset = offsetof(struct joint_control, feedback_4)},
+    [READS_FEEDBACK_3] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS_4,
+        .where = "laws.csp:56",
+        .inner = "homing.servo",
+        .offset = offsetof(struct joint_control, feedback_4)
+    },
     [FAILS_4] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_4, .where = "jiwy.csp:104"}
 };
 
@@ -172,8 +162,8 @@ static const csp_class joint_control_run_servo_class = {
 
 static csp_party *joint_control_run_velocity_2_step(csp_party *party)
 {
-    struct joint_control *const self
-        = CSP_ENCLOSING(party, struct joint_control, run_velocity_branch_2);
+    struct joint_control *const self =
+        CSP_ENCLOSING(party, struct joint_control, run_velocity_branch_2);
     csp_progress progress;
 
     switch (party->state) {
@@ -181,59 +171,54 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
         do {
             /* VelocityController (laws.csp:88) */
             CSP_TAKE(csp_sampled_read, &self->feedback_2, self->alignR_velocity_feedback,
-                    READS_FEEDBACK_2, fails)
+                READS_FEEDBACK_2, fails)
             /* alignR.velocity: Constant speed: PI on the filtered difference of the encoder, its
              * output limited, so that it presses gently on the end stop. The end stop is the
              * joint standing still for `dwell` although the controller drives with more than
              * `effort`; `max` is where the joint is. (jiwy.csp:39)
              */
             {
-                double alignR_velocity_difference;
-                double alignR_velocity_velocity;
-                double alignR_velocity_error;
-                double alignR_velocity_i;
-                double alignR_velocity_sum;
-                bool alignR_velocity_pressing;
-                double alignR_velocity_held;
-                double alignR_velocity_filtered_next;
-                double alignR_velocity_ui_next;
-                double alignR_velocity_pressed_next;
                 /* laws.csp:103 */
-                alignR_velocity_difference = self->alignR_velocity_moving
+                const double alignR_velocity_difference = self->alignR_velocity_moving
                     ? csp_divide(self->alignR_velocity_feedback - self->alignR_velocity_last,
-                        self->alignR_velocity_sample) : 0.0;
+                        self->alignR_velocity_sample)
+                    : 0.0;
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:103", fails);
                 /* laws.csp:104 */
-                alignR_velocity_velocity = self->alignR_velocity_filtered
+                const double alignR_velocity_velocity = self->alignR_velocity_filtered
                     + csp_divide(self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
-                    * (alignR_velocity_difference - self->alignR_velocity_filtered);
+                        * (alignR_velocity_difference - self->alignR_velocity_filtered);
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:104", fails);
-                alignR_velocity_error = 1.0 - alignR_velocity_velocity; /* laws.csp:105 */
+                /* laws.csp:105 */
+                const double alignR_velocity_error = 1.0 - alignR_velocity_velocity;
                 /* laws.csp:106 */
-                alignR_velocity_i = self->alignR_velocity_ui
+                const double alignR_velocity_i = self->alignR_velocity_ui
                     + self->alignR_velocity_sample * 2.2 * alignR_velocity_error;
-                alignR_velocity_sum = self->alignKp * alignR_velocity_error
-                    + alignR_velocity_i; /* laws.csp:107 */
+                /* laws.csp:107 */
+                const double alignR_velocity_sum =
+                    self->alignKp * alignR_velocity_error + alignR_velocity_i;
                 /* laws.csp:109 */
                 self->alignR_velocity_control = csp_real(csp_limit(alignR_velocity_sum, -1.5, 1.5));
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:109", fails);
                 /* laws.csp:115 */
-                alignR_velocity_pressing = fabs(alignR_velocity_velocity) < 0.1
-                    && self->alignR_velocity_control > 0.9;
+                const bool alignR_velocity_pressing =
+                    (fabs(alignR_velocity_velocity) < 0.1) && (self->alignR_velocity_control > 0.9);
                 /* laws.csp:116 */
-                alignR_velocity_held = alignR_velocity_pressing
-                    ? self->alignR_velocity_pressed + self->alignR_velocity_sample : 0.0;
+                const double alignR_velocity_held = alignR_velocity_pressing
+                    ? self->alignR_velocity_pressed + self->alignR_velocity_sample
+                    : 0.0;
                 self->alignR_velocity_stop = alignR_velocity_held >= 0.1; /* laws.csp:118 */
-                alignR_velocity_filtered_next
-                    = csp_real(alignR_velocity_velocity); /* laws.csp:99 */
+                /* laws.csp:99 */
+                const double alignR_velocity_filtered_next = csp_real(alignR_velocity_velocity);
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:99", fails);
                 /* laws.csp:100 */
-                alignR_velocity_ui_next
-                    = csp_real(alignR_velocity_sum == self->alignR_velocity_control
-                            ? alignR_velocity_i
+                const double alignR_velocity_ui_next = csp_real((alignR_velocity_sum
+                            == self->alignR_velocity_control)
+                        ? alignR_velocity_i
                         : self->alignR_velocity_ui);
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:100", fails);
-                alignR_velocity_pressed_next = csp_real(alignR_velocity_held); /* laws.csp:101 */
+                /* laws.csp:101 */
+                const double alignR_velocity_pressed_next = csp_real(alignR_velocity_held);
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:101", fails);
                 self->alignR_velocity_moving = true; /* laws.csp:97 */
                 self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:98 */
@@ -246,11 +231,11 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
             csp_finite(self->alignR_velocity_control, self->control->name);
             CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:88", fails);
             (void)csp_latched_write(party, self->control, &self->alignR_velocity_control,
-                    sizeof(self->alignR_velocity_control));
+                sizeof(self->alignR_velocity_control));
             self->rightmax = self->alignR_velocity_feedback;
             self->rightmax_written.done = true;
             self->alignR_stop = self->alignR_velocity_stop;
-        } while (!(self->alignR_stop));
+        } while (!self->alignR_stop);
         return csp_end(party);
     case FAILS_3:
     fails:
@@ -263,9 +248,13 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
 
 static const csp_place joint_control_run_velocity_2_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [READS_FEEDBACK_2]
-        = {.waiting = CSP_AT_READ, .failed = FAILS_3, .where = "laws.csp:88",
-            .inner = "alignR.velocity", .offset = offsetof(struct joint_control, feedback_2)},
+    [READS_FEEDBACK_2] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS_3,
+        .where = "laws.csp:88",
+        .inner = "alignR.velocity",
+        .offset = offsetof(struct joint_control, feedback_2)
+    },
     [FAILS_3] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_3, .where = "jiwy.csp:104"}
 };
 
@@ -279,8 +268,8 @@ static const csp_class joint_control_run_velocity_2_class = {
 
 static csp_party *joint_control_run_velocity_step(csp_party *party)
 {
-    struct joint_control *const self
-        = CSP_ENCLOSING(party, struct joint_control, run_velocity_branch);
+    struct joint_control *const self =
+        CSP_ENCLOSING(party, struct joint_control, run_velocity_branch);
     csp_progress progress;
 
     switch (party->state) {
@@ -288,59 +277,54 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
         do {
             /* VelocityController (laws.csp:88) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->alignL_velocity_feedback,
-                    READS_FEEDBACK, fails)
+                READS_FEEDBACK, fails)
             /* alignL.velocity: Constant speed: PI on the filtered difference of the encoder, its
              * output limited, so that it presses gently on the end stop. The end stop is the
              * joint standing still for `dwell` although the controller drives with more than
              * `effort`; `max` is where the joint is. (jiwy.csp:39)
              */
             {
-                double alignL_velocity_difference;
-                double alignL_velocity_velocity;
-                double alignL_velocity_error;
-                double alignL_velocity_i;
-                double alignL_velocity_sum;
-                bool alignL_velocity_pressing;
-                double alignL_velocity_held;
-                double alignL_velocity_filtered_next;
-                double alignL_velocity_ui_next;
-                double alignL_velocity_pressed_next;
                 /* laws.csp:103 */
-                alignL_velocity_difference = self->alignL_velocity_moving
+                const double alignL_velocity_difference = self->alignL_velocity_moving
                     ? csp_divide(self->alignL_velocity_feedback - self->alignL_velocity_last,
-                        self->alignL_velocity_sample) : 0.0;
+                        self->alignL_velocity_sample)
+                    : 0.0;
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:103", fails);
                 /* laws.csp:104 */
-                alignL_velocity_velocity = self->alignL_velocity_filtered
+                const double alignL_velocity_velocity = self->alignL_velocity_filtered
                     + csp_divide(self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
-                    * (alignL_velocity_difference - self->alignL_velocity_filtered);
+                        * (alignL_velocity_difference - self->alignL_velocity_filtered);
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:104", fails);
-                alignL_velocity_error = -1.0 - alignL_velocity_velocity; /* laws.csp:105 */
+                /* laws.csp:105 */
+                const double alignL_velocity_error = -1.0 - alignL_velocity_velocity;
                 /* laws.csp:106 */
-                alignL_velocity_i = self->alignL_velocity_ui
+                const double alignL_velocity_i = self->alignL_velocity_ui
                     + self->alignL_velocity_sample * 2.2 * alignL_velocity_error;
-                alignL_velocity_sum = self->alignKp * alignL_velocity_error
-                    + alignL_velocity_i; /* laws.csp:107 */
+                /* laws.csp:107 */
+                const double alignL_velocity_sum =
+                    self->alignKp * alignL_velocity_error + alignL_velocity_i;
                 /* laws.csp:109 */
                 self->alignL_velocity_control = csp_real(csp_limit(alignL_velocity_sum, -1.5, 1.5));
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:109", fails);
                 /* laws.csp:115 */
-                alignL_velocity_pressing = fabs(alignL_velocity_velocity) < 0.1
-                    && self->alignL_velocity_control * -1.0 > 0.9;
+                const bool alignL_velocity_pressing = (fabs(alignL_velocity_velocity) < 0.1)
+                    && (self->alignL_velocity_control * -1.0 > 0.9);
                 /* laws.csp:116 */
-                alignL_velocity_held = alignL_velocity_pressing
-                    ? self->alignL_velocity_pressed + self->alignL_velocity_sample : 0.0;
+                const double alignL_velocity_held = alignL_velocity_pressing
+                    ? self->alignL_velocity_pressed + self->alignL_velocity_sample
+                    : 0.0;
                 self->alignL_velocity_stop = alignL_velocity_held >= 0.1; /* laws.csp:118 */
-                alignL_velocity_filtered_next
-                    = csp_real(alignL_velocity_velocity); /* laws.csp:99 */
+                /* laws.csp:99 */
+                const double alignL_velocity_filtered_next = csp_real(alignL_velocity_velocity);
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:99", fails);
                 /* laws.csp:100 */
-                alignL_velocity_ui_next
-                    = csp_real(alignL_velocity_sum == self->alignL_velocity_control
-                            ? alignL_velocity_i
+                const double alignL_velocity_ui_next = csp_real((alignL_velocity_sum
+                            == self->alignL_velocity_control)
+                        ? alignL_velocity_i
                         : self->alignL_velocity_ui);
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:100", fails);
-                alignL_velocity_pressed_next = csp_real(alignL_velocity_held); /* laws.csp:101 */
+                /* laws.csp:101 */
+                const double alignL_velocity_pressed_next = csp_real(alignL_velocity_held);
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:101", fails);
                 self->alignL_velocity_moving = true; /* laws.csp:97 */
                 self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:98 */
@@ -353,11 +337,11 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
             csp_finite(self->alignL_velocity_control, self->control->name);
             CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:88", fails);
             (void)csp_latched_write(party, self->control, &self->alignL_velocity_control,
-                    sizeof(self->alignL_velocity_control));
+                sizeof(self->alignL_velocity_control));
             self->leftmax = self->alignL_velocity_feedback;
             self->leftmax_written.done = true;
             self->alignL_stop = self->alignL_velocity_stop;
-        } while (!(self->alignL_stop));
+        } while (!self->alignL_stop);
         return csp_end(party);
     case FAILS_2:
     fails:
@@ -370,9 +354,13 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
 
 static const csp_place joint_control_run_velocity_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [READS_FEEDBACK]
-        = {.waiting = CSP_AT_READ, .failed = FAILS_2, .where = "laws.csp:88",
-            .inner = "alignL.velocity", .offset = offsetof(struct joint_control, feedback)},
+    [READS_FEEDBACK] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS_2,
+        .where = "laws.csp:88",
+        .inner = "alignL.velocity",
+        .offset = offsetof(struct joint_control, feedback)
+    },
     [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "jiwy.csp:104"}
 };
 
@@ -386,7 +374,7 @@ static const csp_class joint_control_run_velocity_class = {
 
 static csp_party *joint_control_step(csp_party *party)
 {
-    struct joint_control *const self = (struct joint_control *)(void *)party;
+    struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
     csp_progress progress;
 
     switch (party->state) {
@@ -397,14 +385,14 @@ static csp_party *joint_control_step(csp_party *party)
          */
         csp_observe_begin(party->number + 1U);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
-        csp_interrupt_prepare(&self->interrupt_run_velocity_branch);
-        csp_guard_after(&self->interrupt_run_velocity_branch.alternative, 0U,
-                &self->interrupt_run_velocity_branch.timer);
-        csp_delay(&self->interrupt_run_velocity_branch.alternative, 0U, 10 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_velocity_branch),
-                csp_interruptible_again(party, &self->interrupt_run_velocity_branch),
-            INTERRUPTIBLE_RUN_VELOCITY_BRANCH, catches_timeout)
-        if (self->interrupt_run_velocity_branch.taken) {
+        csp_interrupt_prepare(&self->interrupt_run_velocity);
+        csp_guard_after(&self->interrupt_run_velocity.alternative, 0U,
+            &self->interrupt_run_velocity.timer);
+        csp_delay(&self->interrupt_run_velocity.alternative, 0U, 10 * CSP_S);
+        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_velocity),
+            csp_interruptible_again(party, &self->interrupt_run_velocity),
+            INTERRUPTIBLE_RUN_VELOCITY, catches_timeout)
+        if (self->interrupt_run_velocity.taken) {
             /* after patience (jiwy.csp:39) */
             /* failed := true (jiwy.csp:39) */
             self->alignL_failed = true;
@@ -418,14 +406,12 @@ static csp_party *joint_control_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:39) */
         self->alignL_failed = true;
-    after_catches_timeout:;
+    after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
         CSP_CHECK(alignl_fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT_INSIDE("alignL", "jiwy.csp:40", alignl_fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->alignL_failed) {
             /* raise ModeFailed (jiwy.csp:41) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
@@ -440,20 +426,20 @@ static csp_party *joint_control_step(csp_party *party)
         csp_ends_close(&self->alignL_samples);
         csp_observe_end(party->number + 1U);
         goto fails;
-    after_alignl_fails:;
+    after_alignl_fails:
         /* alignR: Turns one joint at constant speed until it meets its end stop, and remembers
          * where that was. (jiwy.csp:129)
          */
         csp_observe_begin(party->number + 2U);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
-        csp_interrupt_prepare(&self->interrupt_run_velocity_branch_2);
-        csp_guard_after(&self->interrupt_run_velocity_branch_2.alternative, 0U,
-                &self->interrupt_run_velocity_branch_2.timer);
-        csp_delay(&self->interrupt_run_velocity_branch_2.alternative, 0U, 10 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_velocity_branch_2),
-                csp_interruptible_again(party, &self->interrupt_run_velocity_branch_2),
-            INTERRUPTIBLE_RUN_VELOCITY_BRANCH_2, catches_timeout_2)
-        if (self->interrupt_run_velocity_branch_2.taken) {
+        csp_interrupt_prepare(&self->interrupt_run_velocity_2);
+        csp_guard_after(&self->interrupt_run_velocity_2.alternative, 0U,
+            &self->interrupt_run_velocity_2.timer);
+        csp_delay(&self->interrupt_run_velocity_2.alternative, 0U, 10 * CSP_S);
+        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_velocity_2),
+            csp_interruptible_again(party, &self->interrupt_run_velocity_2),
+            INTERRUPTIBLE_RUN_VELOCITY_2, catches_timeout_2)
+        if (self->interrupt_run_velocity_2.taken) {
             /* after patience (jiwy.csp:39) */
             /* failed := true (jiwy.csp:39) */
             self->alignR_failed = true;
@@ -467,14 +453,12 @@ static csp_party *joint_control_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:39) */
         self->alignR_failed = true;
-    after_catches_timeout_2:;
+    after_catches_timeout_2:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
         CSP_CHECK(alignr_fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT_INSIDE("alignR", "jiwy.csp:40", alignr_fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->alignR_failed) {
             /* raise ModeFailed (jiwy.csp:41) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
@@ -489,7 +473,7 @@ static csp_party *joint_control_step(csp_party *party)
         csp_ends_close(&self->alignR_samples);
         csp_observe_end(party->number + 2U);
         goto fails;
-    after_alignr_fails:;
+    after_alignr_fails:
         /* motionControl: Servo that follows the joystick until the stop button is pressed, then
          * releases the motor. (jiwy.csp:129)
          */
@@ -497,34 +481,33 @@ static csp_party *joint_control_step(csp_party *party)
         do {
             /* (joystick_buttons ? status -> skip []> feedback -> servo) (jiwy.csp:68) */
             CSP_AWAIT(csp_select(party, &self->motionControl_choice.alternative),
-                    csp_select_again(party, &self->motionControl_choice.alternative),
+                csp_select_again(party, &self->motionControl_choice.alternative),
                 MOTION_CONTROL_CHOOSES, catches_timeout_3)
-            if (self->motionControl_choice.alternative.chosen == 0U) {
-                /* joystick_buttons ? status (jiwy.csp:68) */
-            } else {
+            /* joystick_buttons ? status (jiwy.csp:68) */
+            if (self->motionControl_choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* PositionController (laws.csp:56) */
                 if (csp_offers_begin(party, &self->offers) == CSP_FAILS) {
                     goto catches_timeout_3;
                 }
-                self->motionControl_servo_leftmax
-                    = (*(csp_require_written(&self->leftmax_written), &self->leftmax));
+                csp_require_written(&self->leftmax_written);
                 if (csp_faulted()) {
                     csp_offers_give_up(&self->offers);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56", catches_timeout_3);
                 }
-                self->motionControl_servo_rightmax
-                    = (*(csp_require_written(&self->rightmax_written), &self->rightmax));
+                self->motionControl_servo_leftmax = self->leftmax;
+                csp_require_written(&self->rightmax_written);
                 if (csp_faulted()) {
                     csp_offers_give_up(&self->offers);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56", catches_timeout_3);
                 }
+                self->motionControl_servo_rightmax = self->rightmax;
                 CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback_3,
-                        self->motionControl_servo_feedback, READS_INPUTS, catches_timeout_3)
+                    self->motionControl_servo_feedback, READS_INPUTS, catches_timeout_3)
                 CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
-                        self->motionControl_servo_setpoint, READS_INPUTS, catches_timeout_3)
+                    self->motionControl_servo_setpoint, READS_INPUTS, catches_timeout_3)
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
-                        READS_INPUTS, catches_timeout_3)
+                    READS_INPUTS, catches_timeout_3)
                 /* motionControl.servo: Position servo of one joint. The set-point counts from
                  * the centre between the end stops, 1 being `reach`; `reference` is the angle
                  * that this means. The voltage for the friction is added in the direction in
@@ -532,122 +515,113 @@ static csp_party *joint_control_step(csp_party *party)
                  * for `dwell`. (jiwy.csp:68)
                  */
                 {
-                    double motionControl_servo_centre;
-                    double motionControl_servo_profile_from;
-                    double motionControl_servo_profile_velocity;
-                    double motionControl_servo_profile_angle;
-                    double motionControl_servo_pid_error;
-                    double motionControl_servo_pid_d;
-                    double motionControl_servo_pid_i;
-                    double motionControl_servo_pid_sum;
-                    double motionControl_servo_pid_output;
-                    double motionControl_servo_assistance;
-                    double motionControl_servo_standing;
-                    double motionControl_servo_profile_last_next;
-                    double motionControl_servo_pid_e1_next;
-                    double motionControl_servo_pid_ud_next;
-                    double motionControl_servo_pid_ui_next;
-                    double motionControl_servo_arrived_next;
                     /* laws.csp:71 */
-                    motionControl_servo_centre
-                        = (self->motionControl_servo_leftmax + self->motionControl_servo_rightmax)
-                            / 2.0;
+                    const double motionControl_servo_centre = (self->motionControl_servo_leftmax
+                            + self->motionControl_servo_rightmax)
+                        / 2.0;
                     /* laws.csp:72 */
-                    self->motionControl_servo_reference
-                        = csp_real(csp_limit(motionControl_servo_centre
-                                    + 1.25 * self->motionControl_servo_setpoint,
-                                self->motionControl_servo_leftmax + 0.05,
-                                    self->motionControl_servo_rightmax - 0.05));
+                    self->motionControl_servo_reference = csp_real(csp_limit(
+                            motionControl_servo_centre + 1.25 * self->motionControl_servo_setpoint,
+                            self->motionControl_servo_leftmax + 0.05,
+                            self->motionControl_servo_rightmax - 0.05));
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:72", catches_timeout_3);
                     /* laws.csp:35 */
-                    motionControl_servo_profile_from = self->motionControl_servo_profile_moving
-                        ? self->motionControl_servo_profile_last
+                    const double motionControl_servo_profile_from =
+                        self->motionControl_servo_profile_moving
+                            ? self->motionControl_servo_profile_last
                             : self->motionControl_servo_feedback;
                     /* laws.csp:36 */
-                    motionControl_servo_profile_velocity
-                        = csp_limit((self->motionControl_servo_reference
-                                    - motionControl_servo_profile_from) / 0.05,
+                    const double motionControl_servo_profile_velocity =
+                        csp_limit((self->motionControl_servo_reference
+                                    - motionControl_servo_profile_from)
+                                / 0.05,
                             -6.0, 6.0);
                     /* laws.csp:37 */
-                    motionControl_servo_profile_angle = motionControl_servo_profile_from
-                        + self->motionControl_servo_sample * motionControl_servo_profile_velocity;
+                    const double motionControl_servo_profile_angle =
+                        motionControl_servo_profile_from
+                            + self->motionControl_servo_sample
+                                * motionControl_servo_profile_velocity;
                     /* laws.csp:75 */
-                    motionControl_servo_pid_error = motionControl_servo_profile_angle
-                        - self->motionControl_servo_feedback;
+                    const double motionControl_servo_pid_error =
+                        motionControl_servo_profile_angle - self->motionControl_servo_feedback;
                     /* laws.csp:15 */
-                    motionControl_servo_pid_d = self->motionControl_servo_pid_f
+                    const double motionControl_servo_pid_d = self->motionControl_servo_pid_f
                         * (self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta
-                            * self->motionControl_servo_pid_ud
-                        + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_kp
-                        * (motionControl_servo_pid_error - self->motionControl_servo_pid_e1)
-                        + self->motionControl_servo_sample * self->motionControl_servo_pid_kp
-                        * motionControl_servo_pid_error);
+                                * self->motionControl_servo_pid_ud
+                            + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_kp
+                                * (motionControl_servo_pid_error - self->motionControl_servo_pid_e1)
+                            + self->motionControl_servo_sample * self->motionControl_servo_pid_kp
+                                * motionControl_servo_pid_error);
                     /* laws.csp:16 */
-                    motionControl_servo_pid_i = self->motionControl_servo_pid_ui
+                    const double motionControl_servo_pid_i = self->motionControl_servo_pid_ui
                         + csp_divide(self->motionControl_servo_sample * motionControl_servo_pid_d,
                             self->motionControl_servo_pid_tauI);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:16", catches_timeout_3);
                     /* laws.csp:17 */
-                    motionControl_servo_pid_sum = motionControl_servo_pid_i
-                        + motionControl_servo_pid_d;
+                    const double motionControl_servo_pid_sum =
+                        motionControl_servo_pid_i + motionControl_servo_pid_d;
                     /* laws.csp:19 */
-                    motionControl_servo_pid_output
-                        = csp_limit(motionControl_servo_pid_sum, -0.99, 0.99);
+                    const double motionControl_servo_pid_output =
+                        csp_limit(motionControl_servo_pid_sum, -0.99, 0.99);
                     /* laws.csp:77 */
-                    motionControl_servo_assistance = self->gains.friction
+                    const double motionControl_servo_assistance = self->gains.friction
                         * csp_limit(motionControl_servo_profile_velocity / 0.05, -1.0, 1.0);
                     /* laws.csp:78 */
-                    self->motionControl_servo_control
-                        = csp_real(csp_limit(supply * motionControl_servo_pid_output
-                                    + motionControl_servo_assistance,
-                                -12.0, supply));
+                    self->motionControl_servo_control = csp_real(csp_limit(supply
+                                    * motionControl_servo_pid_output
+                                + motionControl_servo_assistance,
+                            -12.0, supply));
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:78", catches_timeout_3);
                     /* laws.csp:80 */
-                    motionControl_servo_standing
-                        = fabs(self->motionControl_servo_reference
-                                - self->motionControl_servo_feedback)
-                        < self->gains.tolerance
+                    const double motionControl_servo_standing =
+                        (fabs(self->motionControl_servo_reference
+                                        - self->motionControl_servo_feedback)
+                                < self->gains.tolerance)
                             ? self->motionControl_servo_arrived + self->motionControl_servo_sample
-                        : 0.0;
+                            : 0.0;
                     /* laws.csp:33 */
-                    motionControl_servo_profile_last_next
-                        = csp_real(motionControl_servo_profile_angle);
+                    const double motionControl_servo_profile_last_next =
+                        csp_real(motionControl_servo_profile_angle);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:33", catches_timeout_3);
-                    motionControl_servo_pid_e1_next
-                        = csp_real(motionControl_servo_pid_error); /* laws.csp:10 */
+                    /* laws.csp:10 */
+                    const double motionControl_servo_pid_e1_next =
+                        csp_real(motionControl_servo_pid_error);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:10", catches_timeout_3);
-                    motionControl_servo_pid_ud_next
-                        = csp_real(motionControl_servo_pid_d); /* laws.csp:11 */
+                    /* laws.csp:11 */
+                    const double motionControl_servo_pid_ud_next =
+                        csp_real(motionControl_servo_pid_d);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:11", catches_timeout_3);
                     /* laws.csp:12 */
-                    motionControl_servo_pid_ui_next
-                        = csp_real(motionControl_servo_pid_sum == motionControl_servo_pid_output
-                            ? motionControl_servo_pid_i : self->motionControl_servo_pid_ui);
+                    const double motionControl_servo_pid_ui_next =
+                        csp_real((motionControl_servo_pid_sum == motionControl_servo_pid_output)
+                                ? motionControl_servo_pid_i
+                                : self->motionControl_servo_pid_ui);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:12", catches_timeout_3);
-                    motionControl_servo_arrived_next
-                        = csp_real(motionControl_servo_standing); /* laws.csp:69 */
+                    /* laws.csp:69 */
+                    const double motionControl_servo_arrived_next =
+                        csp_real(motionControl_servo_standing);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:69", catches_timeout_3);
                     self->motionControl_servo_profile_moving = true; /* laws.csp:32 */
-                    self->motionControl_servo_profile_last
-                        = motionControl_servo_profile_last_next; /* laws.csp:33 */
-                    self->motionControl_servo_pid_e1
-                        = motionControl_servo_pid_e1_next; /* laws.csp:10 */
-                    self->motionControl_servo_pid_ud
-                        = motionControl_servo_pid_ud_next; /* laws.csp:11 */
-                    self->motionControl_servo_pid_ui
-                        = motionControl_servo_pid_ui_next; /* laws.csp:12 */
-                    self->motionControl_servo_arrived
-                        = motionControl_servo_arrived_next; /* laws.csp:69 */
+                    /* laws.csp:33 */
+                    self->motionControl_servo_profile_last = motionControl_servo_profile_last_next;
+                    /* laws.csp:10 */
+                    self->motionControl_servo_pid_e1 = motionControl_servo_pid_e1_next;
+                    /* laws.csp:11 */
+                    self->motionControl_servo_pid_ud = motionControl_servo_pid_ud_next;
+                    /* laws.csp:12 */
+                    self->motionControl_servo_pid_ui = motionControl_servo_pid_ui_next;
+                    /* laws.csp:69 */
+                    self->motionControl_servo_arrived = motionControl_servo_arrived_next;
                 }
                 /* PositionController (laws.csp:56) */
                 CSP_CHECK(catches_timeout_3)
                 csp_finite(self->motionControl_servo_control, self->control->name);
                 CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56", catches_timeout_3);
                 (void)csp_latched_write(party, self->control, &self->motionControl_servo_control,
-                        sizeof(self->motionControl_servo_control));
+                    sizeof(self->motionControl_servo_control));
                 self->motionControl_reference = self->motionControl_servo_reference;
             }
-        } while (!(self->motionControl_status == stopButton));
+        } while (self->motionControl_status != stopButton);
         goto after_catches_timeout_3;
     case CATCHES_TIMEOUT_3:
     catches_timeout_3:
@@ -657,14 +631,12 @@ static csp_party *joint_control_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:69) */
         self->motionControl_failed = true;
-    after_catches_timeout_3:;
+    after_catches_timeout_3:
         /* control ! 0<V> (jiwy.csp:70) */
         self->sent.control = 0.0;
         CSP_CHECK(motioncontrol_fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT_INSIDE("motionControl", "jiwy.csp:70", motioncontrol_fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->motionControl_failed) {
             /* raise ModeFailed (jiwy.csp:71) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
@@ -679,22 +651,20 @@ static csp_party *joint_control_step(csp_party *party)
         csp_ends_close(&self->motionControl_samples);
         csp_observe_end(party->number + 3U);
         goto fails;
-    after_motioncontrol_fails:;
+    after_motioncontrol_fails:
         /* homing: Servo back to the centre; there, or where its patience ends, the motor is
          * released. (jiwy.csp:129)
          */
         csp_observe_begin(party->number + 4U);
         /* (mu servo until stop) interrupt after patience -> skip (jiwy.csp:97) */
-        csp_interrupt_prepare(&self->interrupt_run_servo_branch);
-        csp_guard_after(&self->interrupt_run_servo_branch.alternative, 0U,
-                &self->interrupt_run_servo_branch.timer);
-        csp_delay(&self->interrupt_run_servo_branch.alternative, 0U, 3 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_servo_branch),
-                csp_interruptible_again(party, &self->interrupt_run_servo_branch),
-            INTERRUPTIBLE_RUN_SERVO_BRANCH, catches_timeout_4)
-        if (self->interrupt_run_servo_branch.taken) {
-            /* after patience (jiwy.csp:97) */
-        }
+        csp_interrupt_prepare(&self->interrupt_run_servo);
+        csp_guard_after(&self->interrupt_run_servo.alternative, 0U,
+            &self->interrupt_run_servo.timer);
+        csp_delay(&self->interrupt_run_servo.alternative, 0U, 3 * CSP_S);
+        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_servo),
+            csp_interruptible_again(party, &self->interrupt_run_servo), INTERRUPTIBLE_RUN_SERVO,
+            catches_timeout_4)
+        /* after patience (jiwy.csp:97) */
         goto after_catches_timeout_4;
     case CATCHES_TIMEOUT_4:
     catches_timeout_4:
@@ -704,14 +674,12 @@ static csp_party *joint_control_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:97) */
         self->homing_failed = true;
-    after_catches_timeout_4:;
+    after_catches_timeout_4:
         /* control ! 0<V> (jiwy.csp:98) */
         self->sent.control = 0.0;
         CSP_CHECK(homing_fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT_INSIDE("homing", "jiwy.csp:98", homing_fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->homing_failed) {
             /* raise ModeFailed (jiwy.csp:99) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:99");
@@ -726,7 +694,7 @@ static csp_party *joint_control_step(csp_party *party)
         csp_ends_close(&self->homing_samples);
         csp_observe_end(party->number + 4U);
         goto fails;
-    after_homing_fails:;
+    after_homing_fails:
         csp_observe_end(party->number);
         return csp_end(party);
     fails:
@@ -740,33 +708,61 @@ static csp_party *joint_control_step(csp_party *party)
 
 static const csp_place joint_control_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [INTERRUPTIBLE_RUN_VELOCITY_BRANCH]
-        = {.waiting = CSP_AT_INTERRUPT, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:39",
-            .inner = "alignL",
-        .offset = offsetof(struct joint_control, interrupt_run_velocity_branch)},
-    [CATCHES_TIMEOUT]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:39"},
-    [INTERRUPTIBLE_RUN_VELOCITY_BRANCH_2]
-        = {.waiting = CSP_AT_INTERRUPT, .failed = CATCHES_TIMEOUT_2, .where = "jiwy.csp:39",
-            .inner = "alignR",
-        .offset = offsetof(struct joint_control, interrupt_run_velocity_branch_2)},
-    [CATCHES_TIMEOUT_2]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT_2, .where = "jiwy.csp:39"},
-    [MOTION_CONTROL_CHOOSES]
-        = {.waiting = CSP_AT_ALTERNATIVE, .failed = CATCHES_TIMEOUT_3, .where = "jiwy.csp:68",
-            .inner = "motionControl",
-        .offset = offsetof(struct joint_control, motionControl_choice.alternative)},
-    [READS_INPUTS]
-        = {.waiting = CSP_AT_INPUTS, .failed = CATCHES_TIMEOUT_3, .where = "laws.csp:56",
-            .inner = "motionControl.servo", .offset = offsetof(struct joint_control, offers)},
-    [CATCHES_TIMEOUT_3]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT_3, .where = "jiwy.csp:68"},
-    [INTERRUPTIBLE_RUN_SERVO_BRANCH]
-        = {.waiting = CSP_AT_INTERRUPT, .failed = CATCHES_TIMEOUT_4, .where = "jiwy.csp:97",
-            .inner = "homing",
-        .offset = offsetof(struct joint_control, interrupt_run_servo_branch)},
-    [CATCHES_TIMEOUT_4]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT_4, .where = "jiwy.csp:97"}
+    [INTERRUPTIBLE_RUN_VELOCITY] = {
+        .waiting = CSP_AT_INTERRUPT,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:39",
+        .inner = "alignL",
+        .offset = offsetof(struct joint_control, interrupt_run_velocity)
+    },
+    [CATCHES_TIMEOUT] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:39"
+    },
+    [INTERRUPTIBLE_RUN_VELOCITY_2] = {
+        .waiting = CSP_AT_INTERRUPT,
+        .failed = CATCHES_TIMEOUT_2,
+        .where = "jiwy.csp:39",
+        .inner = "alignR",
+        .offset = offsetof(struct joint_control, interrupt_run_velocity_2)
+    },
+    [CATCHES_TIMEOUT_2] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT_2,
+        .where = "jiwy.csp:39"
+    },
+    [MOTION_CONTROL_CHOOSES] = {
+        .waiting = CSP_AT_ALTERNATIVE,
+        .failed = CATCHES_TIMEOUT_3,
+        .where = "jiwy.csp:68",
+        .inner = "motionControl",
+        .offset = offsetof(struct joint_control, motionControl_choice.alternative)
+    },
+    [READS_INPUTS] = {
+        .waiting = CSP_AT_INPUTS,
+        .failed = CATCHES_TIMEOUT_3,
+        .where = "laws.csp:56",
+        .inner = "motionControl.servo",
+        .offset = offsetof(struct joint_control, offers)
+    },
+    [CATCHES_TIMEOUT_3] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT_3,
+        .where = "jiwy.csp:68"
+    },
+    [INTERRUPTIBLE_RUN_SERVO] = {
+        .waiting = CSP_AT_INTERRUPT,
+        .failed = CATCHES_TIMEOUT_4,
+        .where = "jiwy.csp:97",
+        .inner = "homing",
+        .offset = offsetof(struct joint_control, interrupt_run_servo)
+    },
+    [CATCHES_TIMEOUT_4] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT_4,
+        .where = "jiwy.csp:97"
+    }
 };
 
 static const csp_class joint_control_class = {
@@ -778,8 +774,7 @@ static const csp_class joint_control_class = {
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-        const struct joint_control_ports *ports, int64_t T, struct servo_gains gains,
-    double alignKp)
+    const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double alignKp)
 {
     csp_process_init(&self->process, &joint_control_class, numbers->process);
     numbers->process += 5U;
@@ -800,18 +795,16 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->motionControl_servo_sample = csp_seconds(T);
     self->motionControl_servo_pid_tauD = csp_seconds(gains.tauD);
     self->motionControl_servo_pid_beta = gains.beta;
-    self->motionControl_servo_pid_f
-        = csp_divide(1.0,
-            self->motionControl_servo_sample
-        + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta);
+    self->motionControl_servo_pid_f = csp_divide(1.0,
+        self->motionControl_servo_sample
+            + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta);
     self->motionControl_servo_pid_kp = gains.kp;
     self->motionControl_servo_pid_tauI = csp_seconds(gains.tauI);
     self->homing_servo_sample = csp_seconds(T);
     self->homing_servo_pid_tauD = csp_seconds(gains.tauD);
     self->homing_servo_pid_beta = gains.beta;
-    self->homing_servo_pid_f
-        = csp_divide(1.0,
-            self->homing_servo_sample + self->homing_servo_pid_tauD * self->homing_servo_pid_beta);
+    self->homing_servo_pid_f = csp_divide(1.0,
+        self->homing_servo_sample + self->homing_servo_pid_tauD * self->homing_servo_pid_beta);
     self->homing_servo_pid_kp = gains.kp;
     self->homing_servo_pid_tauI = csp_seconds(gains.tauI);
     self->alignL_velocity_moving = false;
@@ -839,27 +832,27 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     csp_offers_init(&self->offers, self->offers_made, 2U);
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->alignL_samples);
     csp_sampled_end_init(&self->feedback_2, ports->feedback, &self->alignR_samples);
-    self->joystick_buttons
-        = csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
+    self->joystick_buttons =
+        csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
     csp_sampled_end_init(&self->feedback_3, ports->feedback, &self->motionControl_samples);
     csp_sampled_end_init(&self->joystick_axis, ports->joystick_axis, &self->motionControl_samples);
-    csp_alternative_init(&self->motionControl_choice.alternative,
-            self->motionControl_choice.guards, 2U, NULL, true);
+    csp_alternative_init(&self->motionControl_choice.alternative, self->motionControl_choice.guards,
+        2U, NULL, true);
     csp_guard_read(&self->motionControl_choice.alternative, 0U, &self->joystick_buttons->medium,
-            &self->motionControl_status, sizeof(self->motionControl_status));
+        &self->motionControl_status, sizeof(self->motionControl_status));
     csp_guard_ready(&self->motionControl_choice.alternative, 1U, &self->feedback_3.medium);
     csp_enable_all(&self->motionControl_choice.alternative);
     csp_sampled_end_init(&self->feedback_4, ports->feedback, &self->homing_samples);
     csp_process_init(&self->run_velocity_branch, &joint_control_run_velocity_class,
-            self->process.party.number);
-    csp_interrupt_init(&self->interrupt_run_velocity_branch,
-            (uint32_t)offsetof(struct joint_control, run_velocity_branch));
+        self->process.party.number);
+    csp_interrupt_init(&self->interrupt_run_velocity,
+        (uint32_t)offsetof(struct joint_control, run_velocity_branch));
     csp_process_init(&self->run_velocity_branch_2, &joint_control_run_velocity_2_class,
-            self->process.party.number);
-    csp_interrupt_init(&self->interrupt_run_velocity_branch_2,
-            (uint32_t)offsetof(struct joint_control, run_velocity_branch_2));
+        self->process.party.number);
+    csp_interrupt_init(&self->interrupt_run_velocity_2,
+        (uint32_t)offsetof(struct joint_control, run_velocity_branch_2));
     csp_process_init(&self->run_servo_branch, &joint_control_run_servo_class,
-            self->process.party.number);
-    csp_interrupt_init(&self->interrupt_run_servo_branch,
-            (uint32_t)offsetof(struct joint_control, run_servo_branch));
+        self->process.party.number);
+    csp_interrupt_init(&self->interrupt_run_servo,
+        (uint32_t)offsetof(struct joint_control, run_servo_branch));
 }

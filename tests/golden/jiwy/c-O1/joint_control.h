@@ -109,18 +109,17 @@ struct joint_control {
         double control;
     } sent;
     csp_process run_velocity_branch;
-    csp_interrupt interrupt_run_velocity_branch;
+    csp_interrupt interrupt_run_velocity;
     csp_process run_velocity_branch_2;
-    csp_interrupt interrupt_run_velocity_branch_2;
+    csp_interrupt interrupt_run_velocity_2;
     csp_offers offers;
     csp_process run_servo_branch;
-    csp_interrupt interrupt_run_servo_branch;
+    csp_interrupt interrupt_run_servo;
     csp_offer offers_made[2];
 };
 
 /* Before the program starts. */
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-        const struct joint_control_ports *ports, int64_t T, struct servo_gains gains,
-    double alignKp);
+    const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double alignKp);
 
 #endif

@@ -21,8 +21,11 @@ struct servo_gains {
 
 static inline bool servo_gains_equal(struct servo_gains left, struct servo_gains right)
 {
-    return (left.kp == right.kp) && (left.tauD == right.tauD) && (left.beta == right.beta)
-        && (left.tauI == right.tauI) && (left.friction == right.friction)
+    return (left.kp == right.kp)
+        && (left.tauD == right.tauD)
+        && (left.beta == right.beta)
+        && (left.tauI == right.tauI)
+        && (left.friction == right.friction)
         && (left.tolerance == right.tolerance);
 }
 

@@ -5,7 +5,7 @@
 
 /* Where the process waits, and where it goes on after a failure. */
 enum {
-    INTERRUPTIBLE_REPEAT_VELOCITY_BRANCH = 1,
+    INTERRUPTIBLE_REPEAT_VELOCITY = 1,
     CATCHES_TIMEOUT,
     READS_FEEDBACK,
     FAILS_2
@@ -15,30 +15,29 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
 {
     struct align *const self = CSP_ENCLOSING(party, struct align, repeat_velocity_branch);
     csp_progress progress;
-    bool condition;
 
     switch (party->state) {
     case 0:
         for (;;) {
             /* velocity (jiwy.csp:39) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->velocity.feedback, READS_FEEDBACK,
-                    fails)
+                fails)
             (void)velocity_controller_calculate(&self->velocity);
             CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
             CSP_CHECK(fails)
             csp_finite(self->velocity.control, self->control->name);
             CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
             (void)csp_latched_write(party, self->control, &self->velocity.control,
-                    sizeof(self->velocity.control));
+                sizeof(self->velocity.control));
             *self->max = self->velocity.max;
             if (self->max_written != NULL) {
                 self->max_written->done = true;
             }
             self->stop = self->velocity.stop;
             self->stop_written.done = true;
-            condition = (*(csp_require_written(&self->stop_written), &self->stop));
+            csp_require_written(&self->stop_written);
             CSP_FAULT("jiwy.csp:39", fails);
-            if (condition) {
+            if (self->stop) {
                 break;
             }
         }
@@ -54,9 +53,13 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
 
 static const csp_place align_repeat_velocity_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:23"},
-    [READS_FEEDBACK]
-        = {.waiting = CSP_AT_READ, .failed = FAILS_2, .where = "laws.csp:88", .inner = "velocity",
-            .offset = offsetof(struct align, feedback)},
+    [READS_FEEDBACK] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS_2,
+        .where = "laws.csp:88",
+        .inner = "velocity",
+        .offset = offsetof(struct align, feedback)
+    },
     [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "jiwy.csp:23"}
 };
 
@@ -70,21 +73,21 @@ static const csp_class align_repeat_velocity_class = {
 
 static csp_party *align_step(csp_party *party)
 {
-    struct align *const self = (struct align *)(void *)party;
+    struct align *const self = CSP_ENCLOSING(party, struct align, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
         csp_observe_begin(party->number);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
-        csp_interrupt_prepare(&self->interrupt_repeat_velocity_branch);
-        csp_guard_after(&self->interrupt_repeat_velocity_branch.alternative, 0U,
-                &self->interrupt_repeat_velocity_branch.timer);
-        csp_delay(&self->interrupt_repeat_velocity_branch.alternative, 0U, self->patience);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_velocity_branch),
-                csp_interruptible_again(party, &self->interrupt_repeat_velocity_branch),
-            INTERRUPTIBLE_REPEAT_VELOCITY_BRANCH, catches_timeout)
-        if (self->interrupt_repeat_velocity_branch.taken) {
+        csp_interrupt_prepare(&self->interrupt_repeat_velocity);
+        csp_guard_after(&self->interrupt_repeat_velocity.alternative, 0U,
+            &self->interrupt_repeat_velocity.timer);
+        csp_delay(&self->interrupt_repeat_velocity.alternative, 0U, self->patience);
+        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_velocity),
+            csp_interruptible_again(party, &self->interrupt_repeat_velocity),
+            INTERRUPTIBLE_REPEAT_VELOCITY, catches_timeout)
+        if (self->interrupt_repeat_velocity.taken) {
             /* after patience (jiwy.csp:39) */
             /* failed := true (jiwy.csp:39) */
             self->failed = true;
@@ -98,14 +101,12 @@ static csp_party *align_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:39) */
         self->failed = true;
-    after_catches_timeout:;
+    after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
         CSP_CHECK(fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT("jiwy.csp:40", fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->failed) {
             /* raise ModeFailed (jiwy.csp:41) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
@@ -126,11 +127,17 @@ static csp_party *align_step(csp_party *party)
 
 static const csp_place align_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:23"},
-    [INTERRUPTIBLE_REPEAT_VELOCITY_BRANCH]
-        = {.waiting = CSP_AT_INTERRUPT, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:39",
-            .offset = offsetof(struct align, interrupt_repeat_velocity_branch)},
-    [CATCHES_TIMEOUT]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:39"}
+    [INTERRUPTIBLE_REPEAT_VELOCITY] = {
+        .waiting = CSP_AT_INTERRUPT,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:39",
+        .offset = offsetof(struct align, interrupt_repeat_velocity)
+    },
+    [CATCHES_TIMEOUT] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:39"
+    }
 };
 
 static const csp_class align_class = {
@@ -142,7 +149,7 @@ static const csp_class align_class = {
 };
 
 void align_initialize(struct align *self, csp_numbers *numbers, const struct align_ports *ports,
-        int64_t T, double speed, double kp, double ki, int64_t patience)
+    int64_t T, double speed, double kp, double ki, int64_t patience)
 {
     csp_process_init(&self->process, &align_class, numbers->process);
     numbers->process++;
@@ -155,9 +162,9 @@ void align_initialize(struct align *self, csp_numbers *numbers, const struct ali
     numbers->variable++;
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     velocity_controller_initialize(&self->velocity, speed, kp, ki, 1.5, 0.9, 20 * CSP_MS,
-            100 * CSP_MS, csp_seconds(T));
+        100 * CSP_MS, csp_seconds(T));
     csp_process_init(&self->repeat_velocity_branch, &align_repeat_velocity_class,
-            self->process.party.number);
-    csp_interrupt_init(&self->interrupt_repeat_velocity_branch,
-            (uint32_t)offsetof(struct align, repeat_velocity_branch));
+        self->process.party.number);
+    csp_interrupt_init(&self->interrupt_repeat_velocity,
+        (uint32_t)offsetof(struct align, repeat_velocity_branch));
 }

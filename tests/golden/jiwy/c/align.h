@@ -33,11 +33,11 @@ struct align {
         double control;
     } sent;
     csp_process repeat_velocity_branch;
-    csp_interrupt interrupt_repeat_velocity_branch;
+    csp_interrupt interrupt_repeat_velocity;
 };
 
 /* Before the program starts. */
 void align_initialize(struct align *self, csp_numbers *numbers, const struct align_ports *ports,
-        int64_t T, double speed, double kp, double ki, int64_t patience);
+    int64_t T, double speed, double kp, double ki, int64_t patience);
 
 #endif

@@ -50,9 +50,9 @@ static bool read_double(void *device, void *value)
     return true;
 }
 
-/* The present and the last value: an event is a change. */
 static bool poll_int64(void *device, void *value)
 {
+    /* The present and the last value: an event is a change. */
     int64_t *const signal = device;
     const bool changed = signal[0] != signal[1];
     signal[1] = signal[0];
@@ -73,38 +73,42 @@ struct bench_environment_slopes {
 };
 
 static inline struct bench_environment_slopes bench_environment_slopes(double pan_angle,
-            double pan_speed, double tilt_angle, double tilt_speed, double pan_voltage,
-        double tilt_voltage)
+    double pan_speed, double tilt_angle, double tilt_speed, double pan_voltage, double tilt_voltage)
 {
     /* plant.csp:35 */
-    const double pan_stop = pan_angle < plant.pan_left
+    const double pan_stop = (pan_angle < plant.pan_left)
         ? csp_max(0.0, stiffness * (plant.pan_left - pan_angle) - plant.pan_damper * pan_speed)
-        : pan_angle > plant.pan_right
-        ? csp_min(0.0, stiffness * (plant.pan_right - pan_angle) - plant.pan_damper * pan_speed)
-        : 0.0;
+        : ((pan_angle > plant.pan_right)
+            ? csp_min(0.0, stiffness * (plant.pan_right - pan_angle) - plant.pan_damper * pan_speed)
+            : 0.0);
     /* plant.csp:35 */
-    const double tilt_stop = tilt_angle < plant.tilt_left
+    const double tilt_stop = (tilt_angle < plant.tilt_left)
         ? csp_max(0.0, stiffness * (plant.tilt_left - tilt_angle) - plant.tilt_damper * tilt_speed)
-        : tilt_angle > plant.tilt_right
-        ? csp_min(0.0,
-            stiffness * (plant.tilt_right - tilt_angle) - plant.tilt_damper * tilt_speed) : 0.0;
+        : ((tilt_angle > plant.tilt_right)
+            ? csp_min(0.0,
+                stiffness * (plant.tilt_right - tilt_angle) - plant.tilt_damper * tilt_speed)
+            : 0.0);
     /* plant.csp:40 */
     const double pan_torque = drive * (pan_voltage - induction * pan_speed)
-        - plant.pan_viscous * pan_speed - plant.pan_gravity * csp_sin(pan_angle) + pan_stop;
+        - plant.pan_viscous * pan_speed
+        - plant.pan_gravity * csp_sin(pan_angle)
+        + pan_stop;
     /* plant.csp:42 */
-    const double pan_friction = fabs(pan_speed) < plant.pan_creep
+    const double pan_friction = (fabs(pan_speed) < plant.pan_creep)
         ? csp_limit(pan_torque + csp_divide(plant.pan_mass * pan_speed, plant.pan_settling),
-            -plant.pan_stiction, plant.pan_stiction) : pan_speed > 0.0 ? plant.pan_coulomb
-        : -plant.pan_coulomb;
+            -plant.pan_stiction, plant.pan_stiction)
+        : ((pan_speed > 0.0) ? plant.pan_coulomb : -plant.pan_coulomb);
     csp_fault_in("plant.csp:42");
     /* plant.csp:40 */
     const double tilt_torque = drive * (tilt_voltage - induction * tilt_speed)
-        - plant.tilt_viscous * tilt_speed - plant.tilt_gravity * csp_sin(tilt_angle) + tilt_stop;
+        - plant.tilt_viscous * tilt_speed
+        - plant.tilt_gravity * csp_sin(tilt_angle)
+        + tilt_stop;
     /* plant.csp:42 */
-    const double tilt_friction = fabs(tilt_speed) < plant.tilt_creep
+    const double tilt_friction = (fabs(tilt_speed) < plant.tilt_creep)
         ? csp_limit(tilt_torque + csp_divide(plant.tilt_mass * tilt_speed, plant.tilt_settling),
-            -plant.tilt_stiction, plant.tilt_stiction) : tilt_speed > 0.0 ? plant.tilt_coulomb
-        : -plant.tilt_coulomb;
+            -plant.tilt_stiction, plant.tilt_stiction)
+        : ((tilt_speed > 0.0) ? plant.tilt_coulomb : -plant.tilt_coulomb);
     csp_fault_in("plant.csp:42");
     struct bench_environment_slopes slopes;
     slopes.pan_angle = pan_speed;
@@ -120,19 +124,22 @@ static bool bench_environment_evaluate(void)
 {
     const double time = csp_seconds(plant.now);
     /* plant.csp:49 */
-    const double pan_encoder
-        = csp_real(csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts));
+    const double pan_encoder =
+        csp_real(csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts));
     CSP_CHECK_LAW("plant.csp:49");
     /* plant.csp:49 */
-    const double tilt_encoder
-        = csp_real(csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts));
+    const double tilt_encoder =
+        csp_real(csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts));
     CSP_CHECK_LAW("plant.csp:49");
     /* plant.csp:57 */
-    const double hand_stick = time < 7.5 || time >= 12.5 ? 0.0 : time < 8.5 ? 0.4
-        : time < 9.5 ? 0.0 : time < 10.5 ? -0.4 : time < 11.5 ? 0.0 : 0.24;
+    const double hand_stick = ((time < 7.5) || (time >= 12.5))
+        ? 0.0
+        : ((time < 8.5)
+            ? 0.4
+            : ((time < 9.5) ? 0.0 : ((time < 10.5) ? -0.4 : ((time < 11.5) ? 0.0 : 0.24))));
     const double hand_x = hand_stick; /* plant.csp:64 */
     const double hand_y = -hand_stick; /* plant.csp:65 */
-    const int64_t hand_buttons = time >= 12.5 && time < 12.7 ? 2 : 0; /* plant.csp:66 */
+    const int64_t hand_buttons = ((time >= 12.5) && (time < 12.7)) ? 2 : 0; /* plant.csp:66 */
     plant.feedback_horizontal = pan_encoder; /* jiwy.csp:175 */
     plant.feedback_vertical = tilt_encoder; /* jiwy.csp:176 */
     plant.joystick_horizontal = hand_x; /* jiwy.csp:177 */
@@ -185,34 +192,33 @@ static bool bench_environment_advance(int64_t now)
     double tilt_speed = plant.tilt_speed;
     const double pan_voltage = plant.control_horizontal; /* jiwy.csp:173 */
     const double tilt_voltage = plant.control_vertical; /* jiwy.csp:174 */
-    const int64_t steps = (now - plant.now + 999999) / (1 * CSP_MS);
+    const int64_t steps = (now - plant.now + CSP_MS - 1) / CSP_MS;
     const double h = csp_seconds(now - plant.now) / (double)steps;
     const double half = h / 2.0;
     const double sixth = h / 6.0;
     for (int64_t step = 0; step < steps; step++) {
-        const struct bench_environment_slopes k1
-            = bench_environment_slopes(pan_angle, pan_speed, tilt_angle, tilt_speed, pan_voltage,
-                tilt_voltage);
-        const struct bench_environment_slopes k2
-            = bench_environment_slopes(pan_angle + half * k1.pan_angle,
-                pan_speed + half * k1.pan_speed, tilt_angle + half * k1.tilt_angle,
-            tilt_speed + half * k1.tilt_speed, pan_voltage, tilt_voltage);
-        const struct bench_environment_slopes k3
-            = bench_environment_slopes(pan_angle + half * k2.pan_angle,
-                pan_speed + half * k2.pan_speed, tilt_angle + half * k2.tilt_angle,
-            tilt_speed + half * k2.tilt_speed, pan_voltage, tilt_voltage);
-        const struct bench_environment_slopes k4
-            = bench_environment_slopes(pan_angle + h * k3.pan_angle, pan_speed + h * k3.pan_speed,
-                tilt_angle + h * k3.tilt_angle, tilt_speed + h * k3.tilt_speed, pan_voltage,
+        const struct bench_environment_slopes k1 = bench_environment_slopes(pan_angle, pan_speed,
+            tilt_angle, tilt_speed, pan_voltage, tilt_voltage);
+        const struct bench_environment_slopes k2 = bench_environment_slopes(
+            pan_angle + half * k1.pan_angle, pan_speed + half * k1.pan_speed,
+            tilt_angle + half * k1.tilt_angle, tilt_speed + half * k1.tilt_speed, pan_voltage,
             tilt_voltage);
-        pan_angle += sixth
-            * (k1.pan_angle + 2.0 * k2.pan_angle + 2.0 * k3.pan_angle + k4.pan_angle);
-        pan_speed += sixth
-            * (k1.pan_speed + 2.0 * k2.pan_speed + 2.0 * k3.pan_speed + k4.pan_speed);
-        tilt_angle += sixth
-            * (k1.tilt_angle + 2.0 * k2.tilt_angle + 2.0 * k3.tilt_angle + k4.tilt_angle);
-        tilt_speed += sixth
-            * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
+        const struct bench_environment_slopes k3 = bench_environment_slopes(
+            pan_angle + half * k2.pan_angle, pan_speed + half * k2.pan_speed,
+            tilt_angle + half * k2.tilt_angle, tilt_speed + half * k2.tilt_speed, pan_voltage,
+            tilt_voltage);
+        const struct bench_environment_slopes k4 = bench_environment_slopes(
+            pan_angle + h * k3.pan_angle, pan_speed + h * k3.pan_speed,
+            tilt_angle + h * k3.tilt_angle, tilt_speed + h * k3.tilt_speed, pan_voltage,
+            tilt_voltage);
+        pan_angle +=
+            sixth * (k1.pan_angle + 2.0 * k2.pan_angle + 2.0 * k3.pan_angle + k4.pan_angle);
+        pan_speed +=
+            sixth * (k1.pan_speed + 2.0 * k2.pan_speed + 2.0 * k3.pan_speed + k4.pan_speed);
+        tilt_angle +=
+            sixth * (k1.tilt_angle + 2.0 * k2.tilt_angle + 2.0 * k3.tilt_angle + k4.tilt_angle);
+        tilt_speed +=
+            sixth * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
     }
     pan_angle = csp_real(pan_angle);
     pan_speed = csp_real(pan_speed);
@@ -237,8 +243,8 @@ const struct network_drivers bench_environment_drivers = {
     .feedback_horizontal = {&plant.feedback_horizontal, read_double, NULL},
     .feedback_vertical = {&plant.feedback_vertical, read_double, NULL},
     .control_horizontal = {&plant.control_horizontal, NULL, write_double},
-    .control_vertical = {&plant.control_vertical, NULL, write_double},
+    .control_vertical = {&plant.control_vertical, NULL, write_double}
 };
 
-const csp_environment bench_environment
-    = {1 * CSP_MS, bench_environment_start, bench_environment_advance};
+const csp_environment bench_environment =
+    {CSP_MS, bench_environment_start, bench_environment_advance};

@@ -5,7 +5,7 @@
 
 /* Where the process waits, and where it goes on after a failure. */
 enum {
-    INTERRUPTIBLE_REPEAT_SERVO_BRANCH = 1,
+    INTERRUPTIBLE_REPEAT_SERVO = 1,
     CATCHES_TIMEOUT,
     READS_FEEDBACK,
     FAILS_2
@@ -15,17 +15,17 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
 {
     struct homing *const self = CSP_ENCLOSING(party, struct homing, repeat_servo_branch);
     csp_progress progress;
-    bool condition;
 
     switch (party->state) {
     case 0:
         for (;;) {
             /* servo (jiwy.csp:97) */
-            self->servo.leftmax = (*(csp_require_written(self->leftmax_written), &*self->leftmax));
+            csp_require_written(self->leftmax_written);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
-            self->servo.rightmax
-                = (*(csp_require_written(self->rightmax_written), &*self->rightmax));
+            self->servo.leftmax = *self->leftmax;
+            csp_require_written(self->rightmax_written);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
+            self->servo.rightmax = *self->rightmax;
             self->servo.setpoint = self->zero;
             CSP_TAKE(csp_sampled_read, &self->feedback, self->servo.feedback, READS_FEEDBACK, fails)
             (void)position_controller_calculate(&self->servo);
@@ -34,14 +34,14 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
             csp_finite(self->servo.control, self->control->name);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             (void)csp_latched_write(party, self->control, &self->servo.control,
-                    sizeof(self->servo.control));
+                sizeof(self->servo.control));
             self->reference = self->servo.reference;
             self->reference_written.done = true;
             self->stop = self->servo.stop;
             self->stop_written.done = true;
-            condition = (*(csp_require_written(&self->stop_written), &self->stop));
+            csp_require_written(&self->stop_written);
             CSP_FAULT("jiwy.csp:97", fails);
-            if (condition) {
+            if (self->stop) {
                 break;
             }
         }
@@ -57,9 +57,13 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
 
 static const csp_place homing_repeat_servo_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:76"},
-    [READS_FEEDBACK]
-        = {.waiting = CSP_AT_READ, .failed = FAILS_2, .where = "laws.csp:56", .inner = "servo",
-            .offset = offsetof(struct homing, feedback)},
+    [READS_FEEDBACK] = {
+        .waiting = CSP_AT_READ,
+        .failed = FAILS_2,
+        .where = "laws.csp:56",
+        .inner = "servo",
+        .offset = offsetof(struct homing, feedback)
+    },
     [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "jiwy.csp:76"}
 };
 
@@ -73,23 +77,21 @@ static const csp_class homing_repeat_servo_class = {
 
 static csp_party *homing_step(csp_party *party)
 {
-    struct homing *const self = (struct homing *)(void *)party;
+    struct homing *const self = CSP_ENCLOSING(party, struct homing, process);
     csp_progress progress;
 
     switch (party->state) {
     case 0:
         csp_observe_begin(party->number);
         /* (mu servo until stop) interrupt after patience -> skip (jiwy.csp:97) */
-        csp_interrupt_prepare(&self->interrupt_repeat_servo_branch);
-        csp_guard_after(&self->interrupt_repeat_servo_branch.alternative, 0U,
-                &self->interrupt_repeat_servo_branch.timer);
-        csp_delay(&self->interrupt_repeat_servo_branch.alternative, 0U, self->patience);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_servo_branch),
-                csp_interruptible_again(party, &self->interrupt_repeat_servo_branch),
-            INTERRUPTIBLE_REPEAT_SERVO_BRANCH, catches_timeout)
-        if (self->interrupt_repeat_servo_branch.taken) {
-            /* after patience (jiwy.csp:97) */
-        }
+        csp_interrupt_prepare(&self->interrupt_repeat_servo);
+        csp_guard_after(&self->interrupt_repeat_servo.alternative, 0U,
+            &self->interrupt_repeat_servo.timer);
+        csp_delay(&self->interrupt_repeat_servo.alternative, 0U, self->patience);
+        CSP_AWAIT(csp_interruptible(party, &self->interrupt_repeat_servo),
+            csp_interruptible_again(party, &self->interrupt_repeat_servo),
+            INTERRUPTIBLE_REPEAT_SERVO, catches_timeout)
+        /* after patience (jiwy.csp:97) */
         goto after_catches_timeout;
     case CATCHES_TIMEOUT:
     catches_timeout:
@@ -99,14 +101,12 @@ static csp_party *homing_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:97) */
         self->failed = true;
-    after_catches_timeout:;
+    after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:98) */
         self->sent.control = 0.0;
         CSP_CHECK(fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT("jiwy.csp:98", fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->failed) {
             /* raise ModeFailed (jiwy.csp:99) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:99");
@@ -127,11 +127,17 @@ static csp_party *homing_step(csp_party *party)
 
 static const csp_place homing_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:76"},
-    [INTERRUPTIBLE_REPEAT_SERVO_BRANCH]
-        = {.waiting = CSP_AT_INTERRUPT, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:97",
-            .offset = offsetof(struct homing, interrupt_repeat_servo_branch)},
-    [CATCHES_TIMEOUT]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:97"}
+    [INTERRUPTIBLE_REPEAT_SERVO] = {
+        .waiting = CSP_AT_INTERRUPT,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:97",
+        .offset = offsetof(struct homing, interrupt_repeat_servo)
+    },
+    [CATCHES_TIMEOUT] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:97"
+    }
 };
 
 static const csp_class homing_class = {
@@ -143,7 +149,7 @@ static const csp_class homing_class = {
 };
 
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
-        int64_t T, struct servo_gains gains, int64_t patience)
+    int64_t T, struct servo_gains gains, int64_t patience)
 {
     csp_process_init(&self->process, &homing_class, numbers->process);
     numbers->process++;
@@ -161,9 +167,9 @@ void homing_initialize(struct homing *self, csp_numbers *numbers, const struct h
     numbers->variable++;
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     position_controller_initialize(&self->servo, gains, 0.0, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
-            csp_seconds(T));
+        csp_seconds(T));
     csp_process_init(&self->repeat_servo_branch, &homing_repeat_servo_class,
-            self->process.party.number);
-    csp_interrupt_init(&self->interrupt_repeat_servo_branch,
-            (uint32_t)offsetof(struct homing, repeat_servo_branch));
+        self->process.party.number);
+    csp_interrupt_init(&self->interrupt_repeat_servo,
+        (uint32_t)offsetof(struct homing, repeat_servo_branch));
 }

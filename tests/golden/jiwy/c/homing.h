@@ -41,11 +41,11 @@ struct homing {
         double control;
     } sent;
     csp_process repeat_servo_branch;
-    csp_interrupt interrupt_repeat_servo_branch;
+    csp_interrupt interrupt_repeat_servo;
 };
 
 /* Before the program starts. */
 void homing_initialize(struct homing *self, csp_numbers *numbers, const struct homing_ports *ports,
-        int64_t T, struct servo_gains gains, int64_t patience);
+    int64_t T, struct servo_gains gains, int64_t patience);
 
 #endif

@@ -14,7 +14,7 @@ enum {
 
 static csp_party *joint_control_step(csp_party *party)
 {
-    struct joint_control *const self = (struct joint_control *)(void *)party;
+    struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, process);
 
     switch (party->state) {
     case 0:
@@ -40,18 +40,30 @@ static csp_party *joint_control_step(csp_party *party)
 
 static const csp_place joint_control_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [RUNS_ALIGN_L]
-        = {.waiting = CSP_AT_CALL, .failed = FAILS, .where = "jiwy.csp:129",
-            .offset = offsetof(struct joint_control, alignL)},
-    [RUNS_ALIGN_R]
-        = {.waiting = CSP_AT_CALL, .failed = FAILS, .where = "jiwy.csp:129",
-            .offset = offsetof(struct joint_control, alignR)},
-    [RUNS_MOTION_CONTROL]
-        = {.waiting = CSP_AT_CALL, .failed = FAILS, .where = "jiwy.csp:129",
-            .offset = offsetof(struct joint_control, motionControl)},
-    [RUNS_HOMING]
-        = {.waiting = CSP_AT_CALL, .failed = FAILS, .where = "jiwy.csp:129",
-            .offset = offsetof(struct joint_control, homing)},
+    [RUNS_ALIGN_L] = {
+        .waiting = CSP_AT_CALL,
+        .failed = FAILS,
+        .where = "jiwy.csp:129",
+        .offset = offsetof(struct joint_control, alignL)
+    },
+    [RUNS_ALIGN_R] = {
+        .waiting = CSP_AT_CALL,
+        .failed = FAILS,
+        .where = "jiwy.csp:129",
+        .offset = offsetof(struct joint_control, alignR)
+    },
+    [RUNS_MOTION_CONTROL] = {
+        .waiting = CSP_AT_CALL,
+        .failed = FAILS,
+        .where = "jiwy.csp:129",
+        .offset = offsetof(struct joint_control, motionControl)
+    },
+    [RUNS_HOMING] = {
+        .waiting = CSP_AT_CALL,
+        .failed = FAILS,
+        .where = "jiwy.csp:129",
+        .offset = offsetof(struct joint_control, homing)
+    },
     [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:104"}
 };
 
@@ -64,7 +76,7 @@ static const csp_class joint_control_class = {
 };
 
 void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
-        const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double reach,
+    const struct joint_control_ports *ports, int64_t T, struct servo_gains gains, double reach,
     double alignSpeed, double alignKp, double alignKi)
 {
     csp_process_init(&self->process, &joint_control_class, numbers->process);
@@ -74,22 +86,41 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->rightmax_written.number = numbers->variable;
     numbers->variable++;
     align_initialize(&self->alignL, numbers,
-            &(const struct align_ports){.feedback = ports->feedback, .control = ports->control,
-            .max = &self->leftmax, .max_written = &self->leftmax_written}, T, -alignSpeed, alignKp,
-        alignKi, 10 * CSP_S);
+        &(const struct align_ports){
+            .feedback = ports->feedback,
+            .control = ports->control,
+            .max = &self->leftmax,
+            .max_written = &self->leftmax_written
+        },
+        T, -alignSpeed, alignKp, alignKi, 10 * CSP_S);
     align_initialize(&self->alignR, numbers,
-            &(const struct align_ports){.feedback = ports->feedback, .control = ports->control,
-            .max = &self->rightmax, .max_written = &self->rightmax_written}, T, alignSpeed,
-        alignKp, alignKi, 10 * CSP_S);
+        &(const struct align_ports){
+            .feedback = ports->feedback,
+            .control = ports->control,
+            .max = &self->rightmax,
+            .max_written = &self->rightmax_written
+        },
+        T, alignSpeed, alignKp, alignKi, 10 * CSP_S);
     motion_control_initialize(&self->motionControl, numbers,
-            &(const struct motion_control_ports){.leftmax = &self->leftmax,
-            .leftmax_written = &self->leftmax_written, .rightmax = &self->rightmax,
-        .rightmax_written = &self->rightmax_written, .feedback = ports->feedback,
-        .joystick_axis = ports->joystick_axis, .joystick_buttons = ports->joystick_buttons,
-        .control = ports->control}, T, gains, reach);
+        &(const struct motion_control_ports){
+            .leftmax = &self->leftmax,
+            .leftmax_written = &self->leftmax_written,
+            .rightmax = &self->rightmax,
+            .rightmax_written = &self->rightmax_written,
+            .feedback = ports->feedback,
+            .joystick_axis = ports->joystick_axis,
+            .joystick_buttons = ports->joystick_buttons,
+            .control = ports->control
+        },
+        T, gains, reach);
     homing_initialize(&self->homing, numbers,
-            &(const struct homing_ports){.leftmax = &self->leftmax,
-            .leftmax_written = &self->leftmax_written, .rightmax = &self->rightmax,
-        .rightmax_written = &self->rightmax_written, .feedback = ports->feedback,
-        .control = ports->control}, T, gains, 3 * CSP_S);
+        &(const struct homing_ports){
+            .leftmax = &self->leftmax,
+            .leftmax_written = &self->leftmax_written,
+            .rightmax = &self->rightmax,
+            .rightmax_written = &self->rightmax_written,
+            .feedback = ports->feedback,
+            .control = ports->control
+        },
+        T, gains, 3 * CSP_S);
 }

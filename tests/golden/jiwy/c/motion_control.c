@@ -12,7 +12,7 @@ enum {
 
 static csp_party *motion_control_step(csp_party *party)
 {
-    struct motion_control *const self = (struct motion_control *)(void *)party;
+    struct motion_control *const self = CSP_ENCLOSING(party, struct motion_control, process);
     csp_progress progress;
 
     switch (party->state) {
@@ -21,44 +21,43 @@ static csp_party *motion_control_step(csp_party *party)
         do {
             /* (joystick_buttons ? status -> skip []> feedback -> servo) (jiwy.csp:68) */
             CSP_AWAIT(csp_select(party, &self->choice.alternative),
-                    csp_select_again(party, &self->choice.alternative), CHOOSES, catches_timeout)
-            if (self->choice.alternative.chosen == 0U) {
-                /* joystick_buttons ? status (jiwy.csp:68) */
-            } else {
+                csp_select_again(party, &self->choice.alternative), CHOOSES, catches_timeout)
+            /* joystick_buttons ? status (jiwy.csp:68) */
+            if (self->choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* servo (jiwy.csp:68) */
                 if (csp_offers_begin(party, &self->offers) == CSP_FAILS) {
                     goto catches_timeout;
                 }
-                self->servo.leftmax
-                    = (*(csp_require_written(self->leftmax_written), &*self->leftmax));
+                csp_require_written(self->leftmax_written);
                 if (csp_faulted()) {
                     csp_offers_give_up(&self->offers);
                     CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 }
-                self->servo.rightmax
-                    = (*(csp_require_written(self->rightmax_written), &*self->rightmax));
+                self->servo.leftmax = *self->leftmax;
+                csp_require_written(self->rightmax_written);
                 if (csp_faulted()) {
                     csp_offers_give_up(&self->offers);
                     CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 }
+                self->servo.rightmax = *self->rightmax;
                 CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback, self->servo.feedback,
-                        READS_SERVO, catches_timeout)
+                    READS_SERVO, catches_timeout)
                 CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
-                        self->servo.setpoint, READS_SERVO, catches_timeout)
+                    self->servo.setpoint, READS_SERVO, catches_timeout)
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
-                        READS_SERVO, catches_timeout)
+                    READS_SERVO, catches_timeout)
                 (void)position_controller_calculate(&self->servo);
                 CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 CSP_CHECK(catches_timeout)
                 csp_finite(self->servo.control, self->control->name);
                 CSP_FAULT_INSIDE("servo", "laws.csp:56", catches_timeout);
                 (void)csp_latched_write(party, self->control, &self->servo.control,
-                        sizeof(self->servo.control));
+                    sizeof(self->servo.control));
                 self->reference = self->servo.reference;
                 self->reference_written.done = true;
             }
-        } while (!(self->status == stopButton));
+        } while (self->status != stopButton);
         goto after_catches_timeout;
     case CATCHES_TIMEOUT:
     catches_timeout:
@@ -68,14 +67,12 @@ static csp_party *motion_control_step(csp_party *party)
         }
         /* failed := true (jiwy.csp:69) */
         self->failed = true;
-    after_catches_timeout:;
+    after_catches_timeout:
         /* control ! 0<V> (jiwy.csp:70) */
         self->sent.control = 0.0;
         CSP_CHECK(fails)
-        csp_finite(self->sent.control, self->control->name);
-        CSP_FAULT("jiwy.csp:70", fails);
         (void)csp_latched_write(party, self->control, &self->sent.control,
-                sizeof(self->sent.control));
+            sizeof(self->sent.control));
         if (self->failed) {
             /* raise ModeFailed (jiwy.csp:71) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
@@ -96,14 +93,24 @@ static csp_party *motion_control_step(csp_party *party)
 
 static const csp_place motion_control_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:46"},
-    [CHOOSES]
-        = {.waiting = CSP_AT_ALTERNATIVE, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:68",
-            .offset = offsetof(struct motion_control, choice.alternative)},
-    [READS_SERVO]
-        = {.waiting = CSP_AT_INPUTS, .failed = CATCHES_TIMEOUT, .where = "laws.csp:56",
-            .inner = "servo", .offset = offsetof(struct motion_control, offers)},
-    [CATCHES_TIMEOUT]
-        = {.waiting = CSP_AT_NOTHING, .failed = CATCHES_TIMEOUT, .where = "jiwy.csp:68"}
+    [CHOOSES] = {
+        .waiting = CSP_AT_ALTERNATIVE,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:68",
+        .offset = offsetof(struct motion_control, choice.alternative)
+    },
+    [READS_SERVO] = {
+        .waiting = CSP_AT_INPUTS,
+        .failed = CATCHES_TIMEOUT,
+        .where = "laws.csp:56",
+        .inner = "servo",
+        .offset = offsetof(struct motion_control, offers)
+    },
+    [CATCHES_TIMEOUT] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = CATCHES_TIMEOUT,
+        .where = "jiwy.csp:68"
+    }
 };
 
 static const csp_class motion_control_class = {
@@ -115,7 +122,7 @@ static const csp_class motion_control_class = {
 };
 
 void motion_control_initialize(struct motion_control *self, csp_numbers *numbers,
-        const struct motion_control_ports *ports, int64_t T, struct servo_gains gains, double reach)
+    const struct motion_control_ports *ports, int64_t T, struct servo_gains gains, double reach)
 {
     csp_process_init(&self->process, &motion_control_class, numbers->process);
     numbers->process++;
@@ -129,15 +136,15 @@ void motion_control_initialize(struct motion_control *self, csp_numbers *numbers
     self->reference_written.number = numbers->variable;
     numbers->variable++;
     csp_offers_init(&self->offers, self->offers_made, 2U);
-    self->joystick_buttons
-        = csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
+    self->joystick_buttons =
+        csp_event_reader(&self->joystick_buttons_latch, ports->joystick_buttons);
     csp_sampled_end_init(&self->feedback, ports->feedback, &self->samples);
     csp_sampled_end_init(&self->joystick_axis, ports->joystick_axis, &self->samples);
-    position_controller_initialize(&self->servo, gains, reach, 6.0, 50 * CSP_MS, 100 * CSP_MS,
-            0.05, csp_seconds(T));
+    position_controller_initialize(&self->servo, gains, reach, 6.0, 50 * CSP_MS, 100 * CSP_MS, 0.05,
+        csp_seconds(T));
     csp_alternative_init(&self->choice.alternative, self->choice.guards, 2U, NULL, true);
     csp_guard_read(&self->choice.alternative, 0U, &self->joystick_buttons->medium, &self->status,
-            sizeof(self->status));
+        sizeof(self->status));
     csp_guard_ready(&self->choice.alternative, 1U, &self->feedback.medium);
     csp_enable_all(&self->choice.alternative);
 }

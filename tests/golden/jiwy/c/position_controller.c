@@ -5,8 +5,7 @@
 #include "csp_arithmetic.h"
 
 void position_controller_initialize(struct position_controller *self, struct servo_gains gains,
-            double reach, double rate, int64_t smoothing, int64_t dwell, double margin,
-        double sample)
+    double reach, double rate, int64_t smoothing, int64_t dwell, double margin, double sample)
 {
     self->gains = gains;
     self->reach = reach;
@@ -38,18 +37,16 @@ bool position_controller_calculate(struct position_controller *self)
 {
     const double centre = (self->leftmax + self->rightmax) / 2.0; /* laws.csp:71 */
     /* laws.csp:72 */
-    self->reference
-        = csp_real(csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
-                self->rightmax - self->margin));
+    self->reference = csp_real(csp_limit(centre + self->reach * self->setpoint,
+            self->leftmax + self->margin, self->rightmax - self->margin));
     CSP_CHECK_LAW("laws.csp:72");
     const double profile_start = self->feedback; /* laws.csp:73 */
     /* laws.csp:35 */
     const double profile_from = self->profile_moving ? self->profile_last : profile_start;
     const double profile_target = self->reference; /* laws.csp:74 */
     /* laws.csp:36 */
-    const double profile_velocity
-        = csp_limit(csp_divide(profile_target - profile_from, self->smoothing), -self->rate,
-            self->rate);
+    const double profile_velocity = csp_limit(
+        csp_divide(profile_target - profile_from, self->smoothing), -self->rate, self->rate);
     CSP_CHECK_LAW("laws.csp:36");
     const double profile_angle = profile_from + self->sample * profile_velocity; /* laws.csp:37 */
     const double pid_error = profile_angle - self->feedback; /* laws.csp:75 */
@@ -57,7 +54,7 @@ bool position_controller_calculate(struct position_controller *self)
     const double pid_d = self->pid_f
         * (self->pid_tauD * self->pid_beta * self->pid_ud
             + self->pid_tauD * self->pid_kp * (pid_error - self->pid_e1)
-        + self->sample * self->pid_kp * pid_error);
+            + self->sample * self->pid_kp * pid_error);
     /* laws.csp:16 */
     const double pid_i = self->pid_ui + csp_divide(self->sample * pid_d, self->pid_tauI);
     CSP_CHECK_LAW("laws.csp:16");
@@ -69,8 +66,9 @@ bool position_controller_calculate(struct position_controller *self)
     self->control = csp_real(csp_limit(supply * pid_output + assistance, -supply, supply));
     CSP_CHECK_LAW("laws.csp:78");
     /* laws.csp:80 */
-    const double standing = fabs(self->reference - self->feedback) < self->gains.tolerance
-        ? self->arrived + self->sample : 0.0;
+    const double standing = (fabs(self->reference - self->feedback) < self->gains.tolerance)
+        ? self->arrived + self->sample
+        : 0.0;
     self->stop = standing >= self->dwell; /* laws.csp:82 */
     const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
     CSP_CHECK_LAW("laws.csp:33");
@@ -79,7 +77,7 @@ bool position_controller_calculate(struct position_controller *self)
     const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
     CSP_CHECK_LAW("laws.csp:11");
     /* laws.csp:12 */
-    const double pid_ui_next = csp_real(pid_sum == pid_output ? pid_i : self->pid_ui);
+    const double pid_ui_next = csp_real((pid_sum == pid_output) ? pid_i : self->pid_ui);
     CSP_CHECK_LAW("laws.csp:12");
     const double arrived_next = csp_real(standing); /* laws.csp:69 */
     CSP_CHECK_LAW("laws.csp:69");

@@ -44,8 +44,7 @@ struct position_controller {
 
 /* Before the first run; durations are in nanoseconds. */
 void position_controller_initialize(struct position_controller *self, struct servo_gains gains,
-            double reach, double rate, int64_t smoothing, int64_t dwell, double margin,
-        double sample);
+    double reach, double rate, int64_t smoothing, int64_t dwell, double margin, double sample);
 /* Puts the states back to their initial values. */
 void position_controller_reset(struct position_controller *self);
 /* One run, from inputs to outputs and next states; false after a fault (csp_fault). */

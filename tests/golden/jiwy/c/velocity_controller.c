@@ -5,7 +5,7 @@
 #include "csp_arithmetic.h"
 
 void velocity_controller_initialize(struct velocity_controller *self, double speed, double kp,
-            double ki, double pressure, double effort, int64_t filter, int64_t dwell, double sample)
+    double ki, double pressure, double effort, int64_t filter, int64_t dwell, double sample)
 {
     self->speed = speed;
     self->kp = kp;
@@ -30,8 +30,8 @@ void velocity_controller_reset(struct velocity_controller *self)
 bool velocity_controller_calculate(struct velocity_controller *self)
 {
     /* laws.csp:103 */
-    const double difference = self->moving ? csp_divide(self->feedback - self->last, self->sample)
-        : 0.0;
+    const double difference =
+        self->moving ? csp_divide(self->feedback - self->last, self->sample) : 0.0;
     CSP_CHECK_LAW("laws.csp:103");
     /* laws.csp:104 */
     const double velocity = self->filtered
@@ -43,14 +43,14 @@ bool velocity_controller_calculate(struct velocity_controller *self)
     self->control = csp_real(csp_limit(sum, -self->pressure, self->pressure)); /* laws.csp:109 */
     CSP_CHECK_LAW("laws.csp:109");
     /* laws.csp:115 */
-    const bool pressing = fabs(velocity) < 0.1 * fabs(self->speed)
-        && self->control * csp_sign(self->speed) > self->effort;
+    const bool pressing = (fabs(velocity) < 0.1 * fabs(self->speed))
+        && (self->control * csp_sign(self->speed) > self->effort);
     const double held = pressing ? self->pressed + self->sample : 0.0; /* laws.csp:116 */
     self->stop = held >= self->dwell; /* laws.csp:118 */
     self->max = self->feedback; /* laws.csp:119 */
     const double filtered_next = csp_real(velocity); /* laws.csp:99 */
     CSP_CHECK_LAW("laws.csp:99");
-    const double ui_next = csp_real(sum == self->control ? i : self->ui); /* laws.csp:100 */
+    const double ui_next = csp_real((sum == self->control) ? i : self->ui); /* laws.csp:100 */
     CSP_CHECK_LAW("laws.csp:100");
     const double pressed_next = csp_real(held); /* laws.csp:101 */
     CSP_CHECK_LAW("laws.csp:101");

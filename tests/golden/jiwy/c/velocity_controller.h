@@ -35,8 +35,7 @@ struct velocity_controller {
 
 /* Before the first run; durations are in nanoseconds. */
 void velocity_controller_initialize(struct velocity_controller *self, double speed, double kp,
-            double ki, double pressure, double effort, int64_t filter, int64_t dwell,
-        double sample);
+    double ki, double pressure, double effort, int64_t filter, int64_t dwell, double sample);
 /* Puts the states back to their initial values. */
 void velocity_controller_reset(struct velocity_controller *self);
 /* One run, from inputs to outputs and next states; false after a fault (csp_fault). */

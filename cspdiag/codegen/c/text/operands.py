@@ -1,0 +1,102 @@
+"""What is known of the operands of expressions: their width in C, and values that a compiler would see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cspdiag.codegen.c.text.code import Code, call, cast
+from cspdiag.model.types import IntType, TimeType, Type
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ElementValue,
+    Expression,
+    FieldValue,
+    LiteralValue,
+    ParameterValue,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    Value,
+    VariableValue,
+)
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.ranges import value_range
+
+
+def integer_name(type_: Type) -> str:
+    """``int64``, ``uint8``: what functions of the support code are called after."""
+    return f"{'' if type_.signed else 'u'}int{type_.bits}" if isinstance(type_, IntType) else "int64"
+
+
+def is_word(type_: Type) -> bool:
+    """Whether values of a type of whole numbers are ``int64_t``."""
+    return isinstance(type_, TimeType) or (isinstance(type_, IntType) and type_.bits == 64)
+
+
+def widened(code: Code, type_: Type) -> Code:
+    """An operand in a type in which no operation of two such operands overflows."""
+    small = isinstance(type_, IntType) and (type_.bits == 8 or (type_.bits == 16 and type_.signed))
+    return code if small else cast("int64_t", code)
+
+
+def folded(function: str, codes: Sequence[Code]) -> Code:
+    """``function(function(a, b), c)``."""
+    result = codes[0]
+    for code in codes[1:]:
+        result = call(function, result, code)
+    return result
+
+
+def literal_value(expression: Expression) -> Value | None:
+    """The value of a literal, also of one with a sign."""
+    match expression:
+        case LiteralValue(value=bool(value) | int(value) | float(value)):
+            return value
+        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value))) if not may_fault(
+            expression
+        ):
+            return -value
+    return None
+
+
+def known_result(expression: Expression) -> int | None:
+    """The value of an operation on literals, if it has one: compilers would see through it and complain of what surrounds it."""
+    if isinstance(expression, LiteralValue) and expression.name is None and type(expression.value) is int:
+        return expression.value
+    if not isinstance(expression, BinaryOperation) or not isinstance(expression.type, IntType):
+        return None
+    left, right = known_result(expression.left), known_result(expression.right)
+    if left is None or right is None:
+        return None
+    match expression.operator:
+        case "+":
+            value = left + right
+        case "-":
+            value = left - right
+        case "*":
+            value = left * right
+        case "/" | "%" if right != 0:
+            quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
+            value = quotient if expression.operator == "/" else left - quotient * right
+        case _:
+            return None
+    return value if expression.type.minimum <= value <= expression.type.maximum else None
+
+
+def traps(expression: BinaryOperation) -> bool:
+    """Whether an operation that has a value may be one that C leaves undefined: the remainder of the least whole number and -1."""
+    low, high = value_range(expression.right)
+    return expression.operator == "%" and low <= -1 <= high and value_range(expression.left)[0] == IntType().minimum
+
+
+def is_lvalue(expression: Expression) -> bool:
+    """Whether the C expression is an object, so that its elements are as well."""
+    match expression:
+        case FieldValue(operand=operand):
+            return is_lvalue(operand)
+        case ElementValue(operand=operand):
+            return is_lvalue(operand) and not may_fault(expression)
+        case StructValue() | ArrayElements():
+            return not may_fault(expression)
+    return isinstance(expression, LiteralValue | ParameterValue | VariableValue | SignalValue)

@@ -1,0 +1,304 @@
+"""C statements as trees, and their lines."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias, assert_never
+
+from cspdiag.base.record import record
+from cspdiag.codegen.c.text.code import INDENT, LINE_LENGTH, Atom, Call, Code, assign, code, negated, nodes
+from cspdiag.codegen.c.text.documents import comment
+from cspdiag.codegen.c.text.literals import in_comment
+from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
+
+
+@record
+class Remark:
+    """A comment on lines of its own."""
+
+    text: str
+
+
+@record
+class Plain:
+    """An expression statement, a definition, a jump. ``remark`` stands behind it, or above what does not fit on a line with it."""
+
+    code: Code
+    end: str = ";"
+    remark: str | None = None
+    declares: bool = False
+
+
+@record
+class Wait:
+    """A macro of the kernel in which the process can wait: there is a ``case`` of the step function in it."""
+
+    code: Code
+
+
+@record
+class Block:
+    """Statements in braces, behind ``head`` if there is one: the members of a struct, say, which ``tail`` closes."""
+
+    body: tuple[Statement, ...]
+    head: str = ""
+    tail: str = "}"
+
+
+@record
+class If:
+    """Made by `choose`, so that no branch is empty."""
+
+    condition: Code
+    then: tuple[Statement, ...]
+    otherwise: tuple[Statement, ...] = ()
+
+
+@record
+class While:
+    """A loop; without a condition it never ends by itself."""
+
+    condition: Code | None
+    body: tuple[Statement, ...]
+
+
+@record
+class DoWhile:
+    """A loop that looks at its condition at its end."""
+
+    body: tuple[Statement, ...]
+    condition: Code
+
+
+@record
+class Switch:
+    """Branches by the text of their labels: ``case 0``, ``default``."""
+
+    value: Code
+    cases: tuple[tuple[str, tuple[Statement, ...]], ...]
+
+
+@record
+class Label:
+    """Where a ``goto`` goes."""
+
+    name: str
+
+
+@record
+class State:
+    """A ``case`` of the step function."""
+
+    name: str
+
+
+@record
+class Directive:
+    """A line of the preprocessor."""
+
+    text: str
+
+
+@record
+class Blank:
+    """An empty line."""
+
+
+@record
+class Function:
+    """A function; ``head`` is what stands before its parameters."""
+
+    head: str
+    parameters: tuple[str, ...]
+    body: tuple[Statement, ...]
+
+
+Statement: TypeAlias = (
+    "Function | Remark | Plain | Wait | Block | If | While | DoWhile | Switch | Label | State | Directive | Blank"
+)
+
+
+def run(function: Code | str, end: str = ";") -> Plain:
+    """A statement that is an expression."""
+    return Plain(code(function), end)
+
+
+def store(target: Code | str, value: Code | str, remark: str | None = None) -> Plain:
+    """``target = value;``."""
+    return Plain(assign(target, value), remark=remark)
+
+
+def define(type_name: str, name: str, value: Code | str | None = None, remark: str | None = None) -> Plain:
+    """``type name = value;``."""
+    declared = code(f"{type_name} {name}" if not type_name.endswith("*") else f"{type_name}{name}")
+    return Plain(declared if value is None else assign(declared, value), remark=remark, declares=True)
+
+
+def go(label: str) -> Plain:
+    """``goto label;``."""
+    return Plain(Jump(label))
+
+
+def give(value: Code | str) -> Plain:
+    """``return value;``."""
+    return Plain(Returned(code(value)))
+
+
+@record
+class Jump(Code):
+    """``goto label``."""
+
+    label: str
+
+    def _document(self) -> Document:
+        return f"goto {self.label}"
+
+
+@record
+class Returned(Code):
+    """``return value``."""
+
+    value: Code
+
+    def _document(self) -> Document:
+        return ("return ", self.value.document)
+
+
+def choose(condition: Code, then: Sequence[Statement], otherwise: Sequence[Statement] = ()) -> list[Statement]:
+    """A branch without empty bodies: what is only remarked of stands in front."""
+    if has_effect(then):
+        if has_effect(otherwise):
+            return [If(condition, tuple(then), tuple(otherwise))]
+        return [*otherwise, If(condition, tuple(then))]
+    if has_effect(otherwise):
+        return [*then, If(negated(condition), tuple(otherwise))]
+    return [*then, *otherwise]
+
+
+def has_effect(statements: Sequence[Statement]) -> bool:
+    """Whether anything is done."""
+    return any(not isinstance(statement, Remark | Blank) for statement in statements)
+
+
+def in_block(statements: Sequence[Statement]) -> list[Statement]:
+    """Statements among others: in braces if they define names of their own."""
+    declares = any(isinstance(statement, Plain) and statement.declares for statement in statements)
+    return [Block(tuple(statements))] if declares else list(statements)
+
+
+def jumps_to(label: str, statements: Sequence[Statement]) -> bool:
+    """Whether anything in the statements goes to a label: by ``goto``, or as a macro of the kernel that is given the label."""
+    return any(isinstance(node, Jump) and node.label == label for node in nodes(tuple(statements))) or any(
+        isinstance(node, Call) and Atom(label) in node.arguments for node in nodes(tuple(statements))
+    )
+
+
+def can_wait(statements: Sequence[Statement]) -> bool:
+    """Whether a state of the step function lies inside."""
+    return any(isinstance(node, Wait | State) for node in nodes(statements))
+
+
+def signature(head: str, parameters: Sequence[str], tail: str = "") -> list[str]:
+    """The head of a function, or with a ``tail`` its declaration."""
+    given = listed(list(parameters) or ["void"])
+    return render((f"{head}(", Nest(len(INDENT), Fill(given)), f"){tail}"), LINE_LENGTH)
+
+
+def lines(statements: Iterable[Statement], depth: int = 0) -> list[str]:
+    """The lines of statements."""
+    items = list(statements)
+    return [line for position, item in enumerate(items) for line in _lines(item, depth, items[position + 1 :])]
+
+
+def _lines(statement: Statement, depth: int, following: Sequence[Statement]) -> Iterator[str]:
+    indent = INDENT * depth
+    match statement:
+        case Remark(text=text):
+            yield from _remark(text, indent)
+        case Blank():
+            yield ""
+        case Directive(text=text):
+            yield text
+        case Function(head=head, parameters=parameters, body=body):
+            yield from signature(head, parameters)
+            yield from lines([Block(body)])
+        case Label(name=name):
+            yield f"{INDENT * (depth - 1)}{name}:{'' if _is_labelled(following) else ';'}"
+        case State(name=name):
+            yield f"{INDENT * (depth - 1)}case {name}:"
+        case Plain():
+            yield from _plain(statement, depth)
+        case Wait(code=item):
+            yield from _broken(item.document, depth)
+        case Block(body=body, head=head, tail=tail):
+            yield f"{indent}{head} {{" if head else f"{indent}{{"
+            yield from lines(body, depth + 1)
+            yield f"{indent}{tail}"
+        case If():
+            yield from _if(statement, depth, "")
+        case While(condition=None, body=body):
+            yield f"{indent}for (;;) {{"
+            yield from lines(body, depth + 1)
+            yield f"{indent}}}"
+        case While(condition=condition, body=body):
+            assert condition is not None
+            yield from _broken(("while (", Nest(len(INDENT), condition.document), ") {"), depth)
+            yield from lines(body, depth + 1)
+            yield f"{indent}}}"
+        case DoWhile(body=body, condition=condition):
+            yield f"{indent}do {{"
+            yield from lines(body, depth + 1)
+            yield from _broken(("} while (", Nest(len(INDENT), condition.document), ");"), depth)
+        case Switch(value=value, cases=cases):
+            yield from _broken(("switch (", value.document, ") {"), depth)
+            for label, body in cases:
+                yield f"{indent}{label}:"
+                yield from lines(body, depth + 1)
+            yield f"{indent}}}"
+        case _:
+            assert_never(statement)
+
+
+def _is_labelled(following: Sequence[Statement]) -> bool:
+    """Whether the first of the statements can have a label: a declaration cannot, and neither can nothing."""
+    first = next((item for item in following if not isinstance(item, Remark | Blank)), None)
+    return first is not None and not isinstance(first, Directive) and not (isinstance(first, Plain) and first.declares)
+
+
+def _if(statement: If, depth: int, before: str) -> Iterator[str]:
+    indent = INDENT * depth
+    head: Document = (f"{before}if (", Nest(len(INDENT), statement.condition.document), ") {")
+    yield from _broken(head, depth)
+    yield from lines(statement.then, depth + 1)
+    match statement.otherwise:
+        case ():
+            yield f"{indent}}}"
+        case (If() as inner,):
+            yield from _if(inner, depth, "} else ")
+        case otherwise:
+            yield f"{indent}}} else {{"
+            yield from lines(otherwise, depth + 1)
+            yield f"{indent}}}"
+
+
+def _plain(statement: Plain, depth: int) -> Iterator[str]:
+    document = (statement.code.document, statement.end)
+    found = _broken(document, depth)
+    if statement.remark is None:
+        yield from found
+        return
+    remark = f"/* {in_comment(statement.remark)} */"
+    if len(found) == 1 and len(found[0]) + 1 + len(remark) <= LINE_LENGTH:
+        yield f"{found[0]} {remark}"
+    else:
+        yield from (INDENT * depth + remark, *found)
+
+
+def _broken(document: Document, depth: int) -> list[str]:
+    return render(document, LINE_LENGTH, len(INDENT) * depth)
+
+
+def _remark(text: str, indent: str) -> list[str]:
+    width = LINE_LENGTH - len(indent) - 6
+    return comment(textwrap.wrap(" ".join(text.split()), width, break_long_words=False) or [""], indent)

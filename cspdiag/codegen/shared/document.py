@@ -1,0 +1,216 @@
+"""Documents: text that knows where it may be broken over lines (P. Wadler, *A prettier printer*, 2003).
+
+A document is text, a tuple of documents that follow each other, or one of the nodes below. Documents are values: what makes them decides nothing
+about columns, and `render` alone knows how long a line may be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias, assert_never
+
+from cspdiag.base.record import record
+
+
+@record
+class Line:
+    """A place where a line may end; ``flat`` is what stands there where it does not."""
+
+    flat: str = " "
+
+
+@record
+class Nest:
+    """Lines that begin inside stand ``by`` columns deeper."""
+
+    by: int
+    content: Document
+
+
+@record
+class Group:
+    """On one line if that fits; else its own lines are all broken, those of groups inside each if they have to be."""
+
+    content: Document
+
+
+@record
+class Fill:
+    """Items with a `Line` between them: as many on a line as fit. What follows an item of several lines begins a new one."""
+
+    items: tuple[Document, ...]
+
+
+@record
+class Choice:
+    """The first of several layouts of one text of which every line fits; the last if none does."""
+
+    layouts: tuple[Document, ...]
+
+
+@record
+class Flat:
+    """Never broken."""
+
+    content: Document
+
+
+Document: TypeAlias = "str | tuple[Document, ...] | Line | Nest | Group | Fill | Choice | Flat"
+
+LINE = Line()
+SOFT = Line("")
+
+
+def joined(separator: Document, items: Sequence[Document]) -> tuple[Document, ...]:
+    """The items with ``separator`` between them."""
+    found: list[Document] = []
+    for item in items:
+        if found:
+            found.append(separator)
+        found.append(item)
+    return tuple(found)
+
+
+def listed(items: Sequence[Document], comma: str = ",") -> tuple[Document, ...]:
+    """The items, each but the last with a comma behind it: what a `Fill` wants."""
+    return (*((item, comma) for item in items[:-1]), *items[-1:])
+
+
+def flat(document: Document) -> str:
+    """The text on one line."""
+    match document:
+        case str():
+            return document
+        case tuple():
+            return "".join(map(flat, document))
+        case Line(flat=text):
+            return text
+        case Nest(content=content) | Group(content=content) | Flat(content=content):
+            return flat(content)
+        case Fill(items=items):
+            return " ".join(map(flat, items))
+        case Choice(layouts=layouts):
+            return flat(layouts[0])
+    assert_never(document)
+
+
+def render(document: Document, width: int, indent: int = 0) -> list[str]:
+    """The lines, none longer than ``width`` if that can be; all but blank ones begin ``indent`` columns deep."""
+    first, *rest = _Layout(width).lines([(indent, True, document)], indent)
+    return [" " * indent + first, *rest]
+
+
+_Item: TypeAlias = tuple[int, bool, Document]
+"""How deep a line that begins in a document stands, whether its own lines are broken, and the document."""
+
+
+class _Layout:
+    def __init__(self, width: int) -> None:
+        self.width = width
+
+    def lines(self, items: Sequence[_Item], column: int, following: int = 0) -> list[str]:
+        """The lines of documents one behind the other, the first without the ``column`` characters before it.
+
+        ``following`` more characters come behind them on the last line.
+        """
+        done: list[str] = []
+        line = ""
+        before = column
+        stack = [*reversed(items)]
+        while stack:
+            depth, broken, document = stack.pop()
+            match document:
+                case str():
+                    line += document
+                case tuple():
+                    stack += [(depth, broken, part) for part in reversed(document)]
+                case Line() if broken:
+                    done.append(line.rstrip())
+                    line, before = " " * depth, 0
+                case Line(flat=text):
+                    line += text
+                case Nest(by=by, content=content):
+                    stack.append((depth + by, broken, content))
+                case Flat(content=content):
+                    line += flat(content)
+                case Group(content=content):
+                    fits = not broken or self._fits(content, before + len(line), stack, following)
+                    stack.append((depth, not fits, content))
+                case Fill(items=parts):
+                    if not broken or self._fits(document, before + len(line), stack, following):
+                        line += flat(document)
+                    else:
+                        stack.append((depth, True, self._first(parts, depth, before + len(line), stack, following)))
+                case Choice(layouts=layouts):
+                    if not broken:
+                        line += flat(layouts[0])
+                    else:
+                        stack.append((depth, True, self._chosen(document, depth, before + len(line), stack, following)))
+                case _:
+                    assert_never(document)
+        return [*done, line]
+
+    def _first(
+        self, parts: tuple[Document, ...], depth: int, column: int, stack: Sequence[_Item], following: int
+    ) -> Document:
+        """The first item of a `Fill`, the line behind it, broken if the next item does not fit on it, and the rest."""
+        head, *rest = parts
+        if not rest:
+            return Group(head)
+        text = flat(head)
+        is_one_line = column + len(text) <= self.width
+        ahead = 0 if rest[1:] else self._ahead(stack, following)
+        stays = is_one_line and column + len(text) + 1 + len(flat(rest[0])) + ahead <= self.width
+        return (Group(head), " " if stays else LINE, Fill(tuple(rest)))
+
+    def _chosen(self, choice: Choice, depth: int, column: int, stack: Sequence[_Item], following: int) -> Document:
+        *preferred, last = choice.layouts
+        for layout in preferred:
+            if self._all_fit(layout, depth, column, self._ahead(stack, following)):
+                return layout
+        return last
+
+    def _all_fit(self, layout: Document, depth: int, column: int, following: int) -> bool:
+        first, *rest = self.lines([(depth, True, layout)], column, following)
+        lengths = [column + len(first), *map(len, rest)]
+        lengths[-1] += following
+        return max(lengths) <= self.width
+
+    def _fits(self, content: Document, column: int, stack: Sequence[_Item], following: int) -> bool:
+        return column + len(flat(content)) + self._ahead(stack, following) <= self.width
+
+    def _ahead(self, stack: Sequence[_Item], following: int) -> int:
+        """How many characters come before the next place where a line can end."""
+        count = 0
+        for _, broken, document in reversed(stack):
+            length, ended = _until_line(document, broken)
+            count += length
+            if ended:
+                return count
+        return count + following
+
+
+def _until_line(document: Document, broken: bool) -> tuple[int, bool]:
+    """The length of a text up to the first place where a line may end, and whether there is one."""
+    match document:
+        case str():
+            return len(document), False
+        case tuple():
+            count = 0
+            for part in document:
+                length, ended = _until_line(part, broken)
+                count += length
+                if ended:
+                    return count, True
+            return count, False
+        case Line(flat=text):
+            return (0, True) if broken else (len(text), False)
+        case Flat(content=content):
+            return len(flat(content)), False
+        case Nest(content=content) | Group(content=content):
+            return _until_line(content, broken)
+        case Fill(items=items):
+            return _until_line(joined(LINE, items), broken)
+        case Choice(layouts=layouts):
+            return _until_line(layouts[-1], broken)
+    assert_never(document)

@@ -1,0 +1,156 @@
+"""The tree of C: parentheses, opposites, bodies that are not empty, and lines that fit."""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.codegen.c.text.code import (
+    AND,
+    EQUALITY,
+    OR,
+    PRODUCT,
+    RELATION,
+    SUM,
+    Code,
+    address,
+    call,
+    cast,
+    code,
+    conditional,
+    infix,
+    mentions_self,
+    minus,
+    negated,
+    own,
+    target,
+)
+from cspdiag.codegen.c.text.statements import (
+    LINE_LENGTH,
+    If,
+    Label,
+    Remark,
+    Statement,
+    choose,
+    define,
+    go,
+    has_effect,
+    jumps_to,
+    lines,
+    run,
+    store,
+)
+from tests.codegen.packages import network, read
+
+a, b, c = map(code, "abc")
+LESS = infix("<", RELATION, a, b)
+SAME = infix("==", EQUALITY, a, b)
+
+
+@pytest.mark.parametrize(
+    ("tree", "text"),
+    [
+        (infix("+", SUM, a, infix("*", PRODUCT, b, c)), "a + b * c"),
+        (infix("*", PRODUCT, infix("+", SUM, a, b), c), "(a + b) * c"),
+        (infix("-", SUM, a, infix("-", SUM, b, c)), "a - (b - c)"),
+        (infix("-", SUM, infix("-", SUM, a, b), c), "a - b - c"),
+        (infix("&&", AND, LESS, SAME), "(a < b) && (a == b)"),
+        (infix("&&", AND, infix("&&", AND, a, b), LESS), "a && b && (a < b)"),
+        (infix("||", OR, infix("&&", AND, a, b), c), "(a && b) || c"),
+        (infix("==", EQUALITY, LESS, c), "(a < b) == c"),
+        (conditional(LESS, a, conditional(SAME, b, c)), "(a < b) ? a : ((a == b) ? b : c)"),
+        (conditional(a, infix("+", SUM, a, b), c), "a ? a + b : c"),
+        (cast("int8_t", infix("+", SUM, a, b)), "(int8_t)(a + b)"),
+        (cast("int8_t", cast("int8_t", a)), "(int8_t)a"),
+        (minus(minus(a)), "-(-a)"),
+        (minus(infix("*", PRODUCT, a, b)), "-(a * b)"),
+        (target(address(a)), "a"),
+        (address(target(a)), "a"),
+        (target(a).field("x"), "(*a).x"),
+        (call("f", own(code("x")).field("y").at(3), address(own("z"))), "f(self->x.y[3], &self->z)"),
+    ],
+)
+def test_parentheses_stand_where_they_are_wanted(tree: Code, text: str) -> None:
+    assert str(tree) == text
+
+
+@pytest.mark.parametrize(
+    ("condition", "opposite"),
+    [
+        (SAME, "a != b"),
+        (infix("!=", EQUALITY, a, b), "a == b"),
+        (a, "!a"),
+        (negated(a), "a"),
+        (negated(LESS), "a < b"),
+        (LESS, "!(a < b)"),
+        (infix("||", OR, a, b), "!(a || b)"),
+        (code("true"), "false"),
+    ],
+)
+def test_the_opposite_of_a_condition(condition: Code, opposite: str) -> None:
+    assert str(negated(condition)) == opposite
+
+
+def test_no_branch_is_empty() -> None:
+    said, done = Remark("nothing to do"), store(a, b)
+    assert choose(SAME, [said], [done]) == [said, If(negated(SAME), (done,))]
+    assert choose(SAME, [done], [said]) == [said, If(SAME, (done,))]
+    assert choose(SAME, [said], []) == [said]
+    assert lines(choose(SAME, [done], choose(LESS, [done], [run("stop()")]))) == [
+        "if (a == b) {",
+        "    a = b;",
+        "} else if (a < b) {",
+        "    a = b;",
+        "} else {",
+        "    stop();",
+        "}",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("following", "label"),
+    [
+        ([run("stop()")], "here:"),
+        ([Remark("then"), run("stop()")], "here:"),
+        ([define("int", "x", "0")], "here:;"),
+        ([], "here:;"),
+    ],
+)
+def test_a_label_is_followed_by_a_statement(following: list[Statement], label: str) -> None:
+    assert lines([Label("here"), *following], 1)[0] == label
+
+
+def test_questions_are_answered_by_the_tree() -> None:
+    inside = choose(SAME, [go("fails")])
+    assert jumps_to("fails", inside)
+    assert jumps_to("fails", [run(call("CSP_CHECK", "fails"), "")])
+    assert not jumps_to("fail", inside)
+    assert mentions_self(choose(LESS, [store(own("x"), a)]))
+    assert not mentions_self([store("self->x", a)])
+    assert not has_effect([Remark("a = b;")])
+
+
+MODELS = ("jiwy", "cascade", "dining", "emergency", "watchdog", "buffer")
+
+
+@pytest.mark.parametrize(("name", "level"), [*product(MODELS, (0, 1))])
+def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
+    """Long lines, empty bodies, comparisons in the wrong sense, commas that evaluate, pointers to what is pointed to, double parentheses."""
+    package = pipeline.generate(network(name), read, "c", level)
+    objections = {
+        "empty body": r"\{\s*(/\*([^*]|\*[^/])*\*/\s*)*\}",
+        "negated comparison": r"!\((?!.*(&&|\|\|))[^()]* (==|!=) [^()]*\)",
+        "pointer to what is pointed to": r"&\*|\*&",
+        "comma that evaluates": r"\((csp_require_written|csp_operand_\d+ =)",
+        "needless parentheses": r"!\((\w|->|\.)+\)|\(\((\w|->|\.)+\)\)",
+    }
+    for path, text in package.items():
+        if path.startswith("support/") or not path.endswith((".c", ".h")):
+            continue
+        assert max(map(len, text.splitlines())) <= LINE_LENGTH, path
+        for objection, pattern in objections.items():
+            found = re.search(pattern, text)
+            assert found is None, f"{path}: {objection}: {found[0]}"
