@@ -10,6 +10,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.diagnostic_formats import FORMATS, show_findings
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError, described
+from cspdiag.cli.support.terminal import say
 from cspdiag.pipeline import check
 
 EXAMPLE = (
@@ -46,6 +47,10 @@ def run(arguments: Namespace) -> int:
             for diagnostic in check(source, read_source).report.diagnostics:
                 found.add(diagnostic)
         show_findings(found.diagnostics, [source.name for source in sources], arguments)
+        count = sum(bool(diagnostic.edits) for diagnostic in found.diagnostics)
+        if count and arguments.format == "text":
+            which = "it" if len(found.diagnostics) == 1 else f"{count} of them"
+            say(f"--fix mends {which}, --diff shows how")
         code = UNSUCCESSFUL if found.has_errors else FINE
     if unreadable:
         raise UsageError("; ".join(unreadable))

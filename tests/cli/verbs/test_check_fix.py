@@ -199,3 +199,10 @@ def test_machines_are_given_the_edits(cspdiag: Command, slip: Path, bad: Path) -
 def test_what_was_mended_is_not_told_to_machines(cspdiag: Command, slip: Path) -> None:
     result = cspdiag("check", "--fix", "--format", "json", slip)
     assert (result.code, json.loads(result.out), result.err) == (0, [], f"mended 1 in {slip}\n")
+
+
+def test_who_only_checks_is_told_of_mends(cspdiag: Command, slip: Path, bad: Path) -> None:
+    assert cspdiag("check", slip).err.endswith("\n1 error\n--fix mends it, --diff shows how\n")
+    assert cspdiag("check", slip, bad).err.endswith("\n2 errors\n--fix mends 1 of them, --diff shows how\n")
+    assert "--fix" not in cspdiag("check", bad).err
+    assert "--fix" not in cspdiag("check", "--format", "concise", slip).err
