@@ -83,7 +83,7 @@ def test_from_everything_that_is_watched_an_edge_leads_to_the_handler() -> None:
     (ended,) = places(found, Unwatch)
     assert [found.abandoned[index] for index in (first, second, ended)] == [abandon] * 3
     assert [found.abandoned[index] for index in (abandon, handler, after)] == [None] * 3
-    assert found.before[places(found, Resume)[0]] == [ended, handler]
+    assert found.before[places(found, Resume)[0]] == (ended, handler)
 
 
 def test_a_handler_inside_another_part_that_is_watched_may_be_abandoned_too() -> None:
@@ -95,8 +95,9 @@ def test_a_handler_inside_another_part_that_is_watched_may_be_abandoned_too() ->
 
 def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
     found = code("mu ((u ? x || y ! 1) ; while x > 3 do u ? x) until x > 7")
-    for index, later in enumerate(found.after):
-        for target in later:
-            assert index in found.before[target]
-            assert target > index or isinstance(found.instructions[target], Loop)
+    for index, earlier in enumerate(found.before):
+        for source in earlier:
+            assert source < index or found.back[source] == index
+    assert {type(found.instructions[loop]) for loop in found.back.values()} == {Loop}
+    assert len(found.back) == 2
     assert len(found.before[places(found, Join)[0]]) == 2

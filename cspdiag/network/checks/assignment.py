@@ -20,8 +20,9 @@ from cspdiag.network.flow.effects import reads, writes
 from cspdiag.network.flow.written import surely_written
 from cspdiag.network.ir.actions import Target
 from cspdiag.network.ir.expressions import VariableValue
+from cspdiag.network.ir.network import Direction
 from cspdiag.network.relations import UsesByKey, end_key
-from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
+from cspdiag.network.shapes import InstanceShape, Key, PortElement, Shape, attached_key
 
 
 @record(kw_only=True)
@@ -76,6 +77,7 @@ class _Process:
         self.bits = {**outputs, **{name: 1 << number for number, name in enumerate(unset, start=len(outputs))}}
         self.inside = inside
         self.instances = shape.instances
+        self._ports: dict[tuple[Shape, Direction], list[tuple[PortElement, Key]]] = {}
         self.endless = {
             name for name, instance in shape.instances.items() if (flow := inside.get(instance.shape)) and not flow.ends
         }
@@ -103,7 +105,7 @@ class _Process:
 
     def _written_by_instance(self, instance: InstanceShape) -> Iterator[Key]:
         flow = self.inside.get(instance.shape)
-        for key, outer in _attached(instance, "out"):
+        for key, outer in self._attached(instance, "out"):
             if flow is None or flow.writes & flow.outputs[key]:
                 yield outer
 
@@ -112,18 +114,22 @@ class _Process:
         flow = self.inside.get(instance.shape)
         written: dict[Key, int] = {}
         if flow is not None:
-            for key, outer in _attached(instance, "out"):
+            for key, outer in self._attached(instance, "out"):
                 written[outer] = written.get(outer, 0) | flow.outputs[key]
-        for key, outer in _attached(instance, "in"):
+        for key, outer in self._attached(instance, "in"):
             if flow is None or (key in flow.reads and not flow.reads[key] & written.get(outer, 0)):
                 yield outer
 
-
-def _attached(instance: InstanceShape, direction: str) -> Iterator[tuple[Key, Key]]:
-    """The ports of an instance in one direction, with the port or channel of the process that each is attached to."""
-    for port, element, key in instance.shape.port_elements():
-        if port.direction == direction and element in instance.attachments:
-            outer = attached_key(instance.attachments[element])
+    def _attached(self, instance: InstanceShape, direction: Direction) -> Iterator[tuple[Key, Key]]:
+        """The ports of an instance in one direction, with the port or channel of the process that each is attached to."""
+        shape = instance.shape
+        ports = self._ports.get((shape, direction))
+        if ports is None:
+            ports = [(element, key) for port, element, key in shape.port_elements() if port.direction == direction]
+            self._ports[shape, direction] = ports
+        for element, key in ports:
+            attached = instance.attachments.get(element)
+            outer = None if attached is None else attached_key(attached)
             if outer is not None:
                 yield key, outer
 

@@ -72,8 +72,8 @@ class _Builder:
     """Adds instructions in the order of the text."""
 
     def __init__(self) -> None:
-        self.code = Code(instructions=[], before=[], after=[], abandoned=[], sequences=[])
-        self._open: list[int] = []
+        self.code = Code(instructions=[], before=[], back={}, abandoned=[], sequences=[])
+        self._open: tuple[int, ...] = ()
         """What the next instruction comes after: at most one, but where ways come together, and none where nothing ends."""
         self._watched: list[list[int]] = []
         """The instructions of each watched part around, from the outermost."""
@@ -83,13 +83,10 @@ class _Builder:
         code, index = self.code, len(self.code.instructions)
         code.instructions.append(instruction)
         code.before.append(self._open)
-        code.after.append([])
         code.abandoned.append(None)
-        for earlier in self._open:
-            code.after[earlier].append(index)
         if self._watched:
             self._watched[-1].append(index)
-        self._open = [index]
+        self._open = (index,)
         return index
 
     def action(self, action: Action) -> None:
@@ -106,10 +103,10 @@ class _Builder:
                 self.add(Delay(span=span, step=action))
             case StopStep():
                 self.add(Stop(span=span, step=action))
-                self._open = []
+                self._open = ()
             case RaiseException():
                 self.add(Raise(span=span, step=action))
-                self._open = []
+                self._open = ()
             case SequentialSteps():
                 starts = []
                 for step in action.steps:
@@ -127,13 +124,13 @@ class _Builder:
                     self.add(Test(span=span, condition=action.until))
                 self._back(start)
                 if action.until is None:
-                    self._open = []
+                    self._open = ()
             case WhileLoop():
                 start = self.add(Loop(span=span))
                 test = self.add(Test(span=span, condition=action.condition))
                 self.action(action.body)
                 self._back(start)
-                self._open = [test]
+                self._open = (test,)
             case CountedLoop():
                 start = self.add(Loop(span=span))
                 self.action(action.body)
@@ -142,7 +139,7 @@ class _Builder:
             case IfElse():
                 test = self.add(Test(span=span, condition=action.condition))
                 self.action(action.then)
-                then, self._open = self._open, [test]
+                then, self._open = self._open, (test,)
                 self.action(action.otherwise)
                 self._open = then + self._open
                 self.add(Meet(span=span))
@@ -164,28 +161,28 @@ class _Builder:
                 assert_never(action)
 
     def _back(self, start: int) -> None:
-        for last in self._open:
-            self.code.after[last].append(start)
-            self.code.before[start].append(last)
+        self.code.before[start] += self._open
+        self.code.back.update((last, start) for last in self._open)
 
     def _parallel(self, parallel: ParallelSteps) -> None:
         fork = self.add(Fork(span=parallel.span, step=parallel))
         ends: list[int] = []
+        beginning = (fork,)
         for step in parallel.steps:
-            self._open = [fork]
+            self._open = beginning
             self.action(step)
             ends += self._open
-        self._open = ends if len(ends) == len(parallel.steps) else []
+        self._open = tuple(ends) if len(ends) == len(parallel.steps) else ()
         self.add(Join(span=parallel.span))
 
     def _choice(self, choice: Choice) -> None:
         select = self.add(Select(span=choice.span, step=choice))
         ends: list[int] = []
         for branch in choice.branches:
-            self._open = [select]
+            self._open = (select,)
             self._branch(branch)
             ends += self._open
-        self._open = ends
+        self._open = tuple(ends)
         self.add(Meet(span=choice.span))
 
     def _branch(self, branch: Branch) -> None:
@@ -199,12 +196,12 @@ class _Builder:
         self.action(watching.body)
         ended = self.add(Unwatch(span=watching.span))
         inside = self._watched.pop()
-        self._open = []
+        self._open = ()
         abandon = self.add(Abandon(span=watching.span))
         for index in inside:
             self.code.abandoned[index] = abandon
         return ended
 
     def _resume(self, watching: CatchException | InterruptOn, ended: int) -> None:
-        self._open = [ended, *self._open]
+        self._open = (ended, *self._open)
         self.add(Resume(span=watching.span))

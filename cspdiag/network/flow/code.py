@@ -205,8 +205,9 @@ class Code:
     """The instructions of a process, the first one its entry and the last one its ``End``, with their edges as indexes."""
 
     instructions: list[Instruction]
-    before: list[list[int]]
-    after: list[list[int]]
+    before: list[tuple[int, ...]]
+    back: dict[int, int]
+    """The ends of loops, each with the ``Loop`` that it goes back to; the edges from them are among ``before`` as well."""
     abandoned: list[int | None]
     """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
     sequences: list[tuple[SequentialSteps, list[int]]]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from heapq import heappop, heappush
 from typing import TypeVar
 
 from cspdiag.network.flow.code import Code, Instruction, Join
@@ -26,32 +25,27 @@ def solve(
     count = len(code.instructions)
     entering: list[State | None] = [None] * count
     leaving: list[State | None] = [None] * count
-    abandoning: list[list[int]] = [[] for _ in range(count)]
+    abandoning: dict[int, list[int]] = {}
     for index, target in enumerate(code.abandoned):
         if target is not None:
-            abandoning[target].append(index)
-    # In the order of the text: each instruction after all that lead to it but by way of a loop.
-    pending, queued = [0], {0}
-    while pending:
-        index = heappop(pending)
-        queued.discard(index)
+            abandoning.setdefault(target, []).append(index)
+
+    def before(index: int) -> State | None:
         instruction = code.instructions[index]
         ways = [leaving[earlier] for earlier in code.before[index]]
         if isinstance(instruction, Join) and None in ways:
-            continue
-        ways += [entering[earlier] for earlier in abandoning[index]]
+            return None
+        ways += [entering[earlier] for earlier in abandoning.get(index, ())]
         reached = [way for way in ways if way is not None]
         if index == 0:
             reached.append(start)
-        state = reached[0] if len(reached) == 1 else merge(instruction, reached)
-        if state == entering[index]:
-            continue
-        entering[index] = state
-        leaving[index] = transfer(index, instruction, state)
-        target = code.abandoned[index]
-        onwards = [] if leaving[index] is None else code.after[index]
-        for later in onwards if target is None else [*onwards, target]:
-            if later not in queued:
-                queued.add(later)
-                heappush(pending, later)
+        return merge(instruction, reached) if len(reached) > 1 else reached[0] if reached else None
+
+    # In the order of the text: each instruction after all that lead to it, but by way of a loop, which is followed again where that changes it.
+    index = 0
+    while index < count:
+        state = entering[index] = before(index)
+        leaving[index] = None if state is None else transfer(index, code.instructions[index], state)
+        loop = code.back.get(index)
+        index = loop if loop is not None and before(loop) != entering[loop] else index + 1
     return entering
