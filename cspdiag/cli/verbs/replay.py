@@ -68,17 +68,19 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
 
 def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
     from cspdiag.runtime.kernel.durations import shown
-    from cspdiag.verify.runs.names import below, in_words
+    from cspdiag.verify.runs.names import below
     from cspdiag.verify.runs.values import types_of, written
 
     types = types_of(network)
     yield f"replay of the counterexample to `{trace.assertion}`"
-    instants = [f"{shown(instant)}  " for instant in result.instants] if any(result.instants) else []
+    rounds, lasting = result.repeated or (0, 0)
+    instants = [f"{shown(instant)}  " for instant in result.instants] if lasting or any(result.instants) else []
     width = max(map(len, instants), default=0)
     round_from = None if result.divergence is not None else result.round_from
     for number, (channel, value) in enumerate(result.communications):
         if number == round_from:
-            yield "then again and again:"
+            every = f"every {shown(lasting)}" if rounds == 1 else f"{rounds} rounds in {shown(lasting)}"
+            yield f"then again and again{f', {every}' if lasting else ''}:"
         when = instants[number].rjust(width) if instants else ""
         name = channel.removeprefix(f"{trace.process}.")
         yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
@@ -86,11 +88,18 @@ def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
         yield f"then again and again, {trace.round}"
     if result.deadlock is not None:
         yield below(result.deadlock, trace.process).text
+    yield _conclusion(trace, result, goes_on=round_from is not None)
+
+
+def _conclusion(trace: Trace, result: Replay, *, goes_on: bool) -> str:
+    from cspdiag.verify.runs.names import in_words
+
     total = trace.shown_before(len(trace.steps) + len(trace.cycle))
-    steps = f"{total} step{'' if total == 1 else 's'}"
-    if round_from is not None:
-        yield "replayed: the program " + (f"did all {steps}, and " if total else "") + "can go on so for ever"
-    elif result.divergence is None:
-        yield f"replayed: the program did all {steps}"
-    else:
-        yield f"not replayed: after {trace.shown_before(result.steps)} of {steps}, {in_words(result.divergence, trace.process)}"
+    if result.divergence is not None:
+        done = trace.shown_before(result.steps)
+        after = f"after {done} of {total} step{'' if total == 1 else 's'}, " if total else ""
+        return f"not replayed: {after}{in_words(result.divergence, trace.process)}"
+    did = ["did what the trace says", "did the one step"][total] if total < 2 else f"did all {total} steps"
+    if not goes_on:
+        return f"replayed: the program {did}"
+    return f"replayed: the program {did + ', and ' if total else ''}can go on so for ever"

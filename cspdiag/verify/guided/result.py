@@ -28,6 +28,8 @@ class GuidedRun:
     """Who waits for ever then."""
     instants: tuple[int, ...] = ()
     """When the communications were, in nanoseconds."""
+    repeated: tuple[int, int] | None = None
+    """After so many rounds and so many nanoseconds everything is as it was before; None where nothing is repeated."""
 
     @property
     def succeeded(self) -> bool:

@@ -82,8 +82,8 @@ class Run:
         self._cut: int | None = None
         self._cycle_began: int | None = None
         self._rounds = 0
-        self._situations: set[tuple[object, ...]] = set()
-        self._repeated = False
+        self._situations: dict[tuple[object, ...], tuple[int, int]] = {}
+        self._repeated: tuple[int, int] | None = None
         self._broken_off = False
         self._error: BaseException | None = None
 
@@ -116,7 +116,9 @@ class Run:
         done = len(self._script.entries) - self._script.left
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
-        return GuidedRun(done, self._actions, divergence, made, deadlock, cut, happened, standing, instants)
+        return GuidedRun(
+            done, self._actions, divergence, made, deadlock, cut, happened, standing, instants, self._repeated
+        )
 
     def _called(self, task: Task) -> str:
         return self._goal.called(task, self._names)
@@ -137,7 +139,7 @@ class Run:
                 assert self._broken_off
             finally:
                 scheduler.current = nobody
-            if self._repeated:
+            if self._repeated is not None:
                 return
             if self._broken_off:
                 if self._script.left or self._goal.is_standstill:
@@ -168,9 +170,10 @@ class Run:
         if goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
             raise AstrayError("time passes before everything is repeated")
         situation = (*self._world.situation, *goal.recurrence.state(self._process, self._root))
-        self._repeated = situation in self._situations
-        self._situations.add(situation)
-        return self._repeated
+        rounds, instant = self._situations.setdefault(situation, (self._rounds, scheduler.now))
+        if rounds < self._rounds:
+            self._repeated = self._rounds - rounds, scheduler.now - instant
+        return self._repeated is not None
 
     @property
     def _actions(self) -> int:

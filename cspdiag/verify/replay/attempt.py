@@ -327,16 +327,19 @@ class Attempt:
         if run.succeeded and self._judge is not None:
             found = self._judge(run.communications, self._rest_of(run))
             divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
+        communications = result.communications if self._trace.cycle else run.communications
+        as_it_runs = run.communications[: len(communications)] == communications
         return replaced(
             result,
             divergence=divergence,
-            communications=result.communications if self._trace.cycle else run.communications,
+            communications=communications,
             deadlock=run.deadlock,
             excluded=not run.succeeded,
             judgement=judgement,
             other=run.happened,
             standing=run.standing,
-            instants=() if self._trace.cycle else run.instants,
+            instants=run.instants[: len(communications)] if as_it_runs else (),
+            repeated=run.repeated,
         )
 
     def _rest_of(self, run: GuidedRun) -> Resting | None:

@@ -39,12 +39,14 @@ class Replay:
     standing: tuple[Standing, ...] = ()
     """Who waits for ever after that."""
     instants: tuple[int, ...] = ()
-    """When the communications were, in nanoseconds; nothing where the program goes on for ever."""
+    """When the communications were, in nanoseconds; nothing where the program as it runs has them in another order."""
     round_from: int | None = None
     """The number of communications before those that are repeated for ever; they end with the last.
 
     None where nothing is repeated.
     """
+    repeated: tuple[int, int] | None = None
+    """After so many rounds and so many nanoseconds everything is as it was before."""
 
     @property
     def succeeded(self) -> bool:

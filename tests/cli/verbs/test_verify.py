@@ -250,10 +250,10 @@ def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: P
     assert replay.code == 0
     assert "deadlock at 0 s: 2 processes wait for each other" in replay.err
     assert ":7), for `second`" in replay.err, "the line at which it waits"
-    assert replay.err.endswith("replayed: the program did all 0 steps\n")
+    assert replay.err.endswith("replayed: the program did what the trace says\n")
     other = cspdiag("run", proved, "--replay", trace)
     assert other.code == 1
-    assert "not replayed: after 0 of 0 steps" in other.err
+    assert "\nnot replayed: " in other.err
     assert cspdiag("run", proved, "--replay", trace, "--quiet") == (1, "", "")
 
 
@@ -443,7 +443,7 @@ assert Main livelock free
             [
                 "    1  go  0",
                 "then again and again, without a communication or a delay: `Main`",
-                "replayed: the program did all 1 step, and can go on so for ever",
+                "replayed: the program did the one step, and can go on so for ever",
             ],
         ),
     ],
@@ -453,6 +453,52 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
     file.write_text(ROUNDS.replace("ROUND", composition))
     told = cspdiag("verify", file, "--trace-out", trace)
     assert "then again and again" in told.err
+    replay = cspdiag("run", file, "--replay", trace)
+    assert replay.code == 0
+    assert replay.err.splitlines()[-len(lines) :] == lines
+
+
+@pytest.mark.parametrize(
+    ("ports", "composition", "lines"),
+    [
+        (
+            "",
+            "wait 1 ms ; (mu (c ! 1 ; wait 2 ms) || mu (c ? t ; wait 2 ms))",
+            [
+                "then again and again, every 2 ms:",
+                "    1  1 ms  c  1",
+                "replayed: the program did all 4 steps, and can go on so for ever",
+            ],
+        ),
+        (
+            "",
+            "mu (c ! 1 ; wait 2 ms) || mu (c ? t ; wait 2 ms)",
+            [
+                "then again and again, every 2 ms:",
+                "    1  0 s  c  1",
+                "replayed: the program did all 3 steps, and can go on so for ever",
+            ],
+        ),
+        (
+            "in i : int @ 2 ms  in j : int @ 3 ms",
+            "(mu i ? t) || (mu j ? u)",
+            [
+                "then again and again, 3 rounds in 6 ms:",
+                "    1  2 ms  i  0",
+                "replayed: the program did the one step, and can go on so for ever",
+            ],
+        ),
+    ],
+)
+def test_a_replay_says_when_what_is_repeated_comes(
+    cspdiag: Command, tmp_path: Path, ports: str, composition: str, lines: list[str]
+) -> None:
+    file, trace = tmp_path / "rounds.csp", tmp_path / "trace.json"
+    file.write_text(
+        f"process Main {{ {ports} communication {{ var t : int = 0  var u : int = 0  channel c : int sync }}\n"
+        f"  composition {{ {composition} }} }}\nassert Main terminates\n"
+    )
+    assert cspdiag("verify", file, "--trace-out", trace).code == 1
     replay = cspdiag("run", file, "--replay", trace)
     assert replay.code == 0
     assert replay.err.splitlines()[-len(lines) :] == lines
