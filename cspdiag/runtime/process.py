@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .kernel.exceptions import Fault, Place, ProcessError, fault_of, run_is_ended
+from .kernel.exceptions import Cancelled, Fault, Place, ProcessError, fault_of, run_is_ended
 from .kernel.executed import Executed
 from .kernel.places import note_place, place_of
 from .kernel.scheduler import scheduler
@@ -51,6 +51,8 @@ class Process(Executed):
                 Place(self.name, self.source),
             )
         task = scheduler.current
+        if self.is_law and task.cancelled:
+            raise Cancelled
         enclosing = self.enclosing = task.process
         task.process = self
         self.runs_now = True
@@ -89,6 +91,8 @@ class Submodel(Process):
 
     Subclasses have a ``calculate`` from inputs to outputs, and a ``run`` that is ``read_all``, ``calculate``, ``write_all``.
     """
+
+    is_law = True
 
     def reset(self) -> None:
         """Puts the states back to their initial values."""

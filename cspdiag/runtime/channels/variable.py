@@ -1,6 +1,6 @@
 """Ends that never wait: variables, constants, and the sink that takes everything.
 
-Their accesses are no communications: they are in no trace, and no process is cancelled there.
+Their accesses are no communications: they are in no trace, and no process is cancelled there. A control law that writes is, whatever it writes to.
 """
 
 from __future__ import annotations
@@ -9,12 +9,18 @@ from collections.abc import Generator
 from types import coroutine
 from typing import Any
 
-from ..kernel.exceptions import Fault
-from ..kernel.scheduler import Party
+from ..kernel.exceptions import Cancelled, Fault
+from ..kernel.scheduler import Party, scheduler
 from .ports import In, Out, T, T_co, T_contra
 from .selector import Selector
 
 _NOT_WRITTEN: Any = object()
+
+
+def _end_cancelled_law() -> None:
+    task = scheduler.current
+    if task.cancelled and task.process is not None and task.process.is_law:
+        raise Cancelled
 
 
 class Variable(In[T], Out[T]):
@@ -47,6 +53,7 @@ class Variable(In[T], Out[T]):
     @coroutine
     def write(self, value: T, /) -> Generator[None, None, None]:
         """Overwrites the value."""
+        _end_cancelled_law()
         self.value = value
         return
         yield
@@ -131,6 +138,7 @@ class Discard(Out[T_contra]):
     @coroutine
     def write(self, value: T_contra, /) -> Generator[None, None, None]:
         """Goes on at once."""
+        _end_cancelled_law()
         return
         yield
 

@@ -11,5 +11,8 @@ class Executed:
 
     __slots__ = ()
 
+    is_law = False
+    """Whether it is a control law, at which a cancelled process ends before the law reads and before it writes."""
+
     name: str
     source: str | None

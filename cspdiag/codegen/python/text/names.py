@@ -35,7 +35,9 @@ BUILTINS = _words(
     """
 )
 
-MEMBERS = _words("self name source run runs_now execute enclosing started ended owns calculate reset ends _place")
+MEMBERS = _words(
+    "self name source run runs_now execute enclosing started ended owns calculate reset ends is_law _place"
+)
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
 PROCESS_MEMBERS = MEMBERS | _words("kind steps start end fail blame checked tracked _enclosing")
