@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cspdiag.base.record import node, replaced
+from cspdiag.base.record import EMPTY, node, replaced
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
 from cspdiag.syntax.parse.nesting import room_to_recurse
 
 if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
+    from cspdiag.codegen.shared.render import Replacement
     from cspdiag.model.program import Program, Value
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.infer.contexts import Surroundings
@@ -266,16 +267,19 @@ def generate(
     traced: bool = False,
     observed: bool = False,
     probed: bool = False,
+    templates: Mapping[str, Replacement] = EMPTY,
 ) -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 
     ``level`` is that of optimization, 0 or 1; at level 0 code tells and keeps everything. ``traced`` code tells an observer of every communication, other code of
     those of external ports only; ``observed`` code tells it as well when each process starts and ends, and who communicates; ``probed`` code keeps
     variables that have a unit as objects that can be watched. Hand-written modules that the program names are read relative to the file that
-    names them. Raises KeyError for an unknown target, OSError for a module that cannot be read.
+    names them. ``templates`` take the places of those of the target, by name. Raises KeyError for an unknown target, OSError for a module that
+    cannot be read, TargetError for a program that the target cannot express and for a mistake in one of the templates.
     """
     from cspdiag.codegen import TARGETS, external_modules
     from cspdiag.codegen.options import Options
 
     modules = {path: read(path).text for path in external_modules(network, target)}
-    return TARGETS[target](network, modules, Options(level=level, traced=traced, observed=observed, probed=probed))
+    options = Options(level=level, traced=traced, observed=observed, probed=probed, templates=templates)
+    return TARGETS[target](network, modules, options)

@@ -15,7 +15,7 @@ def _python(network: Network, modules: Mapping[str, str], options: Options) -> d
     if options.level == 0:
         from cspdiag.codegen.python import package as python
 
-        return python.generate(network, modules)
+        return python.generate(network, modules, templates=options.templates)
     from cspdiag.codegen.python.fast import package
 
     return package.generate(network, modules, options)
@@ -24,7 +24,7 @@ def _python(network: Network, modules: Mapping[str, str], options: Options) -> d
 def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     from cspdiag.codegen.c.package import package
 
-    return package.generate(network, modules, level=options.level, observed=options.observed)
+    return package.generate(network, modules, options)
 
 
 def _promela(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:

@@ -40,6 +40,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
     )
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
+    parser.add_argument(
+        "--templates",
+        metavar="DIR",
+        help="lay files out by the templates in DIR (docs/targets.md), each instead of that of its name",
+    )
     parser.add_argument("--emit", choices=("ast", "model", "network", "lts"), help="print a representation instead")
     parser.add_argument("--debug-passes", action="store_true", help=SUPPRESS)
     level = parser.add_mutually_exclusive_group()
@@ -122,11 +127,13 @@ def _emit_transitions(arguments: Namespace) -> int:
 def _generate(arguments: Namespace) -> int:
     from cspdiag.cli.support.manifest import read_manifest
     from cspdiag.cli.support.output import write_package
+    from cspdiag.cli.support.templates import read_templates
     from cspdiag.network.lower.program import is_taken_by_python
 
     if arguments.target not in TARGETS:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
     require_folder("-o", arguments.output)
+    templates = {} if arguments.templates is None else read_templates(arguments.templates, arguments.target)
     network = _network(arguments)
     if network is None:
         return UNSUCCESSFUL
@@ -134,7 +141,7 @@ def _generate(arguments: Namespace) -> int:
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise UsageError(f"{folder} is in the way: it is not a folder")
     try:
-        files = generate(network, read_source, arguments.target, arguments.level)
+        files = generate(network, read_source, arguments.target, arguments.level, templates=templates)
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
     program = "" if arguments.file == "-" else os.path.relpath(arguments.file, folder)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
 
+from cspdiag.base.record import EMPTY
 from cspdiag.codegen.python.plain.definitions import constant_lines, enum_views, exception_views, struct_views
 from cspdiag.codegen.python.plain.environments import EnvironmentModule, environment_module
 from cspdiag.codegen.python.plain.external import ExternalModules
@@ -19,7 +20,7 @@ from cspdiag.codegen.python.plain.submodels import submodel_module
 from cspdiag.codegen.python.project import project_view
 from cspdiag.codegen.python.text.imports import import_lines
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.shared.render import renderer
+from cspdiag.codegen.shared.render import Render, Replacement, renderer
 from cspdiag.network.ir.network import Environment, Network, ProcessClass
 
 EnvironmentMaker = Callable[[Environment, Network, PackageNames, ExternalModules], EnvironmentModule]
@@ -30,17 +31,18 @@ def generate(
     network: Network,
     modules: Mapping[str, str] | None = None,
     make_environment: EnvironmentMaker = environment_module,
+    templates: Mapping[str, Replacement] = EMPTY,
 ) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
     ``modules`` are the texts of external bodies by the paths that ``external_modules`` names; bodies that are missing from it are
-    imported as installed modules.
+    imported as installed modules. ``templates`` take the places of those of the target, by name.
     """
-    render = renderer("python")
+    render = renderer("python", templates)
     names = PackageNames(network)
     external = ExternalModules(modules or {})
     package = names.package
-    files = frame(network, names, external, make_environment)
+    files = frame(network, names, external, make_environment, render)
     files[f"{package}/network.py"] = render("network.py.j2", module=network_view(network, names, external))
     for class_ in network.classes:
         if isinstance(class_, ProcessClass):
@@ -58,6 +60,7 @@ def frame(
     names: PackageNames,
     external: ExternalModules,
     make_environment: EnvironmentMaker,
+    render: Render,
     *,
     optimized: bool = False,
 ) -> dict[str, str]:
@@ -65,7 +68,6 @@ def frame(
 
     In ``optimized`` packages the linter lets pass what the optimizer leaves.
     """
-    render = renderer("python")
     package = names.package
     files: dict[str, str] = {}
 

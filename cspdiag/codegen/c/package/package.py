@@ -15,8 +15,10 @@ from cspdiag.codegen.c.network.network import network_files
 from cspdiag.codegen.c.package.definitions import constants_header, types_header
 from cspdiag.codegen.c.package.refusals import refuse
 from cspdiag.codegen.c.process.levels import separate_depths
+from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.c.text.names import PackageNames, library_name
 from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.options import Options
 from cspdiag.codegen.python.plain.docs import sentence
 from cspdiag.codegen.python.project import PortRow, port_row
 from cspdiag.codegen.shared.package_text import markdown, markdown_code
@@ -31,6 +33,7 @@ SUPPORT = "support"
 
 _SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
 _CONFIGURATION = "csp_config.h"
+_FRAMES = {".c": "source.c.j2", ".h": "header.h.j2"}
 
 
 @record
@@ -49,6 +52,25 @@ class CProject:
     kernel: list[str]
     simulation: list[str]
     simulated: bool
+
+
+@record
+class Simulation:
+    """What the main of the simulation runs."""
+
+    top: str
+    environments: list[Scenario]
+
+
+@record
+class CFile:
+    """A generated file of code, for the templates that lay out all of them; ``text`` has no line break at its end."""
+
+    name: str
+    text: str
+    top: str
+    source: str
+    """The program, as it may stand in a comment."""
 
 
 @record
@@ -82,18 +104,16 @@ def _lowered(network: Network, level: int, observed: bool) -> Network:
     return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)
 
 
-def generate(
-    network: Network, modules: Mapping[str, str] | None = None, *, level: int = 0, observed: bool = False
-) -> dict[str, str]:
-    """The files of a package, by path from its folder, at a level of optimization.
+def generate(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    """The files of a package, by path from its folder.
 
-    ``observed`` programs tell when each process starts and ends, and who communicates. ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts
-    in another language.
+    ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts in another
+    language, TemplateError for a mistake in a template that was put in the place of one of the target.
     """
-    texts = modules or {}
-    refuse(network, texts)
+    render = renderer("c", options.templates)
+    refuse(network, modules)
     simulated = tuple(entry for entry in network.environments if not entry.drivers)
-    lowered = separate_depths(lowered_for_c(network, level, observed=observed))
+    lowered = separate_depths(lowered_for_c(network, options.level, observed=options.observed))
     names = PackageNames(lowered)
     files: dict[str, str] = {}
     types = CTypes(names)
@@ -104,19 +124,18 @@ def generate(
             kind = "process" if isinstance(class_, ProcessClass) else "control law"
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
         files.update(made)
-    by_hand = external_files(network, texts)
+    by_hand = external_files(network, modules)
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
     program = sorted(path for path in files if path.endswith(".c"))
-    render = renderer("c")
     environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
     can_simulate = bool(environments) or not network.external_ports
     if can_simulate:
         for environment in environments:
             files.update(environment_files(environment, lowered, names, types))
             rows.append(f"`{names.environments[environment.name]}.c` | the environment `{environment.name}`")
-        main = {"top": network.top, "environments": [_scenario(entry, names) for entry in environments]}
+        main = Simulation(network.top, [_scenario(entry, names) for entry in environments])
         files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
     files["constants.h"] = constants_header(lowered, names, types)
     files["types.h"] = types_header(lowered, names, types)
@@ -150,6 +169,11 @@ def generate(
     for path, text in by_hand.items():
         if files[path] is not text:
             raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
+    for path in files.keys() - by_hand.keys():
+        template = _FRAMES.get(path[-2:])
+        if template is not None:
+            file = CFile(path, files[path].removesuffix("\n"), network.top, in_comment(source))
+            files[path] = render(template, file=file)
     made_here = {_CONFIGURATION} & files.keys()
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in made_here})
     return dict(sorted(files.items()))

@@ -27,11 +27,11 @@ def generate(network: Network, modules: Mapping[str, str], options: Options) -> 
     """The files of a package, by path from its folder; see ``python.generate``."""
     left_out = _OF_PROCESSES * options.observed + _OF_VARIABLES * options.probed
     optimized = optimize(network, [entry for entry in PASSES if entry.name not in left_out])
-    render = renderer("python")
+    render = renderer("python", options.templates)
     names = PackageNames(optimized)
     external = ExternalModules(modules)
     package = names.package
-    files = plain.frame(optimized, names, external, environment_module, optimized=True)
+    files = plain.frame(optimized, names, external, environment_module, render, optimized=True)
     files[f"{package}/network.py"] = render("network.py.j2", module=network_view(optimized, names, external))
     for class_ in optimized.classes:
         if isinstance(class_, ProcessClass):
