@@ -93,12 +93,10 @@ class Test(Placed):
     condition: Expression
 
 
-@node
 class Loop(Placed):
     """Where the turns of a loop begin."""
 
 
-@node
 class Turn(Placed):
     """The end of a turn of a counted loop: goes back, or on."""
 
@@ -110,12 +108,10 @@ class Fork(Placed):
     step: ParallelSteps
 
 
-@node
 class Join(Placed):
     """The branches of a parallel, the instructions before, have all ended."""
 
 
-@node
 class Meet(Placed):
     """Several ways come together, of which one was taken."""
 
@@ -127,17 +123,14 @@ class Watch(Placed):
     step: CatchException | InterruptOn
 
 
-@node
 class Unwatch(Placed):
     """It has come to its end by itself."""
 
 
-@node
 class Abandon(Placed):
     """It was abandoned: the handler or the interrupt's branch follows."""
 
 
-@node
 class Resume(Placed):
     """What is watched has ended (``Unwatch``, the first before it), or what followed when it was abandoned (the second)."""
 
@@ -170,7 +163,6 @@ class Leave(Placed):
     step: ProcessScope
 
 
-@node
 class End(Placed):
     """The process has ended."""
 
