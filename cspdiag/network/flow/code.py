@@ -36,6 +36,12 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expressions import Expression
 
+Computation: TypeAlias = AssignValue | SkipStep | ResetInstance | RunLaw | ResetStates | ReportCommunication
+Communication: TypeAlias = ReadValue | WriteValue | ReadInputs | WriteOutputs
+
+SINGLE_STEPS = Computation | Communication | WaitStep
+"""The steps that one ``Compute``, ``Communicate`` or ``Delay`` stands for."""
+
 
 @node
 class Placed:
@@ -48,14 +54,14 @@ class Placed:
 class Compute(Placed):
     """Takes no time and communicates nothing."""
 
-    step: AssignValue | SkipStep | ResetInstance | RunLaw | ResetStates | ReportCommunication
+    step: Computation
 
 
 @node
 class Communicate(Placed):
     """Waits for partners, if it has to."""
 
-    step: ReadValue | WriteValue | ReadInputs | WriteOutputs
+    step: Communication
 
 
 @node

@@ -9,6 +9,7 @@ from cspdiag.network.flow.code import (
     Abandon,
     Call,
     Communicate,
+    Communication,
     Compute,
     Delay,
     End,
@@ -65,7 +66,7 @@ def writes(instruction: Instruction) -> Iterator[ir.Target | ir.End]:
             yield target
             return
         case Communicate():
-            step: Communication = instruction.step
+            step: Communication | ir.Event = instruction.step
         case Take():
             step = instruction.branch.event
         case _:
@@ -83,10 +84,7 @@ def writes(instruction: Instruction) -> Iterator[ir.Target | ir.End]:
             assert_never(step)
 
 
-Communication = ir.ReadValue | ir.WriteValue | ir.ReadInputs | ir.WriteOutputs | ir.Event
-
-
-def _of_communication(step: Communication) -> Iterator[VariableValue | ir.End]:
+def _of_communication(step: Communication | ir.Event) -> Iterator[VariableValue | ir.End]:
     match step:
         case ir.ReadValue() | ir.InputEvent():
             yield step.source
