@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.leaves import KINDS
 from cspdiag.codegen.c.process.members import Member, Members
+from cspdiag.codegen.c.process.outlines import Outlines
 from cspdiag.codegen.c.process.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import (
@@ -23,8 +24,8 @@ from cspdiag.codegen.c.text.code import (
     unsigned,
 )
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
-from cspdiag.codegen.c.text.rolling import marked, rolled
-from cspdiag.codegen.c.text.statements import Plain, Statement, run, store
+from cspdiag.codegen.c.text.rolling import marked, rolled, rolled_from
+from cspdiag.codegen.c.text.statements import Block, Plain, Statement, run, store
 from cspdiag.codegen.shared.document import Document
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import AfterEvent, ChannelEnd, End, PortEnd
@@ -36,6 +37,7 @@ from cspdiag.network.ir.network import (
     CreatedInstance,
     DiscardEnd,
     InstanceOf,
+    LocalChannel,
     ProcessClass,
     SubmodelClass,
 )
@@ -126,24 +128,25 @@ class _Initialization:
                     yield store(own(flag), Given(code(flag)))
 
     def _channels(self) -> list[Statement]:
-        groups: list[list[Plain]] = []
-        for channel in self.process.channels:
-            access, lvalue = access_of_channel(channel), own(self.members.member(channel.name))
-            number = code("numbers->channel")
-            if access == "variable":
-                if channel.initial is not None:
-                    groups.append([store(lvalue, self._printed(channel.initial))])
-                flag = self.members.written(channel.name)
-                if flag is not None:
-                    groups.append([store(flag.field("number"), "numbers->variable"), _counted("variable", 1)])
-            elif access == "buffer":
-                values, capacity = own(self.members.storage(channel.name)), unsigned(channel.capacity or 0)
-                overwrites = "true" if channel.kind == "overwrite" else "false"
-                made = call("csp_buffer_init", address(lvalue), number, values, capacity, overwrites)
-                groups.append([run(made), _counted("channel", 1)])
-            else:
-                groups.append([run(call(_MAKERS[access], address(lvalue), number)), _counted("channel", 1)])
-        return list(rolled(groups))
+        channels, outlines = self.process.channels, Outlines(self.members)
+        return list(rolled_from([outlines.channel(item) for item in channels], lambda at: self._channel(channels[at])))
+
+    def _channel(self, channel: LocalChannel) -> list[Plain]:
+        access, lvalue = access_of_channel(channel), own(self.members.member(channel.name))
+        number = code("numbers->channel")
+        if access == "variable":
+            found = [] if channel.initial is None else [store(lvalue, self._printed(channel.initial))]
+            flag = self.members.written(channel.name)
+            if flag is not None:
+                found += [store(flag.field("number"), "numbers->variable"), _counted("variable", 1)]
+            return found
+        if access == "buffer":
+            values, capacity = own(self.members.storage(channel.name)), unsigned(channel.capacity or 0)
+            overwrites = "true" if channel.kind == "overwrite" else "false"
+            made = call("csp_buffer_init", address(lvalue), number, values, capacity, overwrites)
+        else:
+            made = call(_MAKERS[access], address(lvalue), number)
+        return [run(made), _counted("channel", 1)]
 
     def _signals(self) -> list[Statement]:
         found: list[Statement] = []
@@ -166,18 +169,25 @@ class _Initialization:
     def _created(self) -> list[Statement]:
         """Reading ends, instances and alternatives, in the order in which they come to be."""
         found: list[Statement] = []
-        groups: list[list[Plain]] = []
+        pending: list[CreatedInstance | End] = []
+        outlines = Outlines(self.members)
+
+        def made() -> list[Plain | Block]:
+            return rolled_from([outlines.created(item) for item in pending], lambda at: self._made(pending[at]))
+
         for item in self.process.creation:
-            match item:
-                case CreatedInstance(instance=name):
-                    groups.append(self._instance(self.members.instances[name]))
-                case CreatedChoice(choice=name):
-                    found += rolled(groups)
-                    groups = []
-                    found += self.members.made_choices.get(name, [])  # none where control never comes there
-                case end:
-                    groups.append(self._end(end))
-        return [*found, *rolled(groups)]
+            if isinstance(item, CreatedChoice):
+                found += made()
+                pending.clear()
+                found += self.members.made_choices.get(item.choice, [])  # none where control never comes there
+            else:
+                pending.append(item)
+        return [*found, *made()]
+
+    def _made(self, item: CreatedInstance | End) -> list[Plain]:
+        if isinstance(item, CreatedInstance):
+            return self._instance(self.members.instances[item.instance])
+        return self._end(item)
 
     def _end(self, end: End) -> list[Plain]:
         access, members = self.members.access(end), self.members

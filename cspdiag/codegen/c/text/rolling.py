@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import repeat
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from typing import Any, TypeVar
 
 from cspdiag.base.record import field_names, is_record, record, replaced
@@ -16,49 +15,63 @@ LEAST = 3
 LONGEST = 4
 """So many different groups may make a turn of a loop together."""
 
+VARIABLE = "i"
+"""What counts."""
+
 T = TypeVar("T")
 
 
-def rolled(groups: Sequence[Sequence[Plain]], variable: str = "i") -> list[Plain | Block]:
+@record
+class Outline:
+    """What decides how statements read, without the statements: those of one ``shape`` differ in ``numbers`` only."""
+
+    shape: Hashable
+    numbers: tuple[int, ...]
+
+
+def rolled(groups: Sequence[Sequence[Plain]]) -> list[Plain | Block]:
     """The statements of all groups, where at least three that count stand in a row as a loop."""
-    parsed = [_Group.of(group) for group in groups]
+    return rolled_from([_outline(group) for group in groups], lambda position: groups[position])
+
+
+def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plain]]) -> list[Plain | Block]:
+    """The same where ``make`` gives the statements of the group at a position: of a loop no more than two turns are made."""
     result: list[Plain | Block] = []
     start = 0
-    while start < len(parsed):
-        period, turns, steps = _repeated(parsed, start)
-        if turns >= LEAST and any(steps):
-            first = [statement for group in groups[start : start + period] for statement in group]
-            numbers = [number for group in parsed[start : start + period] for number in group.numbers]
-            result.append(_loop(first, numbers, steps, turns, variable))
+    while start < len(outlines):
+        period, turns = _repeated(outlines, start)
+        if turns >= LEAST:
+            first, second = (
+                tuple(statement for position in range(begin, begin + period) for statement in make(position))
+                for begin in (start, start + period)
+            )
+            result += [_loop(first, second, turns)] if first else []
             start += period * turns
         else:
-            result += groups[start]
+            result += make(start)
             start += 1
     return result
 
 
-@record
-class _Group:
-    """Statements with their numbers taken out."""
-
-    skeleton: tuple[Plain, ...]
-    numbers: tuple[int, ...]
-
-    @staticmethod
-    def of(group: Sequence[Plain]) -> _Group:
-        numbers = tuple(count.value for count in _counts(tuple(group)))
-        return _Group(_with(tuple(group), (replaced(count, value=0) for count in _counts(tuple(group)))), numbers)
+def _outline(group: Sequence[Plain]) -> Outline:
+    counts: list[Count] = []
+    shape = _shape(tuple(group), counts)
+    return Outline(shape, tuple(count.value for count in counts))
 
 
-def _counts(item: object) -> Iterator[Count]:
+def _shape(item: object, counts: list[Count]) -> Hashable:
+    """What two trees have in common that differ in nothing but their numbers, which are added to ``counts`` in their order."""
+    if isinstance(item, str):
+        return item
     if isinstance(item, Count):
-        yield item
-    elif isinstance(item, tuple):
-        for part in item:
-            yield from _counts(part)
-    elif is_record(item):
-        for name in field_names(item):
-            yield from _counts(getattr(item, name))
+        counts.append(item)
+        return item.form
+    if isinstance(item, tuple):
+        return tuple([_shape(part, counts) for part in item])
+    if is_record(item):
+        return (type(item), *[_shape(getattr(item, name), counts) for name in field_names(item)])
+    assert isinstance(item, Hashable)
+    return item
 
 
 def _with(item: T, codes: Iterator[Code]) -> T:
@@ -73,46 +86,49 @@ def _with(item: T, codes: Iterator[Code]) -> T:
     return found  # type: ignore[no-any-return]
 
 
-def _repeated(groups: Sequence[_Group], start: int) -> tuple[int, int, tuple[int, ...]]:
-    """How many groups from ``start`` come again and again, how often, and by which steps every number in them changes."""
+def _repeated(outlines: Sequence[Outline], start: int) -> tuple[int, int]:
+    """How many groups from ``start`` come again and again, and how often."""
     for period in range(1, LONGEST + 1):
-        turns, steps = _run(groups, start, period)
-        if turns >= LEAST and any(steps):
-            return period, turns, steps
-    return 1, 1, ()
+        turns = _turns(outlines, start, period)
+        if turns >= LEAST:
+            return period, turns
+    return 1, 1
 
 
-def _run(groups: Sequence[_Group], start: int, period: int) -> tuple[int, tuple[int, ...]]:
-    first, turns = groups[start : start + period], 1
-    steps: tuple[int, ...] | None = None
+def _turns(outlines: Sequence[Outline], start: int, period: int) -> int:
+    """How often ``period`` groups come from ``start``, every number changed by the same steps, not all of them by nothing."""
+    turns = 1
+    steps: list[int] = []
     while True:
         there = start + turns * period
-        following = groups[there : there + period]
-        if [group.skeleton for group in following] != [group.skeleton for group in first]:
-            return turns, steps or ()
-        change = tuple(
-            b - a
-            for before, after in zip(groups[there - period : there], following, strict=True)
-            for a, b in zip(before.numbers, after.numbers, strict=True)
-        )
-        if steps is not None and change != steps:
-            return turns, steps
+        change: list[int] = []
+        for position in range(there, there + period):
+            if position >= len(outlines) or outlines[position].shape != outlines[position - period].shape:
+                return turns
+            before, after = outlines[position - period].numbers, outlines[position].numbers
+            change += [b - a for a, b in zip(before, after, strict=True)]
+        if (turns > 1 and change != steps) or not any(change):
+            return turns
         steps, turns = change, turns + 1
 
 
-def _loop(first: Sequence[Plain], numbers: Sequence[int], steps: Sequence[int], count: int, variable: str) -> Block:
-    begin = next((number for number, step in zip(numbers, steps, strict=True) if step == 1), 0)
-    counts = zip(_counts(tuple(first)), steps, repeat(begin), repeat(variable))
-    body = _with(tuple(first), (_value(*item) for item in counts))
-    head = f"for (uint32_t {variable} = {begin}U; {variable} < {begin + count}U; {variable}++)"
-    return Block(body, head)
+def _loop(first: tuple[Plain, ...], second: tuple[Plain, ...], turns: int) -> Block:
+    numbers: list[Count] = []
+    following: list[Count] = []
+    _shape(first, numbers)
+    _shape(second, following)
+    steps = [after.value - before.value for before, after in zip(numbers, following, strict=True)]
+    begin = next((number.value for number, step in zip(numbers, steps, strict=True) if step == 1), 0)
+    values = (_value(number, step, begin) for number, step in zip(numbers, steps, strict=True))
+    head = f"for (uint32_t {VARIABLE} = {begin}U; {VARIABLE} < {begin + turns}U; {VARIABLE}++)"
+    return Block(_with(first, values), head)
 
 
-def _value(first: Count, step: int, begin: int, variable: str) -> Code:
+def _value(first: Count, step: int, begin: int) -> Code:
     """The number that is ``first`` where the variable begins, and changes by ``step``."""
     if step == 0:
         return first
-    index: Code = Atom(variable)
+    index: Code = Atom(VARIABLE)
     if step == 1:
         offset = first.value - begin
         value = index if offset == 0 else infix("+" if offset > 0 else "-", SUM, index, unsigned(abs(offset)))

@@ -1,0 +1,85 @@
+"""What decides how the making of a channel, an instance or a reading end reads: of large arrays only the first elements are written down."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+from cspdiag.codegen.c.process.members import Members
+from cspdiag.codegen.c.text.rolling import Outline
+from cspdiag.model.types import IntType
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
+from cspdiag.network.ir.expressions import Expression, LiteralValue
+from cspdiag.network.ir.network import Attachment, Connection, ConstantEnd, CreatedInstance, LocalChannel
+
+_Part = tuple[Hashable, tuple[int, ...]]
+
+
+class Outlines:
+    """Of one process class."""
+
+    def __init__(self, members: Members) -> None:
+        self._members = members
+        self._process = members.process.name
+        self._flagged = members.unwritten.variables[self._process]
+
+    def channel(self, channel: LocalChannel) -> Outline:
+        """How a channel is made."""
+        shape, numbers = self._place(channel.name)
+        initial, value = self._value(channel.initial)
+        access = self._members.access(ChannelEnd(channel.name))
+        kind = (access, channel.kind, channel.name in self._flagged)
+        return Outline(("channel", shape, kind, initial), (*numbers, channel.capacity or 0, *value))
+
+    def created(self, item: CreatedInstance | End) -> Outline:
+        """How an instance is made, or a reading end."""
+        if isinstance(item, CreatedInstance):
+            return self._instance(item.instance)
+        shape, numbers = self._attached(item)
+        return Outline((type(item).__name__, shape, item.end), numbers)
+
+    def _instance(self, name: str) -> Outline:
+        instance = self._members.instances[name]
+        shape, numbers = self._place(name)
+        shapes: list[Hashable] = ["instance", shape, instance.class_name]
+        values = list(numbers)
+        by_hand = self._members.classes[instance.class_name].external is not None
+        for _, argument in instance.arguments:
+            shape, numbers = self._value(argument)
+            shapes.append(shape)
+            values += numbers
+        for connection in instance.connections:
+            shape, numbers = self._connection(connection)
+            shapes.append(shape)
+            values += numbers
+            if by_hand and isinstance(connection.attachment, ConstantEnd):
+                shapes.append(name)  # it has a variable of its own
+        return Outline(tuple(shapes), tuple(values))
+
+    def _connection(self, connection: Connection) -> _Part:
+        shape, numbers = self._attached(connection.attachment)
+        return (connection.port, connection.index, shape), numbers
+
+    def _attached(self, attachment: Attachment) -> _Part:
+        match attachment:
+            case ConstantEnd(value=value):
+                return self._value(value)
+            case ChannelEnd(channel=channel):
+                shape, numbers = self._place(channel)
+                return ("channel", shape, channel in self._flagged), numbers
+            case PortEnd(port=port, index=index) if index is not None and self._members.layout.uniform[port]:
+                flagged = self._members.unwritten.has_port(self._process, port, index)
+                return ("element", port, index if flagged else None), (index,)
+            case PortEnd(port=port, index=index):
+                return ("port", port, index), ()
+        return "nothing", ()
+
+    def _place(self, name: str) -> _Part:
+        array, index = self._members.arrays.place(name)
+        return (array, ()) if index is None else ((array, "element"), (index,))
+
+    @staticmethod
+    def _value(value: Expression | None) -> _Part:
+        match value:
+            case LiteralValue(type=IntType(), value=int(number), name=None) if number >= 0:
+                return "number", (number,)
+        return value, ()
