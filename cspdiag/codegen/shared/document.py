@@ -7,6 +7,7 @@ about columns, and `render` alone knows how long a line may be.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
@@ -26,12 +27,22 @@ class Nest:
     by: int
     content: Document
 
+    @cached_property
+    def on_one_line(self) -> str:
+        """The text on one line."""
+        return flat(self.content)
+
 
 @record
 class Group:
     """On one line if that fits; else its own lines are all broken, those of groups inside each if they have to be."""
 
     content: Document
+
+    @cached_property
+    def on_one_line(self) -> str:
+        """The text on one line."""
+        return flat(self.content)
 
 
 @record
@@ -40,6 +51,11 @@ class Fill:
 
     items: tuple[Document, ...]
 
+    @cached_property
+    def on_one_line(self) -> str:
+        """The text on one line."""
+        return " ".join(map(flat, self.items))
+
 
 @record
 class Choice:
@@ -47,12 +63,22 @@ class Choice:
 
     layouts: tuple[Document, ...]
 
+    @cached_property
+    def on_one_line(self) -> str:
+        """The text on one line."""
+        return flat(self.layouts[0])
+
 
 @record
 class Flat:
     """Never broken."""
 
     content: Document
+
+    @cached_property
+    def on_one_line(self) -> str:
+        """The text on one line."""
+        return flat(self.content)
 
 
 Document: TypeAlias = "str | tuple[Document, ...] | Line | Nest | Group | Fill | Choice | Flat"
@@ -78,24 +104,18 @@ def listed(items: Sequence[Document], comma: str = ",") -> tuple[Document, ...]:
 
 def flat(document: Document) -> str:
     """The text on one line."""
-    match document:
-        case str():
-            return document
-        case tuple():
-            return "".join(map(flat, document))
-        case Line(flat=text):
-            return text
-        case Nest(content=content) | Group(content=content) | Flat(content=content):
-            return flat(content)
-        case Fill(items=items):
-            return " ".join(map(flat, items))
-        case Choice(layouts=layouts):
-            return flat(layouts[0])
-    assert_never(document)
+    if isinstance(document, str):
+        return document
+    if isinstance(document, tuple):
+        return "".join(map(flat, document))
+    return document.flat if isinstance(document, Line) else document.on_one_line
 
 
 def render(document: Document, width: int, indent: int = 0) -> list[str]:
     """The lines, none longer than ``width`` if that can be; all but blank ones begin ``indent`` columns deep."""
+    text = flat(document)
+    if indent + len(text) <= width:
+        return [" " * indent + text]
     first, *rest = _Layout(width).lines([(indent, True, document)], indent)
     return [" " * indent + first, *rest]
 
