@@ -6,8 +6,9 @@ import pytest
 
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
+from cspdiag.network.flow.code import Abandon, Code, Communicate, Instruction, Join, Loop, Raise, Resume, Unwatch
 from cspdiag.network.flow.ends import may_end
+from cspdiag.network.flow.raised import Exceptions, exceptions_of
 from cspdiag.network.ir.actions import Action
 from cspdiag.optimize import optimize
 from tests.network import programs
@@ -16,6 +17,7 @@ from tests.network import programs
 def body(composition: str) -> Action:
     network = programs.network(f"""
 exception Odd
+exception Even
 process Main {{
   in u : int
   out y : int
@@ -101,3 +103,24 @@ def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
     assert {type(found.instructions[loop]) for loop in found.back.values()} == {Loop}
     assert len(found.back) == 2
     assert len(found.before[places(found, Join)[0]]) == 2
+
+
+@pytest.mark.parametrize(
+    ("composition", "leaving", "coming"),
+    [
+        ("if x > 3 then raise Odd", {"Odd"}, []),
+        ("(if x > 3 then raise Odd) catch Odd -> skip", set(), [({"Odd"}, set())]),
+        ("(if x > 3 then raise Odd) catch Odd -> raise Even", {"Even"}, [({"Odd"}, set())]),
+        ("(if x > 3 then raise Odd else raise Even) catch Odd -> skip", {"Even"}, [({"Odd", "Even"}, set())]),
+        ("((if x > 3 then raise Odd) catch Odd -> skip) catch Odd -> skip", set(), [({"Odd"}, set()), (set(), {"Odd"})]),
+        ("((if x > 3 then raise Odd) interrupt after 1 ms -> raise Even) catch Even -> skip", {"Odd"}, [({"Odd", "Even"}, set())]),
+        ("((u ? x || raise Odd) catch Odd -> raise Even) catch Even -> skip", set(), [({"Odd"}, set()), ({"Even"}, {"Odd"})]),
+    ],
+)  # fmt: skip
+def test_which_exceptions_come_to_handlers(composition: str, leaving: set[str], coming: list[object]) -> None:
+    def raised_by(instruction: Instruction) -> Exceptions:
+        return frozenset({instruction.step.exception}) if isinstance(instruction, Raise) else frozenset()
+
+    found, watched = exceptions_of(code(composition), raised_by)
+    assert found == leaving
+    assert [(each.raised, each.caught_inside) for each in watched] == coming

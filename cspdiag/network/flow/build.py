@@ -197,7 +197,7 @@ class _Builder:
         ended = self.add(Unwatch(span=watching.span))
         inside = self._watched.pop()
         self._open = ()
-        abandon = self.add(Abandon(span=watching.span))
+        abandon = self.add(Abandon(span=watching.span, step=watching))
         for index in inside:
             self.code.abandoned[index] = abandon
         return ended

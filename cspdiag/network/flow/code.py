@@ -133,8 +133,11 @@ class Unwatch(Placed):
     """It has come to its end by itself."""
 
 
+@node
 class Abandon(Placed):
     """It was abandoned: the handler or the interrupt's branch follows."""
+
+    step: CatchException | InterruptOn
 
 
 class Resume(Placed):

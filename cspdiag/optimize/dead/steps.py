@@ -10,7 +10,10 @@ from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
 from cspdiag.network.checks.unwritten import may_be_unwritten
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Call, Compute, Instruction, Raise
 from cspdiag.network.flow.ends import may_end
+from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
     Action,
     CatchException,
@@ -20,12 +23,12 @@ from cspdiag.network.ir.actions import (
     InputRead,
     PortEnd,
     ProcessScope,
-    RaiseException,
     ReadInputs,
     ReadValue,
     ReadyEvent,
     ResetInstance,
     RunInstance,
+    RunLaw,
     SequentialSteps,
     Target,
 )
@@ -47,8 +50,8 @@ from cspdiag.optimize.dead.values import without_dead_values
 from cspdiag.optimize.reachable import reachable
 
 Class: TypeAlias = "ProcessClass | SubmodelClass"
-Raised: TypeAlias = "dict[str, frozenset[str] | None]"
-"""The declared exceptions that an instance of each class may raise; None: any."""
+Raised: TypeAlias = "dict[str, Exceptions]"
+"""The declared exceptions that an instance of each class may raise."""
 
 
 def remove_dead_parts(network: Network) -> Network:
@@ -59,6 +62,7 @@ def remove_dead_parts(network: Network) -> Network:
     for entry in network.classes:
         if isinstance(entry, ProcessClass) and entry.body is not None:
             reached = _reached(entry, raised)
+            assert reached.body is not None
             raised[entry.name] = _Raising(reached, raised).by(reached.body)
             live = _without_unused_instances(without_dead_values(reached, unwritten[entry.name]), results)
             results[entry.name] = _without_unused_parts(live, results, keep_ports=entry.name == network.top)
@@ -117,24 +121,20 @@ class _Raising:
         self._raised = raised
         self._sampled = {p.name for p in entry.ports if not p.media or any(m.kind == "sampled" for m in p.media)}
 
-    def by(self, body: Action | None) -> frozenset[str] | None:
-        """The declared exceptions that a composition or what it runs may raise; None: any."""
-        found: set[str] = set()
-        for part in parts(body):
-            inside: frozenset[str] | None = frozenset()
-            match part:
-                case RaiseException():
-                    inside = frozenset({part.exception})
-                case RunInstance():
-                    inside = self._raised[self._classes[part.instance]]
-                case ExternalCall():
-                    inside = None
-                case _:
-                    pass
-            if inside is None:
+    def by(self, body: Action) -> Exceptions:
+        """The declared exceptions that may leave a composition, from what it runs as well."""
+        return exceptions_of(flow_of(body), self._by_instruction)[0]
+
+    def _by_instruction(self, instruction: Instruction) -> Exceptions:
+        match instruction:
+            case Raise():
+                return frozenset({instruction.step.exception})
+            case Call():
+                return self._raised[self._classes[instruction.step.instance]]
+            case Compute(step=RunLaw(equations=equations)) if any(isinstance(e, ExternalCall) for e in equations):
                 return None
-            found |= inside
-        return frozenset(found)
+            case _:
+                return NO_EXCEPTIONS
 
     def may(self, body: Action, exception: str) -> bool:
         """Whether it may raise an exception; any step may fault."""

@@ -1,0 +1,45 @@
+"""Which exceptions come to the handlers of a composition, and which leave it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+from cspdiag.base.record import node
+from cspdiag.network.flow.code import Abandon, Code, Instruction
+from cspdiag.network.ir.actions import CatchException
+
+Exceptions: TypeAlias = frozenset[str] | None
+"""Names of exceptions; None: any."""
+
+NO_EXCEPTIONS: Exceptions = frozenset()
+
+
+@node
+class Watched:
+    """How what a ``catch`` watches may end: exceptions that it raises, and those that are caught inside it."""
+
+    catch: CatchException
+    raised: Exceptions
+    caught_inside: frozenset[str]
+
+
+def exceptions_of(code: Code, raised_by: Callable[[Instruction], Exceptions]) -> tuple[Exceptions, list[Watched]]:
+    """The exceptions that may leave a composition, and what comes to its handlers; ``raised_by`` are those that an instruction may raise."""
+    arriving: dict[int | None, Exceptions] = {None: NO_EXCEPTIONS}
+    caught: dict[int | None, frozenset[str]] = {}
+    found = []
+    # The end of a watched part stands behind all that is in it, and in front of the end of the part around.
+    for index, instruction in enumerate(code.instructions):
+        around = code.abandoned[index]
+        leaving = raised_by(instruction)
+        if isinstance(instruction, Abandon):
+            leaving, inside = arriving.pop(index, NO_EXCEPTIONS), caught.pop(index, frozenset())
+            if isinstance(instruction.step, CatchException):
+                found.append(Watched(catch=instruction.step, raised=leaving, caught_inside=inside))
+                exception = instruction.step.exception
+                leaving, inside = None if leaving is None else leaving - {exception}, inside | {exception}
+            caught[around] = caught.get(around, frozenset()) | inside
+        known = arriving.get(around, NO_EXCEPTIONS)
+        arriving[around] = None if known is None or leaving is None else known | leaving
+    return arriving[None], found
