@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from cspdiag.simulate.native.build import CompilerError
     from cspdiag.simulate.result import Run, RunError, UnknownSignalError
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
+    from cspdiag.simulate.run.reference import NoMeaningError
     from cspdiag.verify.systems import VerificationError
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "MissingPackageError",
     "MissingToolError",
     "NoEnvironmentError",
+    "NoMeaningError",
     "NotLinearError",
     "ProgramError",
     "Run",
@@ -69,6 +71,7 @@ _HOMES = {
     "MissingPackageError": "base.errors",
     "MissingToolError": "draw.missing",
     "NoEnvironmentError": "simulate.run.execute",
+    "NoMeaningError": "simulate.run.reference",
     "NotLinearError": "analyses.margins.linear",
     "ProgramError": "api",
     "Run": "simulate.result",

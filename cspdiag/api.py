@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from cspdiag import pipeline
 from cspdiag.arguments import (
@@ -233,19 +233,22 @@ class LoadedProgram:
         set: Mapping[str, Setting] | None = None,
         real_time: bool = False,
         target: str = "python",
-        level: int = 1,
+        level: int | Literal["reference"] = 1,
     ) -> Run:
         """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number of seconds.
 
         ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native program; with ``level=0`` the readable
-        code runs instead of the fast one. The results are the same.
+        code runs instead of the fast one. The results are the same. With ``level="reference"`` the program runs on the meaning of the language, slowly, which
+        shares nothing with the code.
 
-        Raises what ``build`` raises, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and ``TargetError``, and ArgumentError for a
-        level or target that there is not.
+        Raises what ``build`` raises, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and ``TargetError``, for the reference
+        ``NoMeaningError``, and ArgumentError for a level or target that there is not.
         """
         from cspdiag.simulate.native import run as native
         from cspdiag.simulate.run import execute
 
+        if level == "reference":
+            return self._run_on_reference(environment, process, until, set, target, real_time=real_time)
         _require_level(level)
         if target not in ("python", "c"):
             raise ArgumentError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
@@ -258,6 +261,27 @@ class LoadedProgram:
                 )
             files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
             return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+
+    def _run_on_reference(
+        self,
+        environment: str | None,
+        process: str | None,
+        until: str | float | None,
+        settings: Mapping[str, Setting] | None,
+        target: str,
+        *,
+        real_time: bool,
+    ) -> Run:
+        from cspdiag.simulate.record.recorder import Recorder
+        from cspdiag.simulate.run import reference
+
+        if target != "python" or real_time:
+            raise ArgumentError(
+                "the reference is no target, and has virtual time only: leave out `target` and `real_time`"
+            )
+        limit = None if until is None else time_limit(until)
+        network = self._build(process, environment, settings, alone=True)
+        return reference.simulate(network, environment=environment, until=limit, recorder=Recorder())
 
     def verify(
         self,
@@ -283,7 +307,7 @@ class LoadedProgram:
         return [verifier.answer(question, Limits(time_limit)) for question in asked.questions]
 
 
-def _require_level(level: int) -> None:
+def _require_level(level: object) -> None:
     if level not in (0, 1):
         raise ArgumentError(f"there is no level {level!r} of optimization: it is 0 or 1")
 

@@ -124,6 +124,25 @@ def test_every_target_and_level_runs_the_same() -> None:
         assert [c[:3] for c in run.communications] == [c[:3] for c in runs[0].communications]
 
 
+def test_the_reference_runs_the_same() -> None:
+    program = cspdiag.load(JIWY)
+    meaning = program.run(until="50 ms", level="reference", set={"Tsh": "10 ms"})
+    assert len(meaning.communications) > 10
+    wanted = program.run(until="50 ms", level=0, set={"Tsh": "10 ms"})
+    assert [c[:3] for c in meaning.communications] == [c[:3] for c in wanted.communications]
+    assert meaning.outcome.ended == wanted.outcome.ended
+
+
+def test_the_reference_refuses_what_it_says_nothing_of() -> None:
+    program = cspdiag.load(JIWY)
+    for other in ({"target": "c"}, {"real_time": True}):
+        with pytest.raises(cspdiag.ArgumentError, match="the reference is no target, and has virtual time only"):
+            program.run(level="reference", **other)
+    text = 'process P python "p.py:P" {}\nprocess Top { communication { p : P } composition { p } }\n'
+    with pytest.raises(cspdiag.NoMeaningError, match=r"which is nothing of `p\.py:P`"):
+        cspdiag.parse(text).run(level="reference")
+
+
 def test_what_cannot_run_is_named() -> None:
     with pytest.raises(ValueError, match="no level 2"):
         cspdiag.load(JIWY).run(level=2)
