@@ -10,9 +10,8 @@ others run once, in that order, and then there is nobody left to have a higher p
 
 from __future__ import annotations
 
-from collections import Counter
-
 from cspdiag.base.record import replaced
+from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -26,24 +25,22 @@ from cspdiag.network.ir.actions import (
     Repeat,
     ReportCommunication,
     ResetStates,
-    RunInstance,
     RunLaw,
     SequentialSteps,
     SkipStep,
     WhileLoop,
 )
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import changed, mapped, rebuilt, with_inner_actions
 
 
 def drop_bookkeeping(network: Network) -> Network:
     """The network with alternatives that need no memory, and parallels that need no priorities, marked as such."""
-    once = classes_run_once(network)
+    again = classes_run_again(network)
     classes = []
     for entry in network.classes:
         if isinstance(entry, ProcessClass) and entry.body is not None:
-            body = _without_memory(entry.body, entry.name in once)
+            body = _without_memory(entry.body, entry.name not in again)
             if entry.name == network.top:
                 body = _without_priorities(body)
             entry = changed(entry, body=rebuilt(body, _alone))
@@ -51,36 +48,12 @@ def drop_bookkeeping(network: Network) -> Network:
     return replaced(network, classes=tuple(classes))
 
 
-def classes_run_once(network: Network) -> set[str]:
-    """The process classes each of whose instances is run at most once in a run of the program."""
-    once = {entry.name for entry in network.classes if isinstance(entry, ProcessClass)}
-    for entry in reversed(network.classes):
-        if not isinstance(entry, ProcessClass) or entry.body is None:
-            continue
-        runs = Counter(part.instance for part in parts(entry.body) if isinstance(part, RunInstance))
-        repeated = {part.instance for part in _in_loops(entry.body) if isinstance(part, RunInstance)}
-        for instance in entry.instances:
-            if entry.name not in once or runs[instance.name] > 1 or instance.name in repeated:
-                once.discard(instance.class_name)
-    return once
-
-
-def _in_loops(body: Action) -> list[object]:
-    """Everything that stands in a loop."""
-    found: list[object] = []
-    for part in parts(body):
-        if isinstance(part, Repeat | WhileLoop | CountedLoop):
-            found.extend(parts(part.body))
-    return found
-
-
 def _without_memory(body: Action, runs_once: bool) -> Action:
-    names = Counter(part.name for part in parts(body) if isinstance(part, Choice))
-    repeated = {id(part) for part in _in_loops(body)}
+    again = choices_made_again(body)
 
     def change(action: Action) -> Action:
         if isinstance(action, Choice) and not action.prioritized:
-            chooses_once = runs_once and id(action) not in repeated and names[action.name] == 1
+            chooses_once = runs_once and action.name not in again
             if chooses_once or len(action.branches) == 1:
                 action = replaced(action, prioritized=True)
         return with_inner_actions(action, change)

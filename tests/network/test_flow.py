@@ -5,17 +5,19 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.network.checks.endless import never_ends
+from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Abandon, Code, Communicate, Instruction, Join, Loop, Raise, Resume, Unwatch
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.flow.raised import Exceptions, exceptions_of
 from cspdiag.network.ir.actions import Action
-from cspdiag.optimize import optimize
+from cspdiag.network.ir.network import Network
+from cspdiag.optimize import lower_for_targets, optimize
 from tests.network import programs
 
 
-def body(composition: str) -> Action:
-    network = programs.network(f"""
+def network_of_body(composition: str) -> Network:
+    return programs.network(f"""
 exception Odd
 exception Even
 process Main {{
@@ -25,6 +27,10 @@ process Main {{
   composition {{ {composition} }}
 }}
 """)
+
+
+def body(composition: str) -> Action:
+    network = network_of_body(composition)
     found = programs.process(network, "Main").body
     assert found is not None
     return found
@@ -124,3 +130,41 @@ def test_which_exceptions_come_to_handlers(composition: str, leaving: set[str], 
     found, watched = exceptions_of(code(composition), raised_by)
     assert found == leaving
     assert [(each.raised, each.caught_inside) for each in watched] == coming
+
+
+GUARDED = "(u ? x -> skip [] after 1 ms -> skip)"
+
+
+@pytest.mark.parametrize(
+    ("composition", "again"),
+    [
+        (GUARDED, set()),
+        (f"{GUARDED} ; {GUARDED}", set()),
+        (f"mu ({GUARDED} ; y ! x)", {"choice"}),
+        (f"mu ({GUARDED} ; y ! x) until x > 3", {"choice"}),
+        (f"while x < 3 do {GUARDED} ; {GUARDED}", {"choice"}),
+        (f"seq i < 1000 : {GUARDED}", {"choice"}),
+        (f"(mu u ? x) interrupt after 3 ms -> {GUARDED}", set()),
+        (f"mu ((u ? x catch Timeout -> {GUARDED}) ; y ! 1)", {"choice"}),
+        (f"mu ({GUARDED} ; stop)", set()),
+    ],
+)
+def test_which_alternatives_choose_again(composition: str, again: set[str]) -> None:
+    network = lower_for_targets(network_of_body(composition))
+    main = programs.process(network, "Main").body
+    assert main is not None
+    assert choices_made_again(main) == again
+
+
+def test_what_runs_again_runs_what_is_inside_it_again() -> None:
+    network = programs.network("""
+process Leaf { in u : int  communication { var x : int }  composition { u ? x } }
+process Both { in u : int  communication { one : Leaf  u -> one.u }  composition { one } }
+process Once { in u : int  communication { var x : int }  composition { u ? x } }
+process Main {
+  in u : int
+  communication { both : Both  once : Once  u -> both.u  u -> once.u }
+  composition { once ; mu both }
+}
+""")
+    assert classes_run_again(network) == {"Both", "Leaf"}

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
 from functools import lru_cache
 
 from cspdiag.model.types import has_unit
+from cspdiag.network.flow.again import classes_run_again
 from cspdiag.network.flow.written import read_before_written
 from cspdiag.network.ir.actions import (
-    Action,
     ChannelEnd,
     Choice,
-    CountedLoop,
     InterruptOn,
-    Repeat,
-    WhileLoop,
 )
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.network.ir.walk import instances_run, parts
+from cspdiag.network.ir.walk import parts
 
 
 def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozenset[str]:
@@ -49,23 +44,4 @@ def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozens
 @lru_cache(maxsize=1)
 def run_again(network: Network) -> frozenset[str]:
     """The process classes of which an instance may be run more than once; every class of a package asks."""
-    classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
-    found: set[str] = set()
-    pending: list[str] = []
-    for process in classes.values():
-        of = {instance.name: instance.class_name for instance in process.instances}
-        runs = Counter(() if process.body is None else instances_run(process.body))
-        looped = {name for loop in _loops(process) for name in instances_run(loop)}
-        pending += [of[name] for name, count in runs.items() if count > 1 or name in looped]
-    while pending:
-        name = pending.pop()
-        if name in classes and name not in found:
-            found.add(name)
-            pending += [instance.class_name for instance in classes[name].instances]
-    return frozenset(found)
-
-
-def _loops(process: ProcessClass) -> Iterator[Action]:
-    for part in parts(process.body):
-        if isinstance(part, Repeat | WhileLoop | CountedLoop):
-            yield part
+    return classes_run_again(network)

@@ -1,0 +1,40 @@
+"""What may happen more than once in a run of a process or of a program."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Call, Code, Select
+from cspdiag.network.ir.actions import Action
+from cspdiag.network.ir.network import Network, ProcessClass
+
+
+def choices_made_again(body: Action) -> frozenset[str]:
+    """The names of the alternatives that a run of a composition may choose in more than once."""
+    code = flow_of(body)
+    return _again(code, {n: i.step.name for n, i in enumerate(code.instructions) if isinstance(i, Select)})
+
+
+def classes_run_again(network: Network) -> frozenset[str]:
+    """The process classes of which an instance may be run more than once."""
+    classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
+    again: set[str] = set()
+    # Callers first: what an instance that is run again runs is run again as well.
+    for entry in reversed(classes.values()):
+        found = {instance.name for instance in entry.instances}
+        if entry.name not in again and entry.body is not None:
+            code = flow_of(entry.body)
+            calls = {n: i.step.instance for n, i in enumerate(code.instructions) if isinstance(i, Call)}
+            found &= _again(code, calls)
+        elif entry.name not in again:
+            continue
+        again.update(instance.class_name for instance in entry.instances if instance.name in found)
+    return frozenset(again & classes.keys())
+
+
+def _again(code: Code, names: dict[int, str]) -> frozenset[str]:
+    """The names that stand at several instructions, or between the beginning of a loop and where it goes back."""
+    looped = {index for end, start in code.back.items() for index in range(start, end + 1)}
+    several = Counter(names.values())
+    return frozenset(name for index, name in names.items() if index in looped or several[name] > 1)
