@@ -97,6 +97,8 @@ def run(arguments: Namespace) -> int:
     is_cached = not arguments.no_cache and arguments.file != "-"
     is_cached = is_cached and arguments.trace_out is None and arguments.draw is None
     printed = cache.look() if is_cached else None
+    asked: Asked | None = None
+    answers: list[Answer] = []
     if printed is None:
         asked = _ask(arguments, cache.read)
         found = asked.checked.report.diagnostics
@@ -105,13 +107,13 @@ def run(arguments: Namespace) -> int:
         answers = _answers(asked, arguments, cache.read)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         printed = Printed(code, *told(answers, found, arguments))
-        _write_trace(arguments, answers)
-        if arguments.draw is not None:
-            _draw(arguments, answers, asked)
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.keep(printed)
     write_out(printed.stdout)
     put(printed.stderr)
+    if asked is not None:
+        _write_trace(arguments, answers)
+        _draw(arguments, answers, asked)
     return printed.code
 
 
@@ -170,6 +172,7 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
         say(f"cspdiag: nothing was refuted, so {on_one_line(arguments.trace_out)} was not written")
     else:
         replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
+        _tell_written(arguments, arguments.trace_out)
 
 
 def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None:
@@ -184,3 +187,9 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
         say(f"cspdiag: no processes wait for ever, so {on_one_line(arguments.draw)} was not written")
     else:
         write_picture(arguments.draw, deadlock, asked.checked.program)
+        _tell_written(arguments, arguments.draw)
+
+
+def _tell_written(arguments: Namespace, path: Path) -> None:
+    if not arguments.quiet:
+        say(f"wrote {on_one_line(path)}")

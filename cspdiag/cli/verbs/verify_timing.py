@@ -34,8 +34,8 @@ def run_timing(arguments: Namespace) -> int:
     began = time.monotonic()
     report = _report(arguments, built.network, measured)
     seconds = time.monotonic() - began
-    _draw(arguments, report)
     _tell(arguments, built, report, seconds)
+    _draw(arguments, report)
     return FINE if report.is_schedulable else UNSUCCESSFUL
 
 
@@ -65,6 +65,8 @@ def _draw(arguments: Namespace, report: TimingReport) -> None:
     from cspdiag.analyses.timing.report.gantt import gantt_svg
 
     replace_text(str(arguments.gantt), gantt_svg(report))
+    if not arguments.quiet:
+        say(f"wrote {on_one_line(arguments.gantt)}")
 
 
 def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: float) -> None:

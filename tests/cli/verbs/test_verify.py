@@ -245,7 +245,9 @@ def test_a_memory_that_cannot_be_written_is_as_none(
 
 def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: Path, tmp_path: Path) -> None:
     trace = tmp_path / "trace.json"
-    assert cspdiag("verify", refuted, "--trace-out", trace).code == 1
+    told = cspdiag("verify", refuted, "--trace-out", trace)
+    assert told.code == 1
+    assert told.err.endswith(f"\nwrote {trace}\n")
     replay = cspdiag("run", refuted, "--replay", trace)
     assert replay.code == 0
     assert "deadlock at 0 s: 2 processes wait for each other" in replay.err

@@ -157,7 +157,9 @@ def test_more_work_than_time_has_no_bound(cspdiag: Command, late: Path) -> None:
 
 def test_the_schedule_is_drawn(cspdiag: Command, late: Path, tmp_path: Path) -> None:
     picture = tmp_path / "gantt.svg"
-    assert cspdiag("verify", "--timing", "--gantt", picture, late).code == 1
+    result = cspdiag("verify", "--timing", "--gantt", picture, late)
+    assert (result.code, result.err) == (1, f"wrote {picture}\n")
+    assert cspdiag("verify", "--timing", "--gantt", picture, late, "--quiet").err == ""
     root = ElementTree.fromstring(picture.read_text())
     titles = [title.text or "" for title in root.iter("{http://www.w3.org/2000/svg}title")]
     assert len(titles) == 11
