@@ -156,6 +156,12 @@ void csp_observe_begin(uint32_t number);
 void csp_observe_end(uint32_t number);
 /* Around a loop in which the process cannot wait: its place in the program's text; behind it that of the loop around it, or NULL. */
 #define csp_observe_loop(where) (csp.loop = (where))
+/* A communication inside the process that is no more than an assignment; `slot` keeps its value meanwhile. */
+#define CSP_REPORT(channel, slot, value)                                                                               \
+    do {                                                                                                               \
+        (slot) = (value);                                                                                              \
+        csp_observe((channel), &(slot), party->number, party->number);                                                 \
+    } while (0)
 #else
 #define csp_observe(channel, value, writer, reader) ((void)(channel), (void)(value), (void)(writer), (void)(reader))
 #define csp_observe_sample(port, value) ((void)(port), (void)(value))
@@ -163,6 +169,7 @@ void csp_observe_end(uint32_t number);
 #define csp_observe_begin(number) ((void)(number))
 #define csp_observe_end(number) ((void)(number))
 #define csp_observe_loop(where) ((void)0)
+#define CSP_REPORT(channel, slot, value) ((void)0)
 #endif
 
 static inline void csp_enter(csp_queue *queue, csp_party *party)

@@ -16,7 +16,7 @@ def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
     """Runs the body; the guard's process follows if the guard has ended it. Without the guard, whose condition does not hold, it is just called."""
     body = writer.branch(step.body)
     name = step.body.instance if isinstance(step.body, RunInstance) else branch_name(step.body)
-    member = writer.members.names.fresh(f"interrupt_{identifier(name)}")
+    member = writer.members.names.fresh(writer.prefixed(f"interrupt_{identifier(name)}"))
     writer.members.work.append(Member(f"csp_interrupt {member}"))
     whole = own(member)
     alternative = address(whole.field("alternative"))

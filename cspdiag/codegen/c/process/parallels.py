@@ -26,7 +26,7 @@ def parallel(writer: Writer, step: ParallelSteps) -> list[Statement]:
     runs = _runs(writer, step)
     member = writer.single("parallel", "csp_parallel")
     place = writer.place(step, "in_parallel", "PARALLEL", code(member))
-    table = writer.states.fresh(f"{writer.struct}_branches")
+    table = writer.states.fresh(f"{writer.struct}_{writer.prefixed('branches')}")
     entries = tuple((None, _entry(writer.struct, run)) for run in runs)
     writer.tables += [store(f"static const csp_branches {table}[]", Aggregate(entries)), Blank()]
     begun = call("csp_par", "party", address(own(member)), table, unsigned(len(runs)))
@@ -47,7 +47,7 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
         count = 1 if step.prioritized else _elements(writer, step.steps, position)
         branch = step.steps[position]
         level = writer.levels.below(writer.members.process.name, writer.depth - 1, position) if step.prioritized else 0
-        hint = branch.label if isinstance(branch, Group) else None
+        hint = branch.label if isinstance(branch, Group) else _name_of_replicated(writer, branch)
         stride: Code = unsigned(0)
         if count > 1 and isinstance(branch, RunInstance):
             class_ = writer.members.instances[branch.instance].class_name
@@ -56,6 +56,14 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
         position += count
     writer.depth -= step.prioritized
     return runs
+
+
+def _name_of_replicated(writer: Writer, branch: Action) -> str | None:
+    """``par_cell`` of ``par i < n : cell[i]``."""
+    if not isinstance(branch, ParallelSteps) or _elements(writer, branch.steps, 0) < len(branch.steps):
+        return None
+    first = branch.steps[0]
+    return f"par_{writer.members.arrays.base(first.instance)}" if isinstance(first, RunInstance) else None
 
 
 def _elements(writer: Writer, steps: Sequence[Action], start: int) -> int:

@@ -59,6 +59,8 @@ class Routine:
     """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the process itself."""
 
     name: str
+    title: str
+    """Of a branch; what is in it is called after it."""
     struct: str
     definition: str
     where: str
@@ -70,7 +72,7 @@ class Routine:
     condition: bool = False
 
     def __post_init__(self) -> None:
-        self.outermost = Handler(self.states.fresh("FAILS"), "fails")
+        self.outermost = Handler(self.states.fresh(f"{self.title}_fails".upper().lstrip("_")), "fails")
 
     def handler(self, state: str) -> Handler:
         """A new place for exceptions to go to."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import SUM, address, call, code, infix, own, unsigned
+from cspdiag.codegen.c.text.code import SUM, Aggregate, Parenthesized, address, call, code, infix, nodes, own, unsigned
 from cspdiag.codegen.c.text.names import identifier
 from cspdiag.codegen.c.text.statements import Directive, Plain, Remark, Statement, go, run
 from cspdiag.network.ir.actions import Group, ProcessScope, ReportCommunication
@@ -19,9 +19,10 @@ def scope(writer: Writer, step: ProcessScope) -> list[Statement]:
     """The body of another process; its reading ends close with it."""
     samples = writer.members.samples_of_scope(step.instance)
     closing = [run(call("csp_ends_close", address(own(samples))))] if samples is not None else []
-    outer, writer.inner = writer.inner, step.instance
+    outer = writer.inner, writer.scope
+    writer.inner = writer.scope = step.instance
     found = _watched(writer, step, step.instance, closing)
-    writer.inner = outer
+    writer.inner, writer.scope = outer
     return found
 
 
@@ -30,7 +31,9 @@ def _watched(writer: Writer, step: Group | ProcessScope, name: str, closing: lis
     writer.observed.append((path, step.class_name if isinstance(step, ProcessScope) else ""))
     number = infix("+", SUM, code("party->number"), unsigned(len(writer.observed)))
     outer = writer.handler
-    inner = writer.handler = writer.new_handler(f"{identifier(name)}_fails".upper())
+    inner = writer.handler = writer.new_handler(
+        "fails" if isinstance(step, ProcessScope) else f"{identifier(name)}_fails"
+    )
     body = writer.statements(step.body)
     writer.handler = outer
     ending: list[Statement] = [*closing, run(call("csp_observe_end", number))]
@@ -47,7 +50,11 @@ def report(writer: Writer, step: ReportCommunication) -> list[Statement]:
     """Tells the trace of a communication that is no more than an assignment."""
     number = writer.members.report(step.channel, step.value.type)
     slot = writer.slot(step.channel, step.value.type, "reported")
-    value = writer.evaluated(slot, step.value, writer.where(step))
     channel = infix("+", SUM, own("first_report"), unsigned(number))
+    if not writer.may_fault(step.value):
+        value = writer.printed(step.value)
+        has_braces = any(isinstance(node, Aggregate) for node in nodes(value))
+        return [run(call("CSP_REPORT", channel, slot, Parenthesized(value) if has_braces else value))]
+    found = writer.evaluated(slot, step.value, writer.where(step))
     observed = run(call("csp_observe", channel, address(slot), "party->number", "party->number"))
-    return [Directive("#if CSP_TRACE"), *value, observed, Directive("#endif")]
+    return [Directive("#if CSP_TRACE"), *found, observed, Directive("#endif")]

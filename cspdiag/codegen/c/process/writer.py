@@ -67,13 +67,15 @@ class Writer:
         self.depth = 0
         """Of prioritized parallels around the present step."""
         self.inner: str | None = None
-        """The path of the flattened process that the present step stems from."""
+        """The path of the flattened process, or of the control law in it, that the present step stems from."""
+        self.scope: str | None = None
+        """The path of the flattened process alone."""
         self.observed: list[tuple[str, str]] = []
         """Groups and scopes so far, which observers know by the numbers behind that of the process: paths below it and definitions."""
         self._singles: dict[tuple[str, str], str] = {}
         self._slots: dict[tuple[str, str], list[Member]] = {}
         self._offers: dict[str, int] = {}
-        self._routine(self.struct, None, process.body)
+        self._routine("", None, process.body)
 
     def statements(self, action: Action) -> list[Statement]:
         """An action as statements; control does not come to their end where it does not come to the end of the action."""
@@ -81,12 +83,13 @@ class Writer:
 
     # Step functions
 
-    def _routine(self, name: str, member: str | None, action: Action) -> None:
+    def _routine(self, title: str, member: str | None, action: Action) -> Routine:
         process = self.members.process
         outer = (self.current, self.handler) if self.routines else None
         place = self.names.place(process.span.file, process.span.line)
         routine = Routine(
-            name=name,
+            name=self.states.fresh(f"{self.struct}_{title}") if title else self.struct,
+            title=title,
             struct=self.struct,
             definition=process.definition,
             where=place,
@@ -113,16 +116,21 @@ class Writer:
             routine.body += [*failing, *unwinding]
         if outer is not None:
             self.current, self.handler = outer
+        return routine
+
+    def prefixed(self, name: str) -> str:
+        """A name in the present branch or flattened process, told apart from like ones elsewhere in the class."""
+        around = self.current.title or (identifier(self.scope) if self.scope else "")
+        return f"{around}_{name}" if around and not _begins_with(name, around) else name
 
     def branch(self, action: Action, hint: str | None = None) -> Code:
         """The member of the ``csp_process`` that runs an action beside others; it is made if the action is no process of its own."""
         if isinstance(action, RunInstance) and isinstance(self.class_of(action.instance), ProcessClass):
             return self.members.member(action.instance).field("process")
-        wanted = hint or branch_name(action)
+        wanted = self.prefixed(hint or branch_name(action))
         member = self.members.names.fresh(wanted if wanted == "branch" else f"{wanted} branch")
         self.members.work.append(Member(f"csp_process {member}"))
-        name = self.states.fresh(f"{self.struct}_{identifier(snake_case(wanted))}")
-        self._routine(name, member, action)
+        name = self._routine(identifier(snake_case(wanted)), member, action).name
         number = own("process").field("party").field("number")
         self.initial.append(run(call("csp_process_init", address(own(member)), f"&{name}_class", number)))
         return code(member)
@@ -153,7 +161,7 @@ class Writer:
     ) -> str:
         """A state in which the process waits, and which fails to the present handler."""
         self.handler.needed = True
-        name = self.states.fresh(snake_case(state).upper())
+        name = self.states.fresh(snake_case(self.prefixed(state)).upper())
         self.current.places.append(Place(name, waiting, self.handler, self.where(step), member, indirect, self.inner))
         return name
 
@@ -173,9 +181,12 @@ class Writer:
         """A member that the present step function needs one of, whatever it is doing."""
         key = (name, self.current.name)
         if key not in self._singles:
-            member = self._singles[key] = self.members.names.fresh(name)
+            member = self._singles[key] = self.members.names.fresh(self._of_routine(name))
             self.members.work.append(Member(f"{type_} {member}"))
         return self._singles[key]
+
+    def _of_routine(self, name: str) -> str:
+        return f"{self.current.title}_{name}" if self.current.title else name
 
     def offers(self, count: int) -> str:
         """The member for several communications at once of the present step function; at most ``count``."""
@@ -192,7 +203,7 @@ class Writer:
         key = (hint, self.current.name)
         whole = self._singles.get(key)
         if whole is None:
-            whole = self._singles[key] = self.members.names.fresh(hint)
+            whole = self._singles[key] = self.members.names.fresh(self._of_routine(hint))
             self._slots[key] = []
         wanted, count = identifier(name), 1
         type_name = self.members.types.type_name(type_)
@@ -272,7 +283,7 @@ class Writer:
 
     def new_handler(self, state: str) -> Handler:
         """A place for exceptions of an extent to go to."""
-        return self.current.handler(state)
+        return self.current.handler(snake_case(self.prefixed(state)).upper())
 
     def protected(
         self, body: Sequence[Statement], handler: Handler, handling: Sequence[Statement], *, passes: bool, where: str
@@ -293,3 +304,7 @@ class Writer:
     def remark(self, step: Step) -> Remark:
         """The comment above what a step becomes."""
         return Remark(self.comment(step))
+
+
+def _begins_with(name: str, around: str) -> bool:
+    return snake_case(name).startswith(f"{snake_case(around)}_")

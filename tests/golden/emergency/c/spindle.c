@@ -7,10 +7,10 @@
 enum {
     READS_PANEL = 1,
     INTERRUPTIBLE_REPEAT_LAW,
-    READS_FEEDBACK_2,
-    FAILS,
     READS_FEEDBACK,
-    FAILS_2
+    FAILS,
+    REPEAT_LAW_READS_FEEDBACK,
+    REPEAT_LAW_FAILS
 };
 
 static csp_party *spindle_repeat_law_step(csp_party *party)
@@ -22,7 +22,8 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
     case 0:
         for (;;) {
             /* law (emergency.csp:36) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->law.feedback, READS_FEEDBACK, fails)
+            CSP_TAKE(csp_sampled_read, &self->feedback, self->law.feedback,
+                REPEAT_LAW_READS_FEEDBACK, fails)
             (void)spindle_controller_calculate(&self->law);
             CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
             CSP_CHECK(fails)
@@ -31,7 +32,7 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
             (void)csp_latched_write(party, self->control, &self->law.control,
                 sizeof(self->law.control));
         }
-    case FAILS_2:
+    case REPEAT_LAW_FAILS:
     fails:
         csp_unwind(party);
         return csp_fail(party);
@@ -42,14 +43,18 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
 
 static const csp_place spindle_repeat_law_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "emergency.csp:17"},
-    [READS_FEEDBACK] = {
+    [REPEAT_LAW_READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
-        .failed = FAILS_2,
+        .failed = REPEAT_LAW_FAILS,
         .where = "emergency.csp:8",
         .inner = "law",
         .offset = offsetof(struct spindle, feedback)
     },
-    [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "emergency.csp:17"}
+    [REPEAT_LAW_FAILS] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = REPEAT_LAW_FAILS,
+        .where = "emergency.csp:17"
+    }
 };
 
 static const csp_class spindle_repeat_law_class = {
@@ -98,7 +103,7 @@ static csp_party *spindle_step(csp_party *party)
         }
         do {
             /* feedback ? speed (emergency.csp:37) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->speed, READS_FEEDBACK_2, fails)
+            CSP_TAKE(csp_sampled_read, &self->feedback, self->speed, READS_FEEDBACK, fails)
         } while (!(self->speed < 1.0));
         /* halted ! true (emergency.csp:38) */
         self->sent.halted = true;
@@ -133,7 +138,7 @@ static const csp_place spindle_places[] = {
         .where = "emergency.csp:36",
         .offset = offsetof(struct spindle, interrupt_repeat_law)
     },
-    [READS_FEEDBACK_2] = {
+    [READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
         .failed = FAILS,
         .where = "emergency.csp:37",

@@ -5,26 +5,27 @@
 
 /* Where the process waits, and where it goes on after a failure. */
 enum {
-    INTERRUPTIBLE_RUN_VELOCITY = 1,
-    CATCHES_TIMEOUT,
-    INTERRUPTIBLE_RUN_VELOCITY_2,
-    CATCHES_TIMEOUT_2,
+    ALIGN_L_INTERRUPTIBLE_RUN_VELOCITY = 1,
+    ALIGN_L_CATCHES_TIMEOUT,
+    ALIGN_R_INTERRUPTIBLE_RUN_VELOCITY,
+    ALIGN_R_CATCHES_TIMEOUT,
     MOTION_CONTROL_CHOOSES,
-    READS_INPUTS,
-    CATCHES_TIMEOUT_3,
-    INTERRUPTIBLE_RUN_SERVO,
-    CATCHES_TIMEOUT_4,
-    READS_FEEDBACK,
-    FAILS_2,
-    READS_FEEDBACK_2,
-    FAILS_3,
-    READS_FEEDBACK_3,
-    FAILS_4
+    MOTION_CONTROL_READS_INPUTS,
+    MOTION_CONTROL_CATCHES_TIMEOUT,
+    HOMING_INTERRUPTIBLE_RUN_SERVO,
+    HOMING_CATCHES_TIMEOUT,
+    ALIGN_L_RUN_VELOCITY_READS_FEEDBACK,
+    ALIGN_L_RUN_VELOCITY_FAILS,
+    ALIGN_R_RUN_VELOCITY_READS_FEEDBACK,
+    ALIGN_R_RUN_VELOCITY_FAILS,
+    HOMING_RUN_SERVO_READS_FEEDBACK,
+    HOMING_RUN_SERVO_FAILS
 };
 
-static csp_party *joint_control_run_servo_step(csp_party *party)
+static csp_party *joint_control_homing_run_servo_step(csp_party *party)
 {
-    struct joint_control *const self = CSP_ENCLOSING(party, struct joint_control, run_servo_branch);
+    struct joint_control *const self =
+        CSP_ENCLOSING(party, struct joint_control, homing_run_servo_branch);
     csp_progress progress;
 
     switch (party->state) {
@@ -38,7 +39,7 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
             CSP_FAULT_INSIDE("homing.servo", "laws.csp:56", fails);
             self->homing_servo_rightmax = self->rightmax;
             CSP_TAKE(csp_sampled_read, &self->feedback_4, self->homing_servo_feedback,
-                READS_FEEDBACK_3, fails)
+                HOMING_RUN_SERVO_READS_FEEDBACK, fails)
             /* homing.servo: Position servo of one joint. The set-point counts from the centre
              * between the end stops, 1 being `reach`; `reference` is the angle that this means.
              * The voltage for the friction is added in the direction in which the profile moves.
@@ -131,7 +132,7 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
             self->homing_stop = self->homing_servo_stop;
         } while (!self->homing_stop);
         return csp_end(party);
-    case FAILS_4:
+    case HOMING_RUN_SERVO_FAILS:
     fails:
         csp_unwind(party);
         return csp_fail(party);
@@ -140,30 +141,34 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
     }
 }
 
-static const csp_place joint_control_run_servo_places[] = {
+static const csp_place joint_control_homing_run_servo_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [READS_FEEDBACK_3] = {
+    [HOMING_RUN_SERVO_READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
-        .failed = FAILS_4,
+        .failed = HOMING_RUN_SERVO_FAILS,
         .where = "laws.csp:56",
         .inner = "homing.servo",
         .offset = offsetof(struct joint_control, feedback_4)
     },
-    [FAILS_4] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_4, .where = "jiwy.csp:104"}
+    [HOMING_RUN_SERVO_FAILS] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = HOMING_RUN_SERVO_FAILS,
+        .where = "jiwy.csp:104"
+    }
 };
 
-static const csp_class joint_control_run_servo_class = {
-    .step = joint_control_run_servo_step,
-    .places = joint_control_run_servo_places,
+static const csp_class joint_control_homing_run_servo_class = {
+    .step = joint_control_homing_run_servo_step,
+    .places = joint_control_homing_run_servo_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = offsetof(struct joint_control, run_servo_branch)
+    .offset = offsetof(struct joint_control, homing_run_servo_branch)
 };
 
-static csp_party *joint_control_run_velocity_2_step(csp_party *party)
+static csp_party *joint_control_align_r_run_velocity_step(csp_party *party)
 {
     struct joint_control *const self =
-        CSP_ENCLOSING(party, struct joint_control, run_velocity_branch_2);
+        CSP_ENCLOSING(party, struct joint_control, alignR_run_velocity_branch);
     csp_progress progress;
 
     switch (party->state) {
@@ -171,7 +176,7 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
         do {
             /* VelocityController (laws.csp:88) */
             CSP_TAKE(csp_sampled_read, &self->feedback_2, self->alignR_velocity_feedback,
-                READS_FEEDBACK_2, fails)
+                ALIGN_R_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignR.velocity: Constant speed: PI on the filtered difference of the encoder, its
              * output limited, so that it presses gently on the end stop. The end stop is the
              * joint standing still for `dwell` although the controller drives with more than
@@ -237,7 +242,7 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
             self->alignR_stop = self->alignR_velocity_stop;
         } while (!self->alignR_stop);
         return csp_end(party);
-    case FAILS_3:
+    case ALIGN_R_RUN_VELOCITY_FAILS:
     fails:
         csp_unwind(party);
         return csp_fail(party);
@@ -246,30 +251,34 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
     }
 }
 
-static const csp_place joint_control_run_velocity_2_places[] = {
+static const csp_place joint_control_align_r_run_velocity_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [READS_FEEDBACK_2] = {
+    [ALIGN_R_RUN_VELOCITY_READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
-        .failed = FAILS_3,
+        .failed = ALIGN_R_RUN_VELOCITY_FAILS,
         .where = "laws.csp:88",
         .inner = "alignR.velocity",
         .offset = offsetof(struct joint_control, feedback_2)
     },
-    [FAILS_3] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_3, .where = "jiwy.csp:104"}
+    [ALIGN_R_RUN_VELOCITY_FAILS] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = ALIGN_R_RUN_VELOCITY_FAILS,
+        .where = "jiwy.csp:104"
+    }
 };
 
-static const csp_class joint_control_run_velocity_2_class = {
-    .step = joint_control_run_velocity_2_step,
-    .places = joint_control_run_velocity_2_places,
+static const csp_class joint_control_align_r_run_velocity_class = {
+    .step = joint_control_align_r_run_velocity_step,
+    .places = joint_control_align_r_run_velocity_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = offsetof(struct joint_control, run_velocity_branch_2)
+    .offset = offsetof(struct joint_control, alignR_run_velocity_branch)
 };
 
-static csp_party *joint_control_run_velocity_step(csp_party *party)
+static csp_party *joint_control_align_l_run_velocity_step(csp_party *party)
 {
     struct joint_control *const self =
-        CSP_ENCLOSING(party, struct joint_control, run_velocity_branch);
+        CSP_ENCLOSING(party, struct joint_control, alignL_run_velocity_branch);
     csp_progress progress;
 
     switch (party->state) {
@@ -277,7 +286,7 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
         do {
             /* VelocityController (laws.csp:88) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->alignL_velocity_feedback,
-                READS_FEEDBACK, fails)
+                ALIGN_L_RUN_VELOCITY_READS_FEEDBACK, fails)
             /* alignL.velocity: Constant speed: PI on the filtered difference of the encoder, its
              * output limited, so that it presses gently on the end stop. The end stop is the
              * joint standing still for `dwell` although the controller drives with more than
@@ -343,7 +352,7 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
             self->alignL_stop = self->alignL_velocity_stop;
         } while (!self->alignL_stop);
         return csp_end(party);
-    case FAILS_2:
+    case ALIGN_L_RUN_VELOCITY_FAILS:
     fails:
         csp_unwind(party);
         return csp_fail(party);
@@ -352,24 +361,28 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
     }
 }
 
-static const csp_place joint_control_run_velocity_places[] = {
+static const csp_place joint_control_align_l_run_velocity_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [READS_FEEDBACK] = {
+    [ALIGN_L_RUN_VELOCITY_READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
-        .failed = FAILS_2,
+        .failed = ALIGN_L_RUN_VELOCITY_FAILS,
         .where = "laws.csp:88",
         .inner = "alignL.velocity",
         .offset = offsetof(struct joint_control, feedback)
     },
-    [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "jiwy.csp:104"}
+    [ALIGN_L_RUN_VELOCITY_FAILS] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = ALIGN_L_RUN_VELOCITY_FAILS,
+        .where = "jiwy.csp:104"
+    }
 };
 
-static const csp_class joint_control_run_velocity_class = {
-    .step = joint_control_run_velocity_step,
-    .places = joint_control_run_velocity_places,
+static const csp_class joint_control_align_l_run_velocity_class = {
+    .step = joint_control_align_l_run_velocity_step,
+    .places = joint_control_align_l_run_velocity_places,
     .name = "JointControl",
     .where = "jiwy.csp:104",
-    .offset = offsetof(struct joint_control, run_velocity_branch)
+    .offset = offsetof(struct joint_control, alignL_run_velocity_branch)
 };
 
 static csp_party *joint_control_step(csp_party *party)
@@ -385,95 +398,95 @@ static csp_party *joint_control_step(csp_party *party)
          */
         csp_observe_begin(party->number + 1U);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
-        csp_interrupt_prepare(&self->interrupt_run_velocity);
-        csp_guard_after(&self->interrupt_run_velocity.alternative, 0U,
-            &self->interrupt_run_velocity.timer);
-        csp_delay(&self->interrupt_run_velocity.alternative, 0U, 10 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_velocity),
-            csp_interruptible_again(party, &self->interrupt_run_velocity),
-            INTERRUPTIBLE_RUN_VELOCITY, catches_timeout)
-        if (self->interrupt_run_velocity.taken) {
+        csp_interrupt_prepare(&self->alignL_interrupt_run_velocity);
+        csp_guard_after(&self->alignL_interrupt_run_velocity.alternative, 0U,
+            &self->alignL_interrupt_run_velocity.timer);
+        csp_delay(&self->alignL_interrupt_run_velocity.alternative, 0U, 10 * CSP_S);
+        CSP_AWAIT(csp_interruptible(party, &self->alignL_interrupt_run_velocity),
+            csp_interruptible_again(party, &self->alignL_interrupt_run_velocity),
+            ALIGN_L_INTERRUPTIBLE_RUN_VELOCITY, align_l_catches_timeout)
+        if (self->alignL_interrupt_run_velocity.taken) {
             /* after patience (jiwy.csp:39) */
             /* failed := true (jiwy.csp:39) */
             self->alignL_failed = true;
         }
-        goto after_catches_timeout;
-    case CATCHES_TIMEOUT:
-    catches_timeout:
+        goto after_align_l_catches_timeout;
+    case ALIGN_L_CATCHES_TIMEOUT:
+    align_l_catches_timeout:
         csp_unwind(party);
         if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
-            goto alignl_fails;
+            goto align_l_fails;
         }
         /* failed := true (jiwy.csp:39) */
         self->alignL_failed = true;
-    after_catches_timeout:
+    after_align_l_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
-        CSP_CHECK(alignl_fails)
+        CSP_CHECK(align_l_fails)
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->alignL_failed) {
             /* raise ModeFailed (jiwy.csp:41) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
             csp.error.inner = "alignL";
-            goto alignl_fails;
+            goto align_l_fails;
         }
         csp_ends_close(&self->alignL_samples);
         csp_observe_end(party->number + 1U);
-        goto after_alignl_fails;
-    alignl_fails:
+        goto after_align_l_fails;
+    align_l_fails:
         csp_unwind(party);
         csp_ends_close(&self->alignL_samples);
         csp_observe_end(party->number + 1U);
         goto fails;
-    after_alignl_fails:
+    after_align_l_fails:
         /* alignR: Turns one joint at constant speed until it meets its end stop, and remembers
          * where that was. (jiwy.csp:129)
          */
         csp_observe_begin(party->number + 2U);
         /* (mu velocity until stop) interrupt after patience -> fail... (jiwy.csp:39) */
-        csp_interrupt_prepare(&self->interrupt_run_velocity_2);
-        csp_guard_after(&self->interrupt_run_velocity_2.alternative, 0U,
-            &self->interrupt_run_velocity_2.timer);
-        csp_delay(&self->interrupt_run_velocity_2.alternative, 0U, 10 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_velocity_2),
-            csp_interruptible_again(party, &self->interrupt_run_velocity_2),
-            INTERRUPTIBLE_RUN_VELOCITY_2, catches_timeout_2)
-        if (self->interrupt_run_velocity_2.taken) {
+        csp_interrupt_prepare(&self->alignR_interrupt_run_velocity);
+        csp_guard_after(&self->alignR_interrupt_run_velocity.alternative, 0U,
+            &self->alignR_interrupt_run_velocity.timer);
+        csp_delay(&self->alignR_interrupt_run_velocity.alternative, 0U, 10 * CSP_S);
+        CSP_AWAIT(csp_interruptible(party, &self->alignR_interrupt_run_velocity),
+            csp_interruptible_again(party, &self->alignR_interrupt_run_velocity),
+            ALIGN_R_INTERRUPTIBLE_RUN_VELOCITY, align_r_catches_timeout)
+        if (self->alignR_interrupt_run_velocity.taken) {
             /* after patience (jiwy.csp:39) */
             /* failed := true (jiwy.csp:39) */
             self->alignR_failed = true;
         }
-        goto after_catches_timeout_2;
-    case CATCHES_TIMEOUT_2:
-    catches_timeout_2:
+        goto after_align_r_catches_timeout;
+    case ALIGN_R_CATCHES_TIMEOUT:
+    align_r_catches_timeout:
         csp_unwind(party);
         if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
-            goto alignr_fails;
+            goto align_r_fails;
         }
         /* failed := true (jiwy.csp:39) */
         self->alignR_failed = true;
-    after_catches_timeout_2:
+    after_align_r_catches_timeout:
         /* control ! 0<V> (jiwy.csp:40) */
         self->sent.control = 0.0;
-        CSP_CHECK(alignr_fails)
+        CSP_CHECK(align_r_fails)
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->alignR_failed) {
             /* raise ModeFailed (jiwy.csp:41) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:41");
             csp.error.inner = "alignR";
-            goto alignr_fails;
+            goto align_r_fails;
         }
         csp_ends_close(&self->alignR_samples);
         csp_observe_end(party->number + 2U);
-        goto after_alignr_fails;
-    alignr_fails:
+        goto after_align_r_fails;
+    align_r_fails:
         csp_unwind(party);
         csp_ends_close(&self->alignR_samples);
         csp_observe_end(party->number + 2U);
         goto fails;
-    after_alignr_fails:
+    after_align_r_fails:
         /* motionControl: Servo that follows the joystick until the stop button is pressed, then
          * releases the motor. (jiwy.csp:129)
          */
@@ -482,32 +495,36 @@ static csp_party *joint_control_step(csp_party *party)
             /* (joystick_buttons ? status -> skip []> feedback -> servo) (jiwy.csp:68) */
             CSP_AWAIT(csp_select(party, &self->motionControl_choice.alternative),
                 csp_select_again(party, &self->motionControl_choice.alternative),
-                MOTION_CONTROL_CHOOSES, catches_timeout_3)
+                MOTION_CONTROL_CHOOSES, motion_control_catches_timeout)
             /* joystick_buttons ? status (jiwy.csp:68) */
             if (self->motionControl_choice.alternative.chosen != 0U) {
                 /* feedback (jiwy.csp:68) */
                 /* PositionController (laws.csp:56) */
                 if (csp_offers_begin(party, &self->offers) == CSP_FAILS) {
-                    goto catches_timeout_3;
+                    goto motion_control_catches_timeout;
                 }
                 csp_require_written(&self->leftmax_written);
                 if (csp_faulted()) {
                     csp_offers_give_up(&self->offers);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
+                        motion_control_catches_timeout);
                 }
                 self->motionControl_servo_leftmax = self->leftmax;
                 csp_require_written(&self->rightmax_written);
                 if (csp_faulted()) {
                     csp_offers_give_up(&self->offers);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
+                        motion_control_catches_timeout);
                 }
                 self->motionControl_servo_rightmax = self->rightmax;
                 CSP_OFFER(&self->offers, csp_sampled_read, &self->feedback_3,
-                    self->motionControl_servo_feedback, READS_INPUTS, catches_timeout_3)
+                    self->motionControl_servo_feedback, MOTION_CONTROL_READS_INPUTS,
+                    motion_control_catches_timeout)
                 CSP_OFFER(&self->offers, csp_sampled_read, &self->joystick_axis,
-                    self->motionControl_servo_setpoint, READS_INPUTS, catches_timeout_3)
+                    self->motionControl_servo_setpoint, MOTION_CONTROL_READS_INPUTS,
+                    motion_control_catches_timeout)
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
-                    READS_INPUTS, catches_timeout_3)
+                    MOTION_CONTROL_READS_INPUTS, motion_control_catches_timeout)
                 /* motionControl.servo: Position servo of one joint. The set-point counts from
                  * the centre between the end stops, 1 being `reach`; `reference` is the angle
                  * that this means. The voltage for the friction is added in the direction in
@@ -524,7 +541,8 @@ static csp_party *joint_control_step(csp_party *party)
                             motionControl_servo_centre + 1.25 * self->motionControl_servo_setpoint,
                             self->motionControl_servo_leftmax + 0.05,
                             self->motionControl_servo_rightmax - 0.05));
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:72", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:72",
+                        motion_control_catches_timeout);
                     /* laws.csp:35 */
                     const double motionControl_servo_profile_from =
                         self->motionControl_servo_profile_moving
@@ -556,7 +574,8 @@ static csp_party *joint_control_step(csp_party *party)
                     const double motionControl_servo_pid_i = self->motionControl_servo_pid_ui
                         + csp_divide(self->motionControl_servo_sample * motionControl_servo_pid_d,
                             self->motionControl_servo_pid_tauI);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:16", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:16",
+                        motion_control_catches_timeout);
                     /* laws.csp:17 */
                     const double motionControl_servo_pid_sum =
                         motionControl_servo_pid_i + motionControl_servo_pid_d;
@@ -571,7 +590,8 @@ static csp_party *joint_control_step(csp_party *party)
                                     * motionControl_servo_pid_output
                                 + motionControl_servo_assistance,
                             -12.0, supply));
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:78", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:78",
+                        motion_control_catches_timeout);
                     /* laws.csp:80 */
                     const double motionControl_servo_standing =
                         (fabs(self->motionControl_servo_reference
@@ -582,25 +602,30 @@ static csp_party *joint_control_step(csp_party *party)
                     /* laws.csp:33 */
                     const double motionControl_servo_profile_last_next =
                         csp_real(motionControl_servo_profile_angle);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:33", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:33",
+                        motion_control_catches_timeout);
                     /* laws.csp:10 */
                     const double motionControl_servo_pid_e1_next =
                         csp_real(motionControl_servo_pid_error);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:10", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:10",
+                        motion_control_catches_timeout);
                     /* laws.csp:11 */
                     const double motionControl_servo_pid_ud_next =
                         csp_real(motionControl_servo_pid_d);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:11", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:11",
+                        motion_control_catches_timeout);
                     /* laws.csp:12 */
                     const double motionControl_servo_pid_ui_next =
                         csp_real((motionControl_servo_pid_sum == motionControl_servo_pid_output)
                                 ? motionControl_servo_pid_i
                                 : self->motionControl_servo_pid_ui);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:12", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:12",
+                        motion_control_catches_timeout);
                     /* laws.csp:69 */
                     const double motionControl_servo_arrived_next =
                         csp_real(motionControl_servo_standing);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:69", catches_timeout_3);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:69",
+                        motion_control_catches_timeout);
                     self->motionControl_servo_profile_moving = true; /* laws.csp:32 */
                     /* laws.csp:33 */
                     self->motionControl_servo_profile_last = motionControl_servo_profile_last_next;
@@ -614,67 +639,68 @@ static csp_party *joint_control_step(csp_party *party)
                     self->motionControl_servo_arrived = motionControl_servo_arrived_next;
                 }
                 /* PositionController (laws.csp:56) */
-                CSP_CHECK(catches_timeout_3)
+                CSP_CHECK(motion_control_catches_timeout)
                 csp_finite(self->motionControl_servo_control, self->control->name);
-                CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56", catches_timeout_3);
+                CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:56",
+                    motion_control_catches_timeout);
                 (void)csp_latched_write(party, self->control, &self->motionControl_servo_control,
                     sizeof(self->motionControl_servo_control));
                 self->motionControl_reference = self->motionControl_servo_reference;
             }
         } while (self->motionControl_status != stopButton);
-        goto after_catches_timeout_3;
-    case CATCHES_TIMEOUT_3:
-    catches_timeout_3:
+        goto after_motion_control_catches_timeout;
+    case MOTION_CONTROL_CATCHES_TIMEOUT:
+    motion_control_catches_timeout:
         csp_unwind(party);
         if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
-            goto motioncontrol_fails;
+            goto motion_control_fails;
         }
         /* failed := true (jiwy.csp:69) */
         self->motionControl_failed = true;
-    after_catches_timeout_3:
+    after_motion_control_catches_timeout:
         /* control ! 0<V> (jiwy.csp:70) */
         self->sent.control = 0.0;
-        CSP_CHECK(motioncontrol_fails)
+        CSP_CHECK(motion_control_fails)
         (void)csp_latched_write(party, self->control, &self->sent.control,
             sizeof(self->sent.control));
         if (self->motionControl_failed) {
             /* raise ModeFailed (jiwy.csp:71) */
             (void)csp_raise(party, EXCEPTION_MODE_FAILED, "jiwy.csp:71");
             csp.error.inner = "motionControl";
-            goto motioncontrol_fails;
+            goto motion_control_fails;
         }
         csp_ends_close(&self->motionControl_samples);
         csp_observe_end(party->number + 3U);
-        goto after_motioncontrol_fails;
-    motioncontrol_fails:
+        goto after_motion_control_fails;
+    motion_control_fails:
         csp_unwind(party);
         csp_ends_close(&self->motionControl_samples);
         csp_observe_end(party->number + 3U);
         goto fails;
-    after_motioncontrol_fails:
+    after_motion_control_fails:
         /* homing: Servo back to the centre; there, or where its patience ends, the motor is
          * released. (jiwy.csp:129)
          */
         csp_observe_begin(party->number + 4U);
         /* (mu servo until stop) interrupt after patience -> skip (jiwy.csp:97) */
-        csp_interrupt_prepare(&self->interrupt_run_servo);
-        csp_guard_after(&self->interrupt_run_servo.alternative, 0U,
-            &self->interrupt_run_servo.timer);
-        csp_delay(&self->interrupt_run_servo.alternative, 0U, 3 * CSP_S);
-        CSP_AWAIT(csp_interruptible(party, &self->interrupt_run_servo),
-            csp_interruptible_again(party, &self->interrupt_run_servo), INTERRUPTIBLE_RUN_SERVO,
-            catches_timeout_4)
+        csp_interrupt_prepare(&self->homing_interrupt_run_servo);
+        csp_guard_after(&self->homing_interrupt_run_servo.alternative, 0U,
+            &self->homing_interrupt_run_servo.timer);
+        csp_delay(&self->homing_interrupt_run_servo.alternative, 0U, 3 * CSP_S);
+        CSP_AWAIT(csp_interruptible(party, &self->homing_interrupt_run_servo),
+            csp_interruptible_again(party, &self->homing_interrupt_run_servo),
+            HOMING_INTERRUPTIBLE_RUN_SERVO, homing_catches_timeout)
         /* after patience (jiwy.csp:97) */
-        goto after_catches_timeout_4;
-    case CATCHES_TIMEOUT_4:
-    catches_timeout_4:
+        goto after_homing_catches_timeout;
+    case HOMING_CATCHES_TIMEOUT:
+    homing_catches_timeout:
         csp_unwind(party);
         if (!csp_catch(CSP_TIMEOUT_EXCEPTION)) {
             goto homing_fails;
         }
         /* failed := true (jiwy.csp:97) */
         self->homing_failed = true;
-    after_catches_timeout_4:
+    after_homing_catches_timeout:
         /* control ! 0<V> (jiwy.csp:98) */
         self->sent.control = 0.0;
         CSP_CHECK(homing_fails)
@@ -708,59 +734,59 @@ static csp_party *joint_control_step(csp_party *party)
 
 static const csp_place joint_control_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:104"},
-    [INTERRUPTIBLE_RUN_VELOCITY] = {
+    [ALIGN_L_INTERRUPTIBLE_RUN_VELOCITY] = {
         .waiting = CSP_AT_INTERRUPT,
-        .failed = CATCHES_TIMEOUT,
+        .failed = ALIGN_L_CATCHES_TIMEOUT,
         .where = "jiwy.csp:39",
         .inner = "alignL",
-        .offset = offsetof(struct joint_control, interrupt_run_velocity)
+        .offset = offsetof(struct joint_control, alignL_interrupt_run_velocity)
     },
-    [CATCHES_TIMEOUT] = {
+    [ALIGN_L_CATCHES_TIMEOUT] = {
         .waiting = CSP_AT_NOTHING,
-        .failed = CATCHES_TIMEOUT,
+        .failed = ALIGN_L_CATCHES_TIMEOUT,
         .where = "jiwy.csp:39"
     },
-    [INTERRUPTIBLE_RUN_VELOCITY_2] = {
+    [ALIGN_R_INTERRUPTIBLE_RUN_VELOCITY] = {
         .waiting = CSP_AT_INTERRUPT,
-        .failed = CATCHES_TIMEOUT_2,
+        .failed = ALIGN_R_CATCHES_TIMEOUT,
         .where = "jiwy.csp:39",
         .inner = "alignR",
-        .offset = offsetof(struct joint_control, interrupt_run_velocity_2)
+        .offset = offsetof(struct joint_control, alignR_interrupt_run_velocity)
     },
-    [CATCHES_TIMEOUT_2] = {
+    [ALIGN_R_CATCHES_TIMEOUT] = {
         .waiting = CSP_AT_NOTHING,
-        .failed = CATCHES_TIMEOUT_2,
+        .failed = ALIGN_R_CATCHES_TIMEOUT,
         .where = "jiwy.csp:39"
     },
     [MOTION_CONTROL_CHOOSES] = {
         .waiting = CSP_AT_ALTERNATIVE,
-        .failed = CATCHES_TIMEOUT_3,
+        .failed = MOTION_CONTROL_CATCHES_TIMEOUT,
         .where = "jiwy.csp:68",
         .inner = "motionControl",
         .offset = offsetof(struct joint_control, motionControl_choice.alternative)
     },
-    [READS_INPUTS] = {
+    [MOTION_CONTROL_READS_INPUTS] = {
         .waiting = CSP_AT_INPUTS,
-        .failed = CATCHES_TIMEOUT_3,
+        .failed = MOTION_CONTROL_CATCHES_TIMEOUT,
         .where = "laws.csp:56",
         .inner = "motionControl.servo",
         .offset = offsetof(struct joint_control, offers)
     },
-    [CATCHES_TIMEOUT_3] = {
+    [MOTION_CONTROL_CATCHES_TIMEOUT] = {
         .waiting = CSP_AT_NOTHING,
-        .failed = CATCHES_TIMEOUT_3,
+        .failed = MOTION_CONTROL_CATCHES_TIMEOUT,
         .where = "jiwy.csp:68"
     },
-    [INTERRUPTIBLE_RUN_SERVO] = {
+    [HOMING_INTERRUPTIBLE_RUN_SERVO] = {
         .waiting = CSP_AT_INTERRUPT,
-        .failed = CATCHES_TIMEOUT_4,
+        .failed = HOMING_CATCHES_TIMEOUT,
         .where = "jiwy.csp:97",
         .inner = "homing",
-        .offset = offsetof(struct joint_control, interrupt_run_servo)
+        .offset = offsetof(struct joint_control, homing_interrupt_run_servo)
     },
-    [CATCHES_TIMEOUT_4] = {
+    [HOMING_CATCHES_TIMEOUT] = {
         .waiting = CSP_AT_NOTHING,
-        .failed = CATCHES_TIMEOUT_4,
+        .failed = HOMING_CATCHES_TIMEOUT,
         .where = "jiwy.csp:97"
     }
 };
@@ -843,16 +869,16 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     csp_guard_ready(&self->motionControl_choice.alternative, 1U, &self->feedback_3.medium);
     csp_enable_all(&self->motionControl_choice.alternative);
     csp_sampled_end_init(&self->feedback_4, ports->feedback, &self->homing_samples);
-    csp_process_init(&self->run_velocity_branch, &joint_control_run_velocity_class,
+    csp_process_init(&self->alignL_run_velocity_branch, &joint_control_align_l_run_velocity_class,
         self->process.party.number);
-    csp_interrupt_init(&self->interrupt_run_velocity,
-        (uint32_t)offsetof(struct joint_control, run_velocity_branch));
-    csp_process_init(&self->run_velocity_branch_2, &joint_control_run_velocity_2_class,
+    csp_interrupt_init(&self->alignL_interrupt_run_velocity,
+        (uint32_t)offsetof(struct joint_control, alignL_run_velocity_branch));
+    csp_process_init(&self->alignR_run_velocity_branch, &joint_control_align_r_run_velocity_class,
         self->process.party.number);
-    csp_interrupt_init(&self->interrupt_run_velocity_2,
-        (uint32_t)offsetof(struct joint_control, run_velocity_branch_2));
-    csp_process_init(&self->run_servo_branch, &joint_control_run_servo_class,
+    csp_interrupt_init(&self->alignR_interrupt_run_velocity,
+        (uint32_t)offsetof(struct joint_control, alignR_run_velocity_branch));
+    csp_process_init(&self->homing_run_servo_branch, &joint_control_homing_run_servo_class,
         self->process.party.number);
-    csp_interrupt_init(&self->interrupt_run_servo,
-        (uint32_t)offsetof(struct joint_control, run_servo_branch));
+    csp_interrupt_init(&self->homing_interrupt_run_servo,
+        (uint32_t)offsetof(struct joint_control, homing_run_servo_branch));
 }

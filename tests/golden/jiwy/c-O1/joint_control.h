@@ -108,13 +108,13 @@ struct joint_control {
     union {
         double control;
     } sent;
-    csp_process run_velocity_branch;
-    csp_interrupt interrupt_run_velocity;
-    csp_process run_velocity_branch_2;
-    csp_interrupt interrupt_run_velocity_2;
+    csp_process alignL_run_velocity_branch;
+    csp_interrupt alignL_interrupt_run_velocity;
+    csp_process alignR_run_velocity_branch;
+    csp_interrupt alignR_interrupt_run_velocity;
     csp_offers offers;
-    csp_process run_servo_branch;
-    csp_interrupt interrupt_run_servo;
+    csp_process homing_run_servo_branch;
+    csp_interrupt homing_interrupt_run_servo;
     csp_offer offers_made[2];
 };
 

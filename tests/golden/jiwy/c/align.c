@@ -7,8 +7,8 @@
 enum {
     INTERRUPTIBLE_REPEAT_VELOCITY = 1,
     CATCHES_TIMEOUT,
-    READS_FEEDBACK,
-    FAILS_2
+    REPEAT_VELOCITY_READS_FEEDBACK,
+    REPEAT_VELOCITY_FAILS
 };
 
 static csp_party *align_repeat_velocity_step(csp_party *party)
@@ -20,8 +20,8 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
     case 0:
         for (;;) {
             /* velocity (jiwy.csp:39) */
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->velocity.feedback, READS_FEEDBACK,
-                fails)
+            CSP_TAKE(csp_sampled_read, &self->feedback, self->velocity.feedback,
+                REPEAT_VELOCITY_READS_FEEDBACK, fails)
             (void)velocity_controller_calculate(&self->velocity);
             CSP_FAULT_INSIDE("velocity", "laws.csp:88", fails);
             CSP_CHECK(fails)
@@ -42,7 +42,7 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
             }
         }
         return csp_end(party);
-    case FAILS_2:
+    case REPEAT_VELOCITY_FAILS:
     fails:
         csp_unwind(party);
         return csp_fail(party);
@@ -53,14 +53,18 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
 
 static const csp_place align_repeat_velocity_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:23"},
-    [READS_FEEDBACK] = {
+    [REPEAT_VELOCITY_READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
-        .failed = FAILS_2,
+        .failed = REPEAT_VELOCITY_FAILS,
         .where = "laws.csp:88",
         .inner = "velocity",
         .offset = offsetof(struct align, feedback)
     },
-    [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "jiwy.csp:23"}
+    [REPEAT_VELOCITY_FAILS] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = REPEAT_VELOCITY_FAILS,
+        .where = "jiwy.csp:23"
+    }
 };
 
 static const csp_class align_repeat_velocity_class = {

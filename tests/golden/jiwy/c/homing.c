@@ -7,8 +7,8 @@
 enum {
     INTERRUPTIBLE_REPEAT_SERVO = 1,
     CATCHES_TIMEOUT,
-    READS_FEEDBACK,
-    FAILS_2
+    REPEAT_SERVO_READS_FEEDBACK,
+    REPEAT_SERVO_FAILS
 };
 
 static csp_party *homing_repeat_servo_step(csp_party *party)
@@ -27,7 +27,8 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             self->servo.rightmax = *self->rightmax;
             self->servo.setpoint = self->zero;
-            CSP_TAKE(csp_sampled_read, &self->feedback, self->servo.feedback, READS_FEEDBACK, fails)
+            CSP_TAKE(csp_sampled_read, &self->feedback, self->servo.feedback,
+                REPEAT_SERVO_READS_FEEDBACK, fails)
             (void)position_controller_calculate(&self->servo);
             CSP_FAULT_INSIDE("servo", "laws.csp:56", fails);
             CSP_CHECK(fails)
@@ -46,7 +47,7 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
             }
         }
         return csp_end(party);
-    case FAILS_2:
+    case REPEAT_SERVO_FAILS:
     fails:
         csp_unwind(party);
         return csp_fail(party);
@@ -57,14 +58,18 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
 
 static const csp_place homing_repeat_servo_places[] = {
     [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:76"},
-    [READS_FEEDBACK] = {
+    [REPEAT_SERVO_READS_FEEDBACK] = {
         .waiting = CSP_AT_READ,
-        .failed = FAILS_2,
+        .failed = REPEAT_SERVO_FAILS,
         .where = "laws.csp:56",
         .inner = "servo",
         .offset = offsetof(struct homing, feedback)
     },
-    [FAILS_2] = {.waiting = CSP_AT_NOTHING, .failed = FAILS_2, .where = "jiwy.csp:76"}
+    [REPEAT_SERVO_FAILS] = {
+        .waiting = CSP_AT_NOTHING,
+        .failed = REPEAT_SERVO_FAILS,
+        .where = "jiwy.csp:76"
+    }
 };
 
 static const csp_class homing_repeat_servo_class = {
