@@ -12,7 +12,7 @@ from cspdiag.base.record import replaced
 from cspdiag.network.checks.unwritten import may_be_unwritten
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Call, Compute, Instruction, Raise
-from cspdiag.network.flow.ends import may_end
+from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
     Action,
@@ -76,12 +76,16 @@ def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
     """The class without steps that are never reached and handlers of what is never raised."""
     waited_for = places_waited_for(entry)
     raising = _Raising(entry, raised)
+    assert entry.body is not None
+    is_whole = every_step_is_reached(entry.body)
 
     def change(item: Any) -> Any:
+        nonlocal is_whole
         match item:
-            case SequentialSteps():
+            case SequentialSteps() if not is_whole:
                 return _until_the_last(item, waited_for)
             case CatchException() if not raising.may(item.body, item.exception):
+                is_whole = False
                 return item if ends_of(item.handler, waited_for) else item.body
             case _:
                 return item
