@@ -9,23 +9,34 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import (
+    Call,
+    Communicate,
+    Compute,
+    Delay,
+    Instruction,
+    Raise,
+    Select,
+    Take,
+    Test,
+    Watch,
+)
+from cspdiag.network.flow.raised import exceptions_of
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
-    Choice,
     End,
     IfElse,
     InputEvent,
     InterruptOn,
     OutputEvent,
     PortEnd,
-    RaiseException,
     ReadValue,
     ReadyEvent,
     Repeat,
-    RunInstance,
     Target,
     WaitStep,
     WhileLoop,
@@ -96,56 +107,42 @@ class Facts:
         """The exceptions that may end an action of a class, and leave it."""
         known = self._escaping.get(node)
         if known is None:
-            known = self._escaping[node] = frozenset(self._escaping_from(node, one))
+            known, _ = exceptions_of(flow_of(node.action), lambda instruction: self._raised_by(instruction, one))
+            assert known is not None
+            self._escaping[node] = known
         return known
 
-    def _escaping_from(self, node: Node, one: Class) -> set[str]:
-        action = node.action
-        inside: set[str] = set()
-        for child in node.children:
-            inside |= self.escaping(child, one)
-        match action:
-            case RaiseException():
-                inside.add(action.exception)
-            case CatchException():
-                handler = self.escaping(node.children[1], one)
-                inside = set(self.escaping(node.children[0], one) - {action.exception}) | handler
-            case RunInstance():
-                inside |= self._of_instance(action.instance, one)
-            case ReadValue():
-                inside |= self._of_read(action.source, one)
-            case Choice():
-                for branch in action.branches:
-                    inside |= self._of_guard(branch, one)
-            case InterruptOn():
-                inside |= self._of_guard(action.branch, one)
+    def _raised_by(self, instruction: Instruction, one: Class) -> frozenset[str]:
+        match instruction:
+            case Raise():
+                return frozenset({instruction.step.exception})
+            case Call():
+                return self._of_instance(instruction.step.instance, one)
+            case Take(branch=Branch(event=ReadyEvent(source=end) | InputEvent(source=end))):
+                return self._of_read(end, one)
+            case Communicate(step=ReadValue(source=end)):
+                return self._of_read(end, one) | self._fault
+            case Compute(step=AssignValue()) | Communicate() | Delay() | Test() | Select() | Watch(step=InterruptOn()):
+                return self._fault
             case _:
-                pass
-        if self.catches_faults and isinstance(action, _COMPUTING):
-            inside.add(FAULT)
-        return inside
+                return frozenset()
+
+    @property
+    def _fault(self) -> frozenset[str]:
+        """What computing may raise, as far as anybody catches it."""
+        return frozenset({FAULT}) if self.catches_faults else frozenset()
 
     def _of_instance(self, name: str, one: Class) -> frozenset[str]:
         instance = one.instances[name]
         inner = self.program.classes[instance.class_name]
         if isinstance(inner.definition, SubmodelClass):
-            fault = {FAULT} if self.catches_faults else set()
-            timeout = (
-                {TIMEOUT} if any((inner.name, port.name) in self.sampled for port in inner.definition.ports) else set()
-            )
-            return frozenset(fault | timeout)
+            sampled = any((inner.name, port.name) in self.sampled for port in inner.definition.ports)
+            return self._fault | (frozenset({TIMEOUT}) if sampled else frozenset())
         return frozenset() if inner.body is None else self.escaping(inner.body, inner)
-
-    def _of_guard(self, branch: Branch, one: Class) -> frozenset[str]:
-        event = branch.event
-        return self._of_read(event.source, one) if isinstance(event, ReadyEvent | InputEvent) else frozenset()
 
     def _of_read(self, end: End, one: Class) -> frozenset[str]:
         sampled = isinstance(end, PortEnd) and (one.name, end.port) in self.sampled
         return frozenset({TIMEOUT}) if sampled else frozenset()
-
-
-_COMPUTING = (AssignValue, ReadValue, WriteValue, WaitStep, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
 
 
 def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
