@@ -15,6 +15,17 @@ def test_most_programs_are_correct_and_half_of_them_communicate_often() -> None:
     assert sum(count >= LEAST for count in correct) >= len(correct) / 2
 
 
+def test_a_quarter_of_the_programs_runs_laws_between_variables() -> None:
+    made = [str(meetings(seed)) for seed in range(60)]
+    assert sum(": Sums" in text or ": Counts" in text for text in made) >= 15
+
+
+@pytest.mark.parametrize("seed", [2, 72, 181])
+def test_law_of_a_cancelled_process_does_not_run(seed: int) -> None:
+    """Programs on which readable code ran such laws."""
+    assert difference(str(meetings(seed)), ("python-O0",)) == ""
+
+
 @pytest.mark.parametrize("seed", range(100, 112))
 def test_readable_and_optimized_python_do_as_the_reference(seed: int) -> None:
     text = str(meetings(seed))

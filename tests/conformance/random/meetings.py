@@ -38,6 +38,24 @@ submodel Plant {
 }
 """
 
+LAWS = """submodel Sums {
+  in  u : int
+  out y : int
+
+  state total : int = 0
+  next total = (total + u) % 1000
+  y = total + u % 1000
+}
+
+submodel Counts {
+  out y : int
+
+  state n : int = 0
+  next n = (n + 1) % 100
+  y = n
+}
+"""
+
 EXTERNAL = {
     "y": ("in", "double", " @ 1 ms"),
     "z": ("in", "double", " @ 2 ms"),
@@ -59,6 +77,8 @@ class Leaf:
     """Ports that parallel parts may use at once."""
     periods: dict[str, str] = field(default_factory=dict)
     variables: dict[str, tuple[str, str]] = field(default_factory=dict)
+    laws: list[str] = field(default_factory=list)
+    """Control laws and the variables that they are connected to."""
     indexes: list[str] = field(default_factory=list)
     """Of the replicators around what is being drawn."""
     numbers: int = 0
@@ -72,7 +92,7 @@ class Leaf:
         """Ports and variables."""
         ports = [f"  {way} {name} : {kind}{self.periods.get(name, '')}" for name, (way, kind) in self.ports.items()]
         variables = [f"    var {name} : {kind} = {initial}" for name, (kind, initial) in self.variables.items()]
-        return "\n".join([*ports, "  communication {", *variables, "  }"])
+        return "\n".join([*ports, "  communication {", *variables, *self.laws, "  }"])
 
 
 @dataclass
@@ -151,6 +171,16 @@ def guarded(part: Part, free: list[str], depth: int) -> Node:
     return Node(f"({_plain(text)} -> ({_plain(first)}{{}}))", (step(part, depth),), guarded=True)
 
 
+def law(part: Part) -> str:
+    """A control law between variables, which runs nowhere else; one of them may be what it reads and writes."""
+    leaf, name, variable = part.leaf, part.leaf.fresh("law"), part.variable("int")
+    if part.draw.random() < 0.3:
+        leaf.laws.append(f"    {name} : Counts  {name}.y -> {variable}")
+    else:
+        leaf.laws.append(f"    {name} : Sums  {variable} -> {name}.u  {name}.y -> {variable}")
+    return name
+
+
 COMPOSED = (
     ("seq",) * 4 + ("par",) * 4 + ("alt",) * 5 + ("interrupt",) * 6 + ("mu",) * 2 + ("catch",) * 2
     + ("if", "raise", "while", "seq i", "seq i", "group")
@@ -171,6 +201,8 @@ def step(part: Part, depth: int) -> Node:
             return Node(f"({_plain(access(part, draw.choice(part.ports)))})")
         if choice < 0.87:
             return Node(f"(wait {draw.choice(DELAYS)})")
+        if choice < 0.9:
+            return Node(law(part))
         if choice < 0.95:
             kind = draw.choice(sorted(INITIAL))
             return Node(f"({part.variable(kind)} := {_plain(part.value(kind, 2))})")
@@ -300,4 +332,4 @@ def meetings(seed: int) -> Program:
         *(f"  plant.{n} -> {n}" if way == "in" else f"  {n} -> plant.{n}" for n, (way, *_) in EXTERNAL.items()), "}", "",
     ]  # fmt: skip
     definitions = tuple((leaf.name, leaf.declared(), body) for leaf, body in zip(leaves, bodies, strict=True))
-    return Program(DEFINITIONS + "\n" + PLANT, definitions, "\n".join(after), top)
+    return Program(f"{DEFINITIONS}\n{PLANT}\n{LAWS}", definitions, "\n".join(after), top)
