@@ -15,9 +15,9 @@ from cspdiag.network.checks.assignment import Flow, check_assignment
 from cspdiag.network.checks.buttons import check_releases
 from cspdiag.network.checks.composition import check_progress, check_runs
 from cspdiag.network.checks.guards import check_guards
-from cspdiag.network.checks.missed_samples import MissedSamples
 from cspdiag.network.checks.raised import RaisedExceptions
 from cspdiag.network.checks.rate_boundaries import RateBoundaries
+from cspdiag.network.checks.samples.missed import MissedSamples
 from cspdiag.network.checks.usage import check_usage
 from cspdiag.network.diagnostics.arrays import TooManyInstances
 from cspdiag.network.diagnostics.periods import SampleUnknown

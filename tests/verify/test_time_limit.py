@@ -9,7 +9,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
-from cspdiag.cli.support.alarm import ended_by_alarm
+from cspdiag.cli.support.proofs.alarm import ended_by_alarm
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify import suggest
 from cspdiag.verify.confirm import Verifier, replayed

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import UsageError
+from cspdiag.cli.support.files.written import require_file
 from cspdiag.cli.support.terminal import say
-from cspdiag.cli.support.written import require_file
 
 if TYPE_CHECKING:
     from cspdiag.draw.deadlock.ring import Deadlock

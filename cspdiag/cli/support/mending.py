@@ -14,7 +14,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.diagnostic_formats import show_findings
 from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
-from cspdiag.cli.support.output import replace_files
+from cspdiag.cli.support.files.output import replace_files
 from cspdiag.cli.support.terminal import say, write_out
 from cspdiag.mend import MendedFile, mend
 

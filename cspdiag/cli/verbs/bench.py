@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 
 from cspdiag.base.resources import benchmark_folder
 from cspdiag.cli.support.failure import FINE
-from cspdiag.cli.support.written import require_file
+from cspdiag.cli.support.files.written import require_file
 
 EXAMPLE = "cspdiag bench --only commstime --rounds 5"
 

@@ -10,8 +10,8 @@ from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.files.written import require_folder
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
-from cspdiag.cli.support.written import require_folder
 from cspdiag.codegen import TARGETS, target_errors
 from cspdiag.pipeline import build, check, generate
 from cspdiag.settings import SettingError, split_settings
@@ -125,8 +125,8 @@ def _emit_transitions(arguments: Namespace) -> int:
 
 
 def _generate(arguments: Namespace) -> int:
-    from cspdiag.cli.support.manifest import read_manifest
-    from cspdiag.cli.support.output import write_package
+    from cspdiag.cli.support.files.manifest import read_manifest
+    from cspdiag.cli.support.files.output import write_package
     from cspdiag.cli.support.templates import read_templates
     from cspdiag.network.lower.program import is_taken_by_python
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.files.written import require_file
 from cspdiag.cli.support.revisions import LAST_COMMIT, reader_of, split_name
 from cspdiag.cli.support.terminal import say, show_diagnostics, wants_colour, write_out
-from cspdiag.cli.support.written import require_file
 from cspdiag.pipeline import check
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.files.written import require_different, require_file, require_folder
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
-from cspdiag.cli.support.written import require_different, require_file, require_folder
 from cspdiag.draw import exchange
 from cspdiag.pipeline import check
 

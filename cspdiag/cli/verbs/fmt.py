@@ -11,7 +11,7 @@ from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
-from cspdiag.cli.support.output import replace_text
+from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.files.written import require_file
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
-from cspdiag.cli.support.written import require_file
 
 if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport

@@ -11,7 +11,7 @@ from argparse import ArgumentParser, Namespace
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.resources import template_folder
 from cspdiag.cli.support.failure import FINE, UsageError
-from cspdiag.cli.support.output import write_new_folder
+from cspdiag.cli.support.files.output import write_new_folder
 from cspdiag.cli.support.terminal import say
 
 EXAMPLE = "cspdiag new gimbal && cd gimbal && cspdiag run gimbal.csp --for 3s"

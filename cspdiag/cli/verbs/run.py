@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.files.written import require_different, require_file
 from cspdiag.cli.support.terminal import say, show_diagnostics
-from cspdiag.cli.support.written import require_different, require_file
 
 if TYPE_CHECKING:
-    from cspdiag.cli.support.standstill import Visited
+    from cspdiag.cli.support.runs.standstill import Visited
     from cspdiag.network.ir.network import Network
     from cspdiag.pipeline import Built
     from cspdiag.simulate.record.recorder import Recorder
@@ -110,7 +110,7 @@ def run(arguments: Namespace) -> int:
         return UNSUCCESSFUL
     if until is None and not arguments.quiet:
         _tell_of_no_end(built.network)
-    from cspdiag.cli.support.conclude import conclude
+    from cspdiag.cli.support.runs.conclude import conclude
     from cspdiag.runtime.kernel.signals import name_of_signal
     from cspdiag.runtime.kernel.stopping import HandlerFailed, Stopped, stopping
     from cspdiag.runtime.outside.job_control import stay_running
@@ -173,8 +173,8 @@ def _tell_of_no_end(network: Network) -> None:
 
 
 def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
-    from cspdiag.cli.support.progress import Progress
-    from cspdiag.cli.support.standstill import Standstill
+    from cspdiag.cli.support.runs.progress import Progress
+    from cspdiag.cli.support.runs.standstill import Standstill
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.native.build import CompilerError
     from cspdiag.simulate.record.modes import mode_groups
@@ -222,7 +222,7 @@ def _simulate_in_python(
     arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
 ) -> Run:
     from cspdiag import pipeline
-    from cspdiag.cli.support.standstill import InThread
+    from cspdiag.cli.support.runs.standstill import InThread
     from cspdiag.runtime.kernel.stopping import stopping
     from cspdiag.simulate.run.execute import simulate
 

@@ -12,10 +12,10 @@ from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.standard_streams import standard_error
 from cspdiag.cli.support.diagnostic_formats import FORMATS
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.output import replace_text
-from cspdiag.cli.support.proof_answers import refused, told
+from cspdiag.cli.support.files.output import replace_text
+from cspdiag.cli.support.files.written import require_different, require_file
+from cspdiag.cli.support.proofs.answers import refused, told
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
-from cspdiag.cli.support.written import require_different, require_file
 
 if TYPE_CHECKING:
     from cspdiag.pipeline import Asked, Reader
@@ -85,7 +85,7 @@ def run(arguments: Namespace) -> int:
         from cspdiag.cli.verbs.verify_timing import run_timing
 
         return run_timing(arguments)
-    from cspdiag.cli.support.verify_cache import Cache, Printed
+    from cspdiag.cli.support.proofs.cache import Cache, Printed
 
     require_file("--trace-out", arguments.trace_out)
     require_different({"the program": arguments.file, "--trace-out": arguments.trace_out, "--draw": arguments.draw})
@@ -146,7 +146,7 @@ def _settings(arguments: Namespace) -> dict[str, str]:
 
 
 def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
-    from cspdiag.cli.support.alarm import ended_by_alarm
+    from cspdiag.cli.support.proofs.alarm import ended_by_alarm
     from cspdiag.proofs.verdict import Limits
     from cspdiag.verify.confirm import Verifier
     from cspdiag.verify.systems import VerificationError

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Literal, cast
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source, require_ordinary_file
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
-from cspdiag.cli.support.output import replace_text
-from cspdiag.cli.support.proof_answers import refused, told
+from cspdiag.cli.support.files.output import replace_text
+from cspdiag.cli.support.files.written import require_different, require_file
+from cspdiag.cli.support.proofs.answers import refused, told
 from cspdiag.cli.support.terminal import put, say, show_diagnostics, write_out
-from cspdiag.cli.support.written import require_different, require_file
 
 if TYPE_CHECKING:
     from cspdiag.analyses.timing.result import TimingReport

@@ -1,6 +1,6 @@
 """Where W0707 says that samples are missed, a run misses them.
 
-``python -m tests.network.checks.test_missed_samples NUMBER`` tries more programs.
+``python -m tests.network.checks.samples.test_missed NUMBER`` tries more programs.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
-from cspdiag.network.checks.gaps import NOTHING, Elapsed, Gap, then
+from cspdiag.network.checks.samples.gaps import NOTHING, Elapsed, Gap, then
 from cspdiag.network.diagnostics.rates import SamplesMissed
 from cspdiag.runtime.kernel.exceptions import Timeout
 from cspdiag.simulate.run import execute

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import node, replaced
-from cspdiag.network.checks.gaps import NOTHING, Gap, either, then
+from cspdiag.network.checks.samples.gaps import NOTHING, Gap, either, then
 from cspdiag.network.shapes import Key
 
 Book: TypeAlias = tuple[Key, int]

@@ -13,8 +13,8 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
-from cspdiag.cli.support import alarm
-from cspdiag.cli.support.alarm import ended_by_alarm
+from cspdiag.cli.support.proofs import alarm
+from cspdiag.cli.support.proofs.alarm import ended_by_alarm
 from cspdiag.proofs import portfolio
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.kernel.stopping import stopping

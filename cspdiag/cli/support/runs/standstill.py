@@ -13,7 +13,7 @@ from cspdiag.runtime.kernel.places import whereabouts
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 if TYPE_CHECKING:
-    from cspdiag.cli.support.progress import Running
+    from cspdiag.cli.support.runs.progress import Running
     from cspdiag.simulate.record.recorder import Recorder
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support import output
 from cspdiag.cli.support.failure import UsageError
-from cspdiag.cli.support.manifest import manifest_name
-from cspdiag.cli.support.output import replace_text, write_new_folder, write_package
+from cspdiag.cli.support.files import output
+from cspdiag.cli.support.files.manifest import manifest_name
+from cspdiag.cli.support.files.output import replace_text, write_new_folder, write_package
 
 MANIFEST = manifest_name("python")
 FILES = {"README.md": "read\n", "arm/__init__.py": "", "arm/network.py": "first\n"}

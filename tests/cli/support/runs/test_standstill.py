@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support.standstill import Standstill
+from cspdiag.cli.support.runs.standstill import Standstill
 from cspdiag.simulate.record.recorder import Recorder
 
 

@@ -14,10 +14,10 @@ from typing import assert_never
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import replaced
-from cspdiag.network.checks.findings_of_samples import Findings
-from cspdiag.network.checks.first_samples import first_late
-from cspdiag.network.checks.gaps import NOTHING, Elapsed, Gap, either, then
-from cspdiag.network.checks.sample_reads import (
+from cspdiag.network.checks.samples.findings import Findings
+from cspdiag.network.checks.samples.first import first_late
+from cspdiag.network.checks.samples.gaps import NOTHING, Elapsed, Gap, either, then
+from cspdiag.network.checks.samples.reads import (
     INSTANT,
     MANY,
     NEVER_ENDS,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import WRONG_USAGE, described
-from cspdiag.cli.support.missed import told_of_timeout
+from cspdiag.cli.support.runs.missed import told_of_timeout
 from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:

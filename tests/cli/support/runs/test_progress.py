@@ -11,11 +11,11 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.main import main
-from cspdiag.cli.support.progress import Progress
+from cspdiag.cli.support.runs.progress import Progress
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.simulate.record.modes import ModeGroup
 from cspdiag.simulate.record.recorder import Recorder
-from tests.cli.support.test_written import PROGRAM
+from tests.cli.support.files.test_written import PROGRAM
 
 
 class Somewhere:

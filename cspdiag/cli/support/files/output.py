@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 
 from cspdiag.cli.support.failure import UsageError
-from cspdiag.cli.support.manifest import (
+from cspdiag.cli.support.files.manifest import (
     Manifest,
     digest,
     manifest_name,

@@ -73,7 +73,7 @@ class Cache:
 
 def _installed() -> str:
     """Changes with every change of cspdiag itself, also in a checkout."""
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     files = (
         entry for folder in _CONCERNED for ending in ("py", "csp") for entry in (root / folder).rglob(f"*.{ending}")
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from cspdiag.base import Report, Span
-from cspdiag.network.checks.first_samples import Late
-from cspdiag.network.checks.gaps import NOTHING, Gap, either, then
-from cspdiag.network.checks.sample_reads import MANY, Book, Part, Reads
+from cspdiag.network.checks.samples.first import Late
+from cspdiag.network.checks.samples.gaps import NOTHING, Gap, either, then
+from cspdiag.network.checks.samples.reads import MANY, Book, Part, Reads
 from cspdiag.network.diagnostics.rates import SamplesMissed
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import sample_period

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.support import written
 from cspdiag.cli.support.failure import UsageError
+from cspdiag.cli.support.files import written
 from cspdiag.simulate.record.files import write_whole
 from tests.cli.conftest import Command
 

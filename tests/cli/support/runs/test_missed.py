@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag.cli.main import main
-from tests.cli.support.test_written import PROGRAM
+from tests.cli.support.files.test_written import PROGRAM
 
 PARTNERS = """
 process Slow {

@@ -1,6 +1,6 @@
 """W0707 of random loops, held against all runs of them: where it warns a run misses a sample, and where a run without events misses one it has warned.
 
-``python -m tests.network.checks.test_random_readers NUMBER [FIRST]`` tries more programs.
+``python -m tests.network.checks.samples.test_random_readers NUMBER [FIRST]`` tries more programs.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.network.diagnostics.rates import SamplesMissed
-from tests.network.checks.random_readers import reader
+from tests.network.checks.samples.random_readers import reader
 from tests.oracle.explore import explore
 from tests.oracle.programs.text import text
 from tests.oracle.programs.tree import After, Alt, Bin, Interrupt, Program, Skip, walk
