@@ -84,10 +84,9 @@ def _equal(self: Any, other: object) -> bool:
 
 def _hash(self: Any) -> int:
     # Kept, because a record may hold a whole program, and is looked up again and again.
-    kept: dict[str, Any] = self.__dict__
-    known: int | None = kept.get("__record_hash__")
+    known: int | None = self.__record_hash__
     if known is None:
-        known = kept["__record_hash__"] = hash(self.__record_values__(self))
+        known = self.__dict__["__record_hash__"] = hash(self.__record_values__(self))
     return known
 
 
@@ -157,6 +156,7 @@ def _compare_by_value(cls: Any, order: bool) -> None:
     uncompared: frozenset[str] = getattr(cls, "uncompared", _PLACE)
     compared = [name for name in cls.__record_fields__ if name not in uncompared]
     cls.__record_values__ = attrgetter(*compared) if compared else staticmethod(_no_values)
+    cls.__record_hash__ = None
     cls.__eq__ = _equal
     cls.__hash__ = _hash
     if order:

@@ -2,49 +2,52 @@
 
 from __future__ import annotations
 
-from cspdiag.network.ir.actions import Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, SkipEvent
+from typing import assert_never
+
+from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.program import Node
-from cspdiag.proofs.transitions.systems.template import INTERNAL_LABEL, LATE, Label
+from cspdiag.proofs.transitions.systems.labels import INTERNAL, Alarm, Bound, Cancelled, Read
+from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.communications import Communications, Move
-from cspdiag.proofs.transitions.threads.follow import POINTS
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Frame, Stack, reading_end
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.thread import Configuration, reading_end
 from cspdiag.proofs.transitions.values import Known
 
 
 class Abandoning(Communications):
     """The edges of one thread with which it leaves what it does."""
 
-    def is_abandoned_at_once(self, stack: Stack) -> bool:
+    def is_abandoned_at_once(self, stack: frames.Stack) -> bool:
         """Whether an interrupt around a place has a guard that is always ready: nothing is done in its body where it could wait."""
         while stack is not None:
             frame, stack = stack
-            if frame[0] == "interrupt":
-                _, node, context, _ = frame
-                if self.is_always_ready(context, node.action.branch):
+            if isinstance(frame, frames.Interrupt):
+                assert isinstance(frame.node.action, InterruptOn)
+                if self.is_always_ready(frame.context, frame.node.action.branch):
                     return True
         return False
 
-    def interruptions(self, c: Configuration, present: Frame) -> list[Move]:
+    def interruptions(self, c: Configuration, present: frames.Frame) -> list[Move]:
         """The guards of the interrupts around what waits."""
         found: list[Move] = []
         stack, held = c.stack, c._replace(fetched=None, loaded=())
         while stack is not None:
             frame, stack = stack
-            if frame[0] == "leave":
-                held = self.thread.closed(held, frame[1])
-            elif frame[0] == "interrupt":
-                _, node, context, value = frame
+            if isinstance(frame, frames.Leave):
+                held = self.thread.closed(held, frame.context)
+            elif isinstance(frame, frames.Interrupt):
+                node, context, value = frame.node, frame.context, frame.value
                 assert isinstance(node.action, InterruptOn)
-                outside = held._replace(stack=stack)
+                outside = held.at(stack)
                 moves = self.guarded(outside, context, node.action.branch, node.children[1], value)
                 moves += self._lost_races(outside, context, node, value)
                 for label, target in moves:
-                    if present[0] == "delivering":
-                        target = target._replace(stack=(("withdrawing", present[1]), target.stack))
-                    if present[0] == "join":
-                        abandon = ("join", present[1], present[2], "abandon")
-                        target = target._replace(stack=(abandon, target.stack))
+                    if isinstance(present, frames.Delivering):
+                        target = target.at((frames.Withdrawing(present.reference), target.stack))
+                    if isinstance(present, frames.Join):
+                        abandon = frames.Join(present.node, present.context, "abandon")
+                        target = target.at((abandon, target.stack))
                     found.append((label, target))
         return found
 
@@ -52,64 +55,65 @@ class Abandoning(Communications):
         """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait for the guard."""
         assert isinstance(node.action, InterruptOn)
         event = node.action.branch.event
-        if isinstance(event, OutputEvent):
-            reference = context.reference(event.sink)
-            alarm: Label = ("alarm", reference, "read", None)
-        elif isinstance(event, InputEvent | ReadyEvent):
-            reference = context.reference(event.source)
-            alarm = ("alarm", reference, "write", reading_end(context, event.source))
-        else:
-            return []
-        medium = self.thread.medium(reference)
+        match event:
+            case OutputEvent():
+                alarm = Alarm(context.reference(event.sink), "read", None)
+            case InputEvent() | ReadyEvent():
+                alarm = Alarm(context.reference(event.source), "write", reading_end(context, event.source))
+            case AfterEvent() | SkipEvent():
+                return []
+            case _:
+                assert_never(event)
+        medium = self.thread.medium(alarm.reference)
         if medium.kind not in ("sync", "any", "broadcast") and not medium.is_contended:
             return []
-        waits = ("guard only", node, context, value)
-        return [(alarm, outside._replace(stack=(waits, outside.stack)))]
+        waits = frames.GuardOnly(node, context, value)
+        return [(alarm, outside.at((waits, outside.stack)))]
 
-    def closing(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+    def closing(self, c: Configuration, frame: frames.Closing, rest: frames.Stack) -> list[Move]:
         """The body of an interrupt is about to end or to raise an exception, which nobody knows yet: an alternative may choose the guard before."""
-        _, (_, node, context, value), exception = frame
-        ended = self._closed(c)
+        node, context, exception = frame.interrupt.node, frame.interrupt.context, frame.exception
+        assert isinstance(node.action, InterruptOn)
+        ended = self._closed(c, frame, rest)
         if c.doomed:
-            return [(INTERNAL_LABEL, ended)]
+            return [(INTERNAL, ended)]
         event = node.action.branch.event
-        taken = self.guarded(c._replace(stack=rest), context, node.action.branch, node.children[1], value)
+        taken = self.guarded(c.at(rest), context, node.action.branch, node.children[1], frame.interrupt.value)
         if exception is not None and isinstance(event, ReadyEvent):
-            taken = [(("bound", context.reference(event.source)), ended)]
+            taken = [(Bound(context.reference(event.source)), ended)]
         return [
-            (INTERNAL_LABEL, ended),
+            (INTERNAL, ended),
             *(
-                ((*label, LATE) if label[0] == "read" else label, target if exception is None else ended)
+                (
+                    label._replace(late=True) if isinstance(label, Read) else label,
+                    target if exception is None else ended,
+                )
                 for label, target in taken
             ),
         ]
 
-    def _closed(self, c: Configuration) -> Configuration:
+    def _closed(self, c: Configuration, frame: frames.Closing, rest: frames.Stack) -> Configuration:
         """The body of an interrupt has ended or raised an exception."""
-        assert c.stack is not None
-        (_, _, exception), rest = c.stack
-        after = c._replace(stack=rest)
-        return after if exception is None else self.follower.thrown(after, exception)
+        after = c.at(rest)
+        return after if frame.exception is None else self.follower.thrown(after, frame.exception)
 
-    def cancellation(self, c: Configuration, frame: Frame) -> list[Move]:
+    def cancellation(self, c: Configuration, frame: frames.Frame, rest: frames.Stack) -> list[Move]:
         """What a cancelled thread does: it ends where it waits, and goes on to such a place elsewhere."""
-        label: Label = ("cancelled",)
-        if frame[0] in ("idle", "over", "faulted"):
-            return []
-        if frame[0] in ("ended", "raised"):
-            return [(label, c._replace(stack=(("ended",), None)))]
-        if frame[0] == "closing":
-            return [(label, self._closed(c._replace(doomed=True)))]
-        if frame[0] == "join" and frame[3] == "wait":
-            assert c.stack is not None
-            abandon = ("join", frame[1], frame[2], "abandon")
-            return [(label, c._replace(stack=(abandon, (("either",), c.stack[1])), doomed=True))]
-        if frame[0] == "delivering":
-            ended = self.follower.abandoned(c)
-            return [(label, ended._replace(stack=(("withdrawing", frame[1]), ended.stack)))]
-        if is_point(frame):
-            return [(label, self.follower.abandoned(c))]
-        return [(label, c._replace(doomed=True))]
+        label = Cancelled()
+        match frame:
+            case frames.Idle() | frames.Over() | frames.Faulted():
+                return []
+            case frames.Ended() | frames.Raised():
+                return [(label, c.at((frames.Ended(), None)))]
+            case frames.Closing():
+                return [(label, self._closed(c._replace(doomed=True), frame, rest))]
+            case frames.Join(stage="wait"):
+                abandon = frames.Join(frame.node, frame.context, "abandon")
+                return [(label, c._replace(stack=(abandon, (frames.Either(), rest)), doomed=True))]
+            case frames.Delivering():
+                ended = self.follower.abandoned(c)
+                return [(label, ended.at((frames.Withdrawing(frame.reference), ended.stack)))]
+        return [(label, self.follower.abandoned(c) if is_point(frame) else c._replace(doomed=True))]
 
     def is_always_ready(self, context: Context, branch: Branch) -> bool:
         """Whether a guard never has to wait for anybody."""
@@ -120,9 +124,12 @@ class Abandoning(Communications):
                 return self.thread.medium(context.reference(sink)).kind in ("output", "var", "discard", "overwrite")
             case InputEvent(source=source) | ReadyEvent(source=source):
                 return self.thread.medium(context.reference(source)).kind not in PATIENT
-        return False
+            case AfterEvent():
+                return False
+            case _:
+                assert_never(branch.event)
 
 
-def is_point(frame: Frame) -> bool:
+def is_point(frame: frames.Frame) -> bool:
     """Whether a cancelled or interrupted process ends there."""
-    return frame[0] in POINTS
+    return type(frame) in frames.POINTS

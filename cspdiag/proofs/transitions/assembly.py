@@ -3,20 +3,70 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from typing import Literal, assert_never
 
+from cspdiag.base.record import record
 from cspdiag.proofs.transitions.facts import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.meetings import Meetings, Use
 from cspdiag.proofs.transitions.occurrences import Medium
 from cspdiag.proofs.transitions.places import Places
 from cspdiag.proofs.transitions.specifications import taken_for_more
+from cspdiag.proofs.transitions.systems.labels import (
+    Alarm,
+    Alone,
+    Bind,
+    Bound,
+    Cancel,
+    Cancelled,
+    Delivered,
+    End,
+    Fork,
+    Guarded,
+    Input,
+    Internal,
+    Join,
+    Label,
+    Load,
+    Miss,
+    OfParent,
+    Output,
+    Read,
+    Ready,
+    Sample,
+    Start,
+    Store,
+    Throw,
+    Thrown,
+    Time,
+    Withdrawn,
+    Write,
+)
 from cspdiag.proofs.transitions.systems.shape import Shape
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Abstraction, Component, Edge, EventKind, System
-from cspdiag.proofs.transitions.systems.template import ALONE, INSTANT, INTERNAL_LABEL, Label, Template
+from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.alarms import Alarms, withdrawn
 from cspdiag.proofs.transitions.threads.spots import MISSED_A_SAMPLE
 from cspdiag.proofs.transitions.threads.thread import resolve
 from cspdiag.proofs.transitions.threads.threads import ParallelKey, Strand, Strands, parallel_key
-from cspdiag.proofs.transitions.values import UNKNOWN
+from cspdiag.proofs.transitions.values import UNKNOWN, Known
+
+
+@record
+class Outside:
+    """The event of a label that involves nobody else: its kind, what its party does, and whether specifications see it."""
+
+    kind: EventKind
+    role: Literal["!", "?", "*"]
+    visible: bool = False
+
+
+_OUTSIDE: dict[type[Alone], Outside] = {
+    Input: Outside("external", "?", visible=True),
+    Output: Outside("external", "!", visible=True),
+    Sample: Outside("sample", "?", visible=True),
+    Miss: Outside("miss", "?"),
+    Ready: Outside("ready", "*"),
+}
 
 
 class Assembly(Meetings):
@@ -71,7 +121,7 @@ class Assembly(Meetings):
 
     def _component(self, strand: Strand, shape: Shape) -> Component:
         of = self._of[strand.number]
-        events = [(INTERNAL,) if label == INTERNAL_LABEL else of.get(label, ()) for label in shape.labels]
+        events = [(INTERNAL,) if isinstance(label, Internal) else of.get(label, ()) for label in shape.labels]
         edges: list[tuple[Edge, ...]] = []
         for compiled in shape.edges:
             edges.append(tuple([(event, target) for number, target in compiled for event in events[number]]))
@@ -101,26 +151,35 @@ class Assembly(Meetings):
         return found
 
     def _note(self, strand: Strand, label: Label) -> None:
-        kind = label[0]
-        alone = ALONE.get(kind)
-        if kind == "alarm":
-            self._alarm(strand, label)
-        elif alone is not None:
-            medium = resolve(strand.occurrence, label[1])
-            value = label[2] if len(label) > 2 else UNKNOWN
-            role = "!" if kind == "output" else "*" if kind == "ready" else "?"
-            event = self._event(
-                medium.name, (strand.number,), alone[0], value, medium.type, visible=alone[1], roles=role
-            )
-            self._for(strand, label, event)
-        elif kind == "time":
-            words = f"{strand.name}: {label[1]}"
-            instant = label[2:] == (INSTANT,)
-            self._for(strand, label, self._event(words, (strand.number,), "time", roles="*", instant=instant))
-        elif kind in ("read", "write", "guarded", "bind", "bound", "load", "store", "delivered", "withdrawn"):
-            self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
-        elif kind == "fork" or kind == "join":
-            self._forks.setdefault(parallel_key(strand.occurrence, label[1]), []).append(strand)
+        match label:
+            case Alarm():
+                self._alarm(strand, label)
+            case Input() | Output() | Sample() | Miss() | Ready():
+                self._outside(strand, label)
+            case Time():
+                words = f"{strand.name}: {label.words}"
+                event = self._event(words, (strand.number,), "time", roles="*", instant=label.instant)
+                self._for(strand, label, event)
+            case (
+                Read() | Write() | Guarded() | Bind() | Bound() | Load() | Store() | Delivered() | Withdrawn()
+            ):  # fmt: skip
+                self._uses[resolve(strand.occurrence, label.reference)].append((strand, label))
+            case Fork() | Join():
+                self._forks.setdefault(parallel_key(strand.occurrence, label.parallel), []).append(strand)
+            case Internal() | Cancel() | Thrown() | Start() | End() | Cancelled() | Throw():
+                pass  # Nobody takes part, or ``_composition`` makes its event.
+            case _:
+                assert_never(label)
+
+    def _outside(self, strand: Strand, label: Alone) -> None:
+        medium = resolve(strand.occurrence, label.reference)
+        value: Known = UNKNOWN if isinstance(label, Miss | Ready) else label.value
+        outside = _OUTSIDE[type(label)]
+        parties = (strand.number,)
+        event = self._event(
+            medium.name, parties, outside.kind, value, medium.type, visible=outside.visible, roles=outside.role
+        )
+        self._for(strand, label, event)
 
     def _composition(self, key: ParallelKey, shapes: list[Shape]) -> None:
         branches = self.strands.branches[key]
@@ -128,29 +187,39 @@ class Assembly(Meetings):
             (strand, label)
             for strand in dict.fromkeys(self._forks[key])
             for label in shapes[strand.number].labels
-            if label[0] in ("fork", "join", "cancel", "thrown") and parallel_key(strand.occurrence, label[1]) == key
+            if isinstance(label, OfParent) and parallel_key(strand.occurrence, label.parallel) == key
         ]
-        name = f"{key[0].path}: parallel"
-        together: dict[str, tuple[Label, EventKind]] = {
-            "fork": (("start",), "start"), "join": (("end",), "end"), "cancel": (("cancelled",), "cancel"),
-        }  # fmt: skip
         for parent, label in parents:
-            if label[0] == "thrown":
-                self._thrown(parent, label, branches[label[2]], shapes)
-                continue
-            of_branch, kind = together[label[0]]
-            if not all(of_branch in shapes[branch.number].label_numbers for branch in branches):
-                continue
-            parties = (parent.number, *(branch.number for branch in branches))
-            event = self._event(f"{name} {kind}", parties, kind)
-            self._for(parent, label, event)
-            for branch in branches:
-                self._for(branch, of_branch, event)
+            match label:
+                case Fork():
+                    self._together(key, parent, label, (Start(), "start"), shapes)
+                case Join():
+                    self._together(key, parent, label, (End(), "end"), shapes)
+                case Cancel():
+                    self._together(key, parent, label, (Cancelled(), "cancel"), shapes)
+                case Thrown():
+                    self._thrown(parent, label, branches[label.branch], shapes)
+                case _:
+                    assert_never(label)
 
-    def _thrown(self, parent: Strand, label: Label, branch: Strand, shapes: list[Shape]) -> None:
-        throw = ("throw", label[3])
+    def _together(
+        self, key: ParallelKey, parent: Strand, label: Label, theirs: tuple[Label, EventKind], shapes: list[Shape]
+    ) -> None:
+        """What the parent of a parallel and all its branches do at once."""
+        branches = self.strands.branches[key]
+        of_branch, kind = theirs
+        if not all(of_branch in shapes[branch.number].label_numbers for branch in branches):
+            return
+        parties = (parent.number, *(branch.number for branch in branches))
+        event = self._event(f"{key[0].path}: parallel {kind}", parties, kind)
+        self._for(parent, label, event)
+        for branch in branches:
+            self._for(branch, of_branch, event)
+
+    def _thrown(self, parent: Strand, label: Thrown, branch: Strand, shapes: list[Shape]) -> None:
+        throw = Throw(label.exception)
         if throw in shapes[branch.number].label_numbers:
-            kind: EventKind = "failure" if label[3] in (FAULT, TIMEOUT) else "exception"
-            event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), kind)
+            kind: EventKind = "failure" if label.exception in (FAULT, TIMEOUT) else "exception"
+            event = self._event(f"{branch.name}: {label.exception}", (parent.number, branch.number), kind)
             self._for(parent, label, event)
             self._for(branch, throw, event)

@@ -6,23 +6,41 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from itertools import product
 from math import prod
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, assert_never
 
 from cspdiag.network.dump.expression import value_text
 from cspdiag.proofs.transitions.occurrences import Medium
 from cspdiag.proofs.transitions.ranges import Range
 from cspdiag.proofs.transitions.ranges import text as range_text
 from cspdiag.proofs.transitions.systems import media
+from cspdiag.proofs.transitions.systems.labels import (
+    Alarm,
+    Delivered,
+    Guarded,
+    Label,
+    Load,
+    Offer,
+    OnMedium,
+    Read,
+    Store,
+    Withdrawn,
+    Write,
+)
 from cspdiag.proofs.transitions.systems.system import Abstraction, Component, Event, EventKind
-from cspdiag.proofs.transitions.systems.template import Label, is_late
 from cspdiag.proofs.transitions.threads.alarms import bindings, side_of
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 from cspdiag.proofs.transitions.threads.thread import resolve
 from cspdiag.proofs.transitions.threads.threads import Strand, Strands
 from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Given, Known
 
-Use: TypeAlias = tuple[Strand, Label]
-"""A label of a thread."""
+Use: TypeAlias = tuple[Strand, OnMedium]
+"""What a thread does on a medium."""
+Valued: TypeAlias = Read | Write | Guarded | Load | Store
+
+Reader: TypeAlias = tuple[Strand, Read]
+
+_ROLES: dict[type[Valued], str] = {Read: "?.", Write: "!.", Guarded: "!.", Load: "*.", Store: "*."}
+"""What each party does where a thread does something with the component of a medium."""
 
 MOST_MEETINGS = 1_000_000
 """More ways to communicate on one channel, by who takes part, are refused."""
@@ -42,7 +60,7 @@ class Meetings:
         """Events by which a thread shows what it offers, without taking part."""
         self._of_the_unsteady: set[int] = set()
         """Those of them that are shown only where the offer may be withdrawn."""
-        self._alarms: dict[Medium, list[Use]] = defaultdict(list)
+        self._alarms: dict[Medium, list[tuple[Strand, Alarm]]] = defaultdict(list)
         self._nobody: int | None = None
 
     def _event(
@@ -73,15 +91,17 @@ class Meetings:
             self._nobody = self._add(media.nobody())
         return self._nobody
 
-    def _alarm(self, strand: Strand, label: Label) -> None:
+    def _alarm(self, strand: Strand, label: Alarm) -> None:
         """The guard of an interrupt is seen to be ready, and not yet taken."""
-        medium = resolve(strand.occurrence, label[1])
+        medium = resolve(strand.occurrence, label.reference)
         if medium.kind == "event":
             self._for(strand, label, self._event(medium.name, (strand.number,), "ready"))
         else:
             self._alarms[medium].append((strand, label))
 
-    def _ring(self, medium: Medium, watcher: Use, others: Iterable[Use], latch: tuple[int, ...] = ()) -> int:
+    def _ring(
+        self, medium: Medium, watcher: tuple[Strand, Alarm], others: Iterable[Use], latch: tuple[int, ...] = ()
+    ) -> int:
         """The event that a guard of an interrupt is seen to be ready: those who would communicate stay as they are."""
         strand, alarm = watcher
         parties = (strand.number, *dict.fromkeys(other.number for other, _ in others), *latch)
@@ -94,7 +114,7 @@ class Meetings:
     def _ring_rendezvous(self, medium: Medium, uses: list[Use]) -> None:
         for strand, alarm in self._alarms.get(medium, ()):
             for use in uses:
-                if use[0] is not strand and side_of(use[1]) == alarm[2]:
+                if use[0] is not strand and isinstance(use[1], Offer) and side_of(use[1]) == alarm.side:
                     event = self._ring(medium, (strand, alarm), [use])
                     if not medium.is_contended:
                         self._of_the_unsteady.add(event)
@@ -113,24 +133,28 @@ class Meetings:
                 self._bind(medium, uses)
             case "var":
                 self._variable(medium, uses)
+            case "sampled" | "event" | "output" | "constant" | "discard":
+                raise AssertionError(f"threads do not meet on what is {medium.kind}")
             case _:
-                raise AssertionError(medium.kind)
+                assert_never(medium.kind)
 
-    def _value(self, medium: Medium, label: Label) -> Known:
+    def _value(self, medium: Medium, label: Valued) -> Known:
         """The value of a label, if the medium's values are told apart."""
-        return medium.told_apart(label[2]) if medium.relevant and medium.values is not None else UNKNOWN
+        return medium.told_apart(label.value) if medium.relevant and medium.values is not None else UNKNOWN
 
     def _rendezvous(self, medium: Medium, uses: list[Use]) -> None:
-        writing: dict[Known, list[Use]] = defaultdict(list)
-        reading: dict[Known, list[Use]] = defaultdict(list)
-        for use in uses:
-            if side_of(use[1]) is not None:
-                (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
+        writing: dict[Known, list[tuple[Strand, Write | Guarded]]] = defaultdict(list)
+        reading: dict[Known, list[tuple[Strand, Read]]] = defaultdict(list)
+        for strand, label in uses:
+            if isinstance(label, Read):
+                reading[self._value(medium, label)].append((strand, label))
+            elif isinstance(label, Write | Guarded):
+                writing[self._value(medium, label)].append((strand, label))
         for value in dict.fromkeys([*writing, *reading]):
             self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
             met: set[Use] = set()
             for (writer, written), (reader, read) in product(writing.get(value, ()), reading.get(value, ())):
-                if writer is reader or (is_late(read) and written[0] == "write"):
+                if writer is reader or (read.late and isinstance(written, Write)):
                     continue
                 met |= {(writer, written), (reader, read)}
                 parties = (writer.number, reader.number)
@@ -138,7 +162,7 @@ class Meetings:
                 self._for(writer, written, event)
                 self._for(reader, read, event)
             for use in (*writing.get(value, ()), *reading.get(value, ())):
-                if use not in met and not is_late(use[1]):
+                if use not in met and not (isinstance(use[1], Read) and use[1].late):
                     self._alone(medium, use, value)
 
     def _bind(self, medium: Medium, uses: list[Use]) -> None:
@@ -154,18 +178,18 @@ class Meetings:
     def _alone(self, medium: Medium, use: Use, value: Known) -> None:
         strand, label = use
         parties = (strand.number, self._nobody_number())
-        roles = "?." if label[0] == "read" else "!."
+        roles = "?." if isinstance(label, Read) else "!."
         self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type, roles=roles))
 
     def _with(
-        self, medium: Medium, uses: list[Use], number: int, kinds: tuple[str, ...], kind: EventKind
+        self, medium: Medium, uses: Iterable[Use], number: int, kinds: tuple[type[Valued], ...], kind: EventKind
     ) -> dict[Known, list[int]]:
         """The events of labels of some kinds with the component of a medium, by value."""
         found: dict[Known, list[int]] = {}
         for strand, label in uses:
-            if label[0] in kinds:
+            if isinstance(label, kinds):
                 value = self._value(medium, label)
-                roles = {"read": "?.", "write": "!.", "guarded": "!."}.get(label[0], "*.")
+                roles = _ROLES[type(label)]
                 event = self._event(medium.name, (strand.number, number), kind, value, medium.type, roles=roles)
                 self._for(strand, label, event)
                 found.setdefault(value, []).append(event)
@@ -173,24 +197,24 @@ class Meetings:
 
     def _queue(self, medium: Medium, uses: list[Use]) -> None:
         number = len(self.threads) + len(self.extra)
-        writes = self._with(medium, uses, number, ("write", "guarded"), "communication")
-        reads = self._with(medium, uses, number, ("read",), "take")
+        writes = self._with(medium, uses, number, (Write, Guarded), "communication")
+        reads = self._with(medium, uses, number, (Read,), "take")
         if media.counts_only(medium, [*writes, *reads]):
             self.abstractions[Abstraction(f"the values in `{medium.name}` are not told apart", medium.span)] = None
         self._add(media.queue(medium, writes, reads))
 
     def _variable(self, medium: Medium, uses: list[Use]) -> None:
         number = len(self.threads) + len(self.extra)
-        loads = self._with(medium, uses, number, ("load",), "variable")
-        stores = self._with(medium, uses, number, ("store",), "variable")
+        loads = self._with(medium, uses, number, (Load,), "variable")
+        stores = self._with(medium, uses, number, (Store,), "variable")
         self._add(media.variable(medium, loads, stores))
 
     def _broadcast(self, medium: Medium, uses: list[Use]) -> None:
-        readers: dict[object, list[Use]] = {}
+        readers: dict[object, list[Reader]] = {}
         for strand, label in uses:
-            if label[0] == "read":
-                path, end = label[3]
-                readers.setdefault((strand.occurrence.at(path), end), []).append((strand, label))
+            if isinstance(label, Read):
+                end = strand.occurrence.at(label.end.path), label.end.end
+                readers.setdefault(end, []).append((strand, label))
         first = len(self.threads) + len(self.extra)
         missing = max(0, medium.ends - len(readers))
         latches = tuple(range(first, first + len(readers)))
@@ -201,18 +225,18 @@ class Meetings:
         writes, delivered, withdrawn = self._broadcast_writes(medium, uses, latches, absent)
         taken: list[dict[Known, list[int]]] = []
         for number, ends in zip(latches, readers.values(), strict=True):
-            waiting = [use for use in ends if not is_late(use[1])]
-            taken.append(self._with(medium, waiting, number, ("read",), "communication"))
+            waiting = [use for use in ends if not use[1].late]
+            taken.append(self._with(medium, waiting, number, (Read,), "communication"))
         self._guarded_broadcasts(medium, uses, list(readers.values()), absent)
         for number, takes, ends in zip(latches, taken, readers.values(), strict=True):
             seen = self._ring_latch(medium, ends, number) if withdrawn else []
             name = f"{medium.name} to {ends[0][0].name}"
             self._add(media.latch(name, writes, takes, delivered, withdrawn, seen))
 
-    def _ring_latch(self, medium: Medium, ends: list[Use], number: int) -> list[int]:
+    def _ring_latch(self, medium: Medium, ends: list[Reader], number: int) -> list[int]:
         """The events that the guards of interrupts see a value at their end of a broadcast, which may be taken back."""
-        where = {(strand, label[3]) for strand, label in ends}
-        watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1][3]) in where]
+        where = {(strand, label.end) for strand, label in ends}
+        watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1].end) in where]
         return [self._ring(medium, watcher, (), (number,)) for watcher in watchers]
 
     def _broadcast_writes(
@@ -223,15 +247,15 @@ class Meetings:
         withdrawn: list[int] = []
         for strand, label in uses:
             parties = (strand.number, *latches)
-            if label[0] == "write":
+            if isinstance(label, Write):
                 value = self._value(medium, label)
                 roles = "!" + "." * len(latches)
                 event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type, roles=roles)
                 writes.setdefault(value, []).append(event)
-            elif label[0] == "delivered":
+            elif isinstance(label, Delivered):
                 event = self._event(f"{medium.name} (taken by all)", (*parties, *absent), "delivered")
                 delivered.append(event)
-            elif label[0] == "withdrawn":
+            elif isinstance(label, Withdrawn):
                 event = self._event(f"{medium.name} (taken back)", parties, "delivered")
                 withdrawn.append(event)
             else:
@@ -240,11 +264,11 @@ class Meetings:
         return writes, delivered, withdrawn
 
     def _guarded_broadcasts(
-        self, medium: Medium, uses: list[Use], readers: list[list[Use]], absent: tuple[int, ...]
+        self, medium: Medium, uses: list[Use], readers: list[list[Reader]], absent: tuple[int, ...]
     ) -> None:
         """An output guard on a broadcast is ready when all readers wait, and all get the value at once."""
         for strand, label in uses:
-            if label[0] != "guarded":
+            if not isinstance(label, Guarded):
                 continue
             value = self._value(medium, label)
             fitting = [[use for use in ends if self._value(medium, use[1]) == value] for ends in readers]
@@ -258,11 +282,11 @@ class Meetings:
                     self._for(reader, read, event)
                 self._ring_all(medium, ((strand, label), *chosen))
 
-    def _ring_all(self, medium: Medium, parties: Sequence[Use]) -> None:
+    def _ring_all(self, medium: Medium, parties: Sequence[tuple[Strand, Read | Guarded]]) -> None:
         """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt, sees the others."""
         for strand, label in parties:
             for watcher, alarm in self._alarms.get(medium, ()):
-                own = (label[0] == "read" and label[3] == alarm[3]) or (label[0] == "guarded" and alarm[2] == "read")
+                own = label.end == alarm.end if isinstance(label, Read) else alarm.side == "read"
                 if watcher is strand and own:
                     others = [other for other in parties if other[0] is not strand]
                     self._ring(medium, (watcher, alarm), others)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from cspdiag.proofs.transitions.systems.references import Constant, Discard
 from cspdiag.proofs.transitions.systems.system import Place
 from cspdiag.proofs.transitions.systems.template import Spot
 from cspdiag.proofs.transitions.threads.thread import resolve
@@ -22,7 +23,7 @@ class Places(Mapping[int, Place]):
             raise KeyError(state)
         spot = self._spots[state]
         path = ".".join((self._strand.occurrence.path, *spot.path))
-        if spot.reference is None or spot.reference[0] in ("constant", "discard"):
+        if spot.reference is None or isinstance(spot.reference, Constant | Discard):
             return Place(spot.words, spot.span, path)
         medium = resolve(self._strand.occurrence, spot.reference)
         return Place(f"{spot.words} {_short(medium.name)}", spot.span, path)

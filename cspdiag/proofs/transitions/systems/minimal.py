@@ -6,7 +6,8 @@ classes by the same labels (strong bisimulation, Kanellakis and Smolka 1983); on
 
 from __future__ import annotations
 
-from cspdiag.proofs.transitions.systems.template import Label, Template
+from cspdiag.proofs.transitions.systems.labels import Label
+from cspdiag.proofs.transitions.systems.template import Template
 
 _MOST_WORK = 400_000
 """States times rounds; a template that would take more stays as it is."""

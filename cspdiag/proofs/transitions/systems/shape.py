@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cspdiag.proofs.transitions.systems.template import INTERNAL_LABEL, Label, ParallelId, Spot, Template
+from cspdiag.proofs.transitions.systems.labels import INTERNAL, Fork, Label, Start
+from cspdiag.proofs.transitions.systems.references import ParallelId
+from cspdiag.proofs.transitions.systems.template import Spot, Template
 
 
 class Shape:
@@ -18,14 +20,14 @@ class Shape:
         if never:
             edges = _without(edges, never)
         initial = 0
-        if started and edges[0] and edges[0][0][0] == ("start",):
+        if started and edges[0] and edges[0][0][0] == Start():
             initial = edges[0][0][1]
         self.forked_at_once: list[ParallelId] = []
-        while started and len(edges[initial]) == 1 and edges[initial][0][0][0] == "fork":
+        while started and len(edges[initial]) == 1:
             ((label, target),) = edges[initial]
-            if initial in _reached(edges, target):
+            if not isinstance(label, Fork) or initial in _reached(edges, target):
                 break
-            self.forked_at_once.append(label[1])
+            self.forked_at_once.append(label.parallel)
             initial = target
         order = _reached(edges, initial)
         numbers = {state: number for number, state in enumerate(order)}
@@ -46,7 +48,7 @@ def _without(edges: Sequence[Sequence[tuple[Label, int]]], never: frozenset[Labe
     past = {
         state: after[0][1]
         for state, (before, after) in enumerate(zip(edges, left, strict=True))
-        if len(after) == 1 < len(before) and after[0][0] == INTERNAL_LABEL
+        if len(after) == 1 < len(before) and after[0][0] == INTERNAL
     }
     return [[(label, _past(past, target)) for label, target in found] for found in left]
 

@@ -9,43 +9,66 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
+from typing import TypeAlias, assert_never
 
 from cspdiag.proofs.transitions.occurrences import Medium
-from cspdiag.proofs.transitions.systems.template import Label, Reference, Template, is_late
+from cspdiag.proofs.transitions.systems.labels import (
+    Alarm,
+    Bind,
+    Bound,
+    Guarded,
+    Label,
+    Offer,
+    OnMedium,
+    Read,
+    Side,
+    Withdrawn,
+    Write,
+)
+from cspdiag.proofs.transitions.systems.references import Reference
+from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.thread import resolve
 from cspdiag.proofs.transitions.threads.threads import Strand
 
-_CHOOSING = {"read": "guarded", "bound": "bind", "bind": "bound"}
-"""What the other side of a label is that takes an alternative."""
-_OFFERS = frozenset({"read", "write", "guarded", "withdrawn"})
+Special: TypeAlias = Alarm | Guarded | Bind | Bound | Read
+"""Guards that somebody else sees or chooses; of reads the late ones."""
 
 
 class Alarms:
     """What threads can see of each other's guards: which of the ``alarm`` labels ring, and which late reads some alternative may choose."""
 
     def __init__(self, threads: Iterable[Strand]) -> None:
-        watching: list[tuple[Strand, Label]] = []
-        rung: defaultdict[Medium, set[str | None]] = defaultdict(set)
-        choosing: defaultdict[str, set[Medium]] = defaultdict(set)
-        labels_of: dict[int, tuple[set[Label], set[Label]]] = {}
+        watching: list[tuple[Strand, Special]] = []
+        rung: defaultdict[Medium, set[Side]] = defaultdict(set)
+        choosing: defaultdict[type[Special], set[Medium]] = defaultdict(set)
+        labels_of: dict[int, tuple[set[Special], set[Offer]]] = {}
         for strand in threads:
             template = strand.template
             if id(template) not in labels_of:
-                labels_of[id(template)] = _special(template), set().union(*withdrawn(template.edges))
+                labels_of[id(template)] = _special(template), set[Offer]().union(*withdrawn(template.edges))
             special, unsteady = labels_of[id(template)]
-            for label in unsteady:
-                rung[resolve(strand.occurrence, label[1])].add(side_of(label))
+            for offer in unsteady:
+                rung[resolve(strand.occurrence, offer.reference)].add(side_of(offer))
             for label in special:
-                choosing[label[0]].add(resolve(strand.occurrence, label[1]))
-                if label[0] != "guarded":
+                choosing[type(label)].add(resolve(strand.occurrence, label.reference))
+                if not isinstance(label, Guarded):
                     watching.append((strand, label))
-        self._silent: defaultdict[Strand, set[Label]] = defaultdict(set)
+        self._silent: defaultdict[Strand, set[Special]] = defaultdict(set)
         for strand, label in watching:
-            medium = resolve(strand.occurrence, label[1])
-            if label[0] == "alarm":
-                rings = medium.is_contended or label[2] in rung[medium]
-            else:
-                rings = medium in choosing[_CHOOSING[label[0]]]
+            medium = resolve(strand.occurrence, label.reference)
+            match label:
+                case Alarm():
+                    rings = medium.is_contended or label.side in rung[medium]
+                case Read():
+                    rings = medium in choosing[Guarded]
+                case Bound():
+                    rings = medium in choosing[Bind]
+                case Bind():
+                    rings = medium in choosing[Bound]
+                case Guarded():
+                    raise AssertionError("nobody has to see it")
+                case _:
+                    assert_never(label)
             if not rings:
                 self._silent[strand].add(label)
 
@@ -54,39 +77,52 @@ class Alarms:
         return frozenset(self._silent.get(strand, ()))
 
 
-def _special(template: Template) -> set[Label]:
+def _special(template: Template) -> set[Special]:
     """The alarms of a thread, its late reads, the guards by which it writes, and the ways to be bound to write or read."""
     labels = {label for edges in template.edges for label, _ in edges}
-    return {label for label in labels if label[0] in ("alarm", "guarded", "bind", "bound") or is_late(label)}
+    guards = {label for label in labels if isinstance(label, Alarm | Guarded | Bind | Bound)}
+    return guards | {label for label in labels if isinstance(label, Read) and label.late}
 
 
-def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Label]]:
+def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Offer]]:
     """For each state of a thread the labels of offers that are not made any more after something else has happened."""
-    offers = [{_offer(label): label for label, _ in found if label[0] in _OFFERS} for found in edges]
-    result: list[set[Label]] = []
+    offers = [{_offer(label): label for label, _ in found if isinstance(label, Offer)} for found in edges]
+    result: list[set[Offer]] = []
     for found, own in zip(edges, offers, strict=True):
-        left = [(_offer(label), offers[target]) for label, target in found]
+        left = [(_offer(label) if isinstance(label, Offer) else None, offers[target]) for label, target in found]
         lost = {offer for offer in own if any(other != offer and offer not in after for other, after in left)}
-        result.append({label for label, _ in found if label[0] == "withdrawn" or _offer(label) in lost})
+        result.append(
+            {
+                label
+                for label, _ in found
+                if isinstance(label, Offer) and (isinstance(label, Withdrawn) or _offer(label) in lost)
+            }
+        )
     return result
 
 
-def _offer(label: Label) -> tuple[str | None, Reference] | None:
+def _offer(label: Offer) -> tuple[Side, Reference]:
     """What an offer is, whatever its value: the side, and the medium."""
-    return (side_of(label), label[1]) if label[0] in _OFFERS else None
+    return side_of(label), label.reference
 
 
 def bindings(
-    uses: Sequence[tuple[Strand, Label]],
-) -> Iterator[tuple[tuple[Strand, Label], tuple[Strand, Label]]]:
+    uses: Sequence[tuple[Strand, OnMedium]],
+) -> Iterator[tuple[tuple[Strand, Bind], tuple[Strand, Bound]]]:
     """Alternatives that choose to write, each with a guard that is ready to be read after."""
-    for writer, reader in product(uses, repeat=2):
-        if (writer[1][0], reader[1][0]) == ("bind", "bound") and writer[0] is not reader[0]:
+    writers = [(strand, label) for strand, label in uses if isinstance(label, Bind)]
+    readers = [(strand, label) for strand, label in uses if isinstance(label, Bound)]
+    for writer, reader in product(writers, readers):
+        if writer[0] is not reader[0]:
             yield writer, reader
 
 
-def side_of(label: Label) -> str | None:
-    """The side on which a label communicates, ``read`` or ``write``; None if it does not."""
-    if label[0] not in _OFFERS:
-        return None
-    return "read" if label[0] == "read" else "write"
+def side_of(label: Offer) -> Side:
+    """The side on which an offer communicates."""
+    match label:
+        case Read():
+            return "read"
+        case Write() | Guarded() | Withdrawn():
+            return "write"
+        case _:
+            assert_never(label)

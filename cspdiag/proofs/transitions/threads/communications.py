@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import Final, TypeAlias, assert_never
 
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import (
@@ -20,14 +20,37 @@ from cspdiag.network.ir.actions import (
 from cspdiag.proofs.transitions.facts import TIMEOUT
 from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.program import Node
-from cspdiag.proofs.transitions.systems.template import INTERNAL_LABEL, Label, Reference
+from cspdiag.proofs.transitions.systems.labels import (
+    INTERNAL,
+    Bind,
+    Bound,
+    Guarded,
+    Input,
+    Label,
+    Miss,
+    Output,
+    Read,
+    Ready,
+    Sample,
+    Write,
+)
+from cspdiag.proofs.transitions.systems.references import Constant, Reference
+from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.follow import Follower
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Stack, Thread, reading_end
+from cspdiag.proofs.transitions.threads.thread import Configuration, Thread, reading_end
 from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Known
 
 Move: TypeAlias = tuple[Label, Configuration]
 
-MISSED = "missed"
+
+class Missed:
+    """The type of ``MISSED``."""
+
+    __slots__ = ()
+
+
+MISSED: Final = Missed()
 """Instead of a value: the sample was overwritten, and the reader gets Timeout."""
 
 
@@ -38,39 +61,41 @@ class Communications:
         self.thread = thread
         self.follower = follower
 
-    def written(self, reference: Reference, value: Known, kind: str = "write") -> Label:
+    def written(
+        self, reference: Reference, value: Known, label: type[Write] | type[Guarded] = Write
+    ) -> Output | Write | Guarded:
         """The label of a write, whose value is noted where values of the medium are followed."""
         medium = self.thread.medium(reference)
         if medium.kind == "output":
-            return ("output", reference, value)
+            return Output(reference, value)
         self.thread.wrote(reference, value)
-        return (kind, reference, value if medium.relevant else UNKNOWN)
+        return label(reference, value if medium.relevant else UNKNOWN)
 
-    def delivering(self, reference: Reference, node: Node, after: Configuration) -> Configuration:
+    def delivering(self, reference: Reference, node: Node | None, after: Configuration) -> Configuration:
         """The writer of a broadcast goes on when every end has taken the value."""
         if self.thread.medium(reference).kind != "broadcast":
             return after
-        return after._replace(stack=(("delivering", reference, node), after.stack))
+        return after.at((frames.Delivering(reference, node), after.stack))
 
-    def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | str, Configuration]]:
+    def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | Missed, Configuration]]:
         """The ways to read an end at which a reader may wait: label, value, and the configuration with its session noted."""
         reference = context.reference(end)
         medium = self.thread.medium(reference)
         where = reading_end(context, end)
         if medium.kind == "sampled":
             begun = self.thread.beginning(c, context, where)
-            found: list[tuple[Label, Known | str, Configuration]] = [
-                (("sample", reference, value), value, begun) for value in medium.given
+            found: list[tuple[Label, Known | Missed, Configuration]] = [
+                (Sample(reference, value), value, begun) for value in medium.given
             ]
             if self.thread.begun(c, context, where) and self._may_miss():
-                found.append((("miss", reference), MISSED, begun))
+                found.append((Miss(reference), MISSED, begun))
             return found
         if medium.kind == "event":
-            return [(("input", reference, value), value, c) for value in medium.given]
+            return [(Input(reference, value), value, c) for value in medium.given]
         domain = self.thread.domain(reference) if medium.relevant else None
         if domain is None:
-            return [(("read", reference, UNKNOWN, where), UNKNOWN, c)]
-        return [(("read", reference, value, where), value, c) for value in domain]
+            return [(Read(reference, UNKNOWN, where), UNKNOWN, c)]
+        return [(Read(reference, value, where), value, c) for value in domain]
 
     def watched(self, c: Configuration, context: Context, branches: Sequence[Branch]) -> Configuration:
         """Guards were waited for: the sessions of their sampled inputs have begun, also if another guard was taken."""
@@ -91,79 +116,71 @@ class Communications:
     def guarded(self, held: Configuration, context: Context, branch: Branch, body: Node, value: Known) -> list[Move]:
         """The ways to take a guard; ``held`` is where the alternative stands, without it."""
         event: Event = branch.event
-        on = held._replace(stack=(("run", body, context), held.stack))
+        on = held.at((frames.Run(body, context), held.stack))
         match event:
             case SkipEvent():
-                return [(INTERNAL_LABEL, on)]
+                return [(INTERNAL, on)]
             case AfterEvent():
                 return [(self.follower.delay(f"after {expression_text(event.duration)}", value), on)]
             case OutputEvent():
                 reference = context.reference(event.sink)
                 if self.thread.medium(reference).kind in ("var", "discard"):
-                    return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
+                    return [(INTERNAL, self.follower.stored(on, reference, value))]
                 on = self.follower.spent(on) if value == ANY else on
-                found = [(self.written(reference, value, "guarded"), on)]
+                found: list[Move] = [(self.written(reference, value, Guarded), on)]
                 if self.thread.medium(reference).kind in ("sync", "any", "broadcast"):
-                    found.append((("bind", reference), on._replace(stack=(("put", reference, value, body), on.stack))))
+                    found.append((Bind(reference), on.at((frames.Put(reference, value, body), on.stack))))
                 return found
             case InputEvent():
                 return self._input_guard(held, on, context, event)
             case ReadyEvent():
                 return self._ready_guard(on, context, event, body)
-        raise AssertionError(type(event).__name__)
+            case _:
+                assert_never(event)
 
     def _input_guard(self, held: Configuration, on: Configuration, context: Context, event: InputEvent) -> list[Move]:
         reference = context.reference(event.source)
         if held.fetched is not None:
             value = held.fetched[1]
-            return [(INTERNAL_LABEL, assigning(on._replace(fetched=None), context, event.target, value))]
+            return [(INTERNAL, assigning(on._replace(fetched=None), context, event.target, value))]
         if self.thread.medium(reference).kind not in PATIENT:
             value = UNKNOWN
-            if self.thread.medium(reference).kind == "constant":
-                value = reference[1]
+            if isinstance(reference, Constant):
+                value = reference.value
             elif self.thread.medium(reference).relevant and not self.thread.is_shared(reference):
                 value = self.thread.slot_value(held, reference)
-            return [(INTERNAL_LABEL, assigning(on, context, event.target, value))]
+            return [(INTERNAL, assigning(on, context, event.target, value))]
         found: list[Move] = []
-        for label, value, given in self.reads(on, context, event.source):
-            if value is MISSED:
-                found.append((label, self.follower.thrown(given._replace(stack=held.stack), TIMEOUT)))
+        for label, taken, given in self.reads(on, context, event.source):
+            if isinstance(taken, Missed):
+                found.append((label, self.follower.thrown(given.at(held.stack), TIMEOUT)))
             else:
-                found.append((label, assigning(given, context, event.target, value)))
+                found.append((label, assigning(given, context, event.target, taken)))
         return found
 
     def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: Node) -> list[Move]:
         reference = context.reference(event.source)
         kind = self.thread.medium(reference).kind
         if on.fetched is not None or kind not in PATIENT:
-            return [(INTERNAL_LABEL, on)]
+            return [(INTERNAL, on)]
         if kind in ("sampled", "event"):
-            return [(("ready", reference), self.thread.beginning(on, context, reading_end(context, event.source)))]
+            return [(Ready(reference), self.thread.beginning(on, context, reading_end(context, event.source)))]
         if guard in self.thread.unfused:
             self.thread.abstracted(
                 "a ready guard is taken before its communication, which another process might make", event.span
             )
-            return [(INTERNAL_LABEL, on)]
+            return [(INTERNAL, on)]
         found: list[Move] = [
             (label, given._replace(fetched=(reference, value, guard)))
             for label, value, given in self.reads(on, context, event.source)
-            if value is not MISSED
+            if not isinstance(value, Missed)
         ]
-        between = kind == "any" or self.thread.role.cancellable or is_interruptible(on.stack)
+        between = kind == "any" or self.thread.role.cancellable or frames.is_interruptible(on.stack)
         if between and kind in ("sync", "any", "broadcast"):
-            found.append((("bound", reference), on))
+            found.append((Bound(reference), on))
         return found
 
 
-def is_interruptible(stack: Stack) -> bool:
-    """Whether what is to be done stands in an interrupt."""
-    while stack is not None:
-        frame, stack = stack
-        if frame[0] == "interrupt":
-            return True
-    return False
-
-
-def assigning(c: Configuration, context: Context, target: Target, value: Known | str) -> Configuration:
+def assigning(c: Configuration, context: Context, target: Target, value: Known) -> Configuration:
     """What was read goes into its variable at the next step."""
-    return c._replace(stack=(("assign", context, target, value), c.stack))
+    return c.at((frames.Assign(context, target, value), c.stack))

@@ -7,14 +7,18 @@ from itertools import product
 from cspdiag.base import Span
 from cspdiag.model.types import ArrayType, RealType, StructType, Type
 from cspdiag.network.dump.expression import expression_text
-from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, OutputEvent, ReadyEvent, Target
+from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, Target
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
 from cspdiag.proofs.transitions.facts import FAULT
 from cspdiag.proofs.transitions.occurrences import Medium
 from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.ranges import Range, bounds
-from cspdiag.proofs.transitions.systems.template import INSTANT, Label, Reference
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Frame, NeedsLoad, Restart, Stack, Thread
+from cspdiag.proofs.transitions.systems.labels import Time
+from cspdiag.proofs.transitions.systems.references import Constant, Discard, Reference
+from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.frames import RISK, Risk
+from cspdiag.proofs.transitions.threads.thread import Configuration, NeedsLoad, Restart, Thread
 from cspdiag.proofs.transitions.values import (
     ANY,
     UNKNOWN,
@@ -25,9 +29,6 @@ from cspdiag.proofs.transitions.values import (
     variables_in,
 )
 
-RISK = ("risk",)
-"""Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
-
 
 class Computing:
     """The values and the ends of one thread."""
@@ -37,51 +38,51 @@ class Computing:
 
     def finished(self, configuration: Configuration) -> Configuration | None:
         """The thread has come to its end."""
-        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
+        return configuration._replace(stack=(frames.Ended(), None), doomed=False, fetched=None, loaded=())
 
     def abandoned(self, configuration: Configuration) -> Configuration:
         """A cancelled thread ends at this point of its composition."""
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
-            if frame[0] == "leave":
-                configuration = self.thread.closed(configuration, frame[1])
-        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
+            if isinstance(frame, frames.Leave):
+                configuration = self.thread.closed(configuration, frame.context)
+        return configuration._replace(stack=(frames.Ended(), None), doomed=False, fetched=None, loaded=())
 
     def thrown(self, configuration: Configuration, exception: str) -> Configuration:
         """An exception goes up to who catches it, or ends the thread."""
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
-            if frame[0] == "catch" and frame[1] == exception:
-                handler = ("run", frame[2], frame[3])
+            if isinstance(frame, frames.Catch) and frame.exception == exception:
+                handler = frames.Run(frame.handler, frame.context)
                 return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
-            if frame[0] == "leave":
-                configuration = self.thread.closed(configuration, frame[1])
-            elif frame[0] == "interrupt" and self.may_be_chosen(configuration, frame):
-                return configuration._replace(stack=(("closing", frame, exception), stack), fetched=None, loaded=())
-        end: Frame = ("raised", exception)
+            if isinstance(frame, frames.Leave):
+                configuration = self.thread.closed(configuration, frame.context)
+            elif isinstance(frame, frames.Interrupt) and self.may_be_chosen(configuration, frame):
+                return configuration._replace(stack=(frames.Closing(frame, exception), stack), fetched=None, loaded=())
+        end: frames.Frame = frames.Raised(exception)
         if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
-            end = ("ended",) if configuration.doomed else ("faulted",)
+            end = frames.Ended() if configuration.doomed else frames.Faulted()
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
 
-    def may_be_chosen(self, configuration: Configuration, interrupt: Frame) -> bool:
+    def may_be_chosen(self, configuration: Configuration, interrupt: frames.Interrupt) -> bool:
         """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to end by itself."""
-        _, node, context, _ = interrupt
-        event = node.action.branch.event
+        assert isinstance(interrupt.node.action, InterruptOn)
+        event = interrupt.node.action.branch.event
         if configuration.doomed or not isinstance(event, InputEvent | OutputEvent | ReadyEvent):
             return False
-        reference = context.reference(event.sink if isinstance(event, OutputEvent) else event.source)
+        reference = interrupt.context.reference(event.sink if isinstance(event, OutputEvent) else event.source)
         return self.thread.medium(reference).kind in ("sync", "any", "broadcast")
 
-    def passing(self, c: Configuration, following: Stack, node: Node) -> Configuration:
+    def passing(self, c: Configuration, following: frames.Stack, node: Node) -> Configuration:
         """Goes on with ``following``; inside an interrupt, whose guard is looked at here as where the process waits."""
         stack = following
         while stack is not None:
-            if stack[0][0] == "interrupt":
-                return c._replace(stack=(("pass", node), following))
+            if isinstance(stack[0], frames.Interrupt):
+                return c.at((frames.Pass(node), following))
             stack = stack[1]
-        return c._replace(stack=following)
+        return c.at(following)
 
     def cannot_fuse(self, c: Configuration) -> None:
         """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""
@@ -112,7 +113,7 @@ class Computing:
         if not self.thread.facts.catches_faults or any(loaded == RISK for loaded, _ in configuration.loaded):
             return
         if self.faults_are_caught(configuration):
-            raise NeedsLoad((*RISK, span))
+            raise NeedsLoad(Risk(span))
 
     def faults_are_caught(self, configuration: Configuration) -> bool:
         """Whether a ``catch Fault`` is around what the thread does."""
@@ -121,7 +122,7 @@ class Computing:
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
-            if frame[0] == "catch" and frame[1] == FAULT:
+            if isinstance(frame, frames.Catch) and frame.exception == FAULT:
                 return True
         return self.thread.role.caught
 
@@ -150,7 +151,7 @@ class Computing:
         found: dict[Reference, tuple[Known, ...]] = {}
         number = 1
         for variable in variables_in(condition):
-            reference = ("channel", context.path, variable.channel)
+            reference = context.channel(variable.channel)
             values = values_of_type(variable.type)
             if values is None or reference in found or reference in self.thread.dropped:
                 continue
@@ -169,7 +170,7 @@ class Computing:
         faults = self.thread.facts.faults
         if target.indexes and faults.of_target(target, context.definition.name):
             self.risk(configuration, target.indexes[0].span)
-        reference = ("channel", context.path, target.channel)
+        reference = context.channel(target.channel)
         if not self.thread.medium(reference).relevant:
             _check_indexes(target, self.thread.medium(reference).type)
             return configuration
@@ -181,17 +182,17 @@ class Computing:
 
     def stored(self, configuration: Configuration, reference: Reference, value: Known) -> Configuration:
         """A variable is given a value; a shared one at the next step."""
-        if reference[0] in ("constant", "discard") or not self.thread.medium(reference).relevant:
+        if isinstance(reference, Constant | Discard) or not self.thread.medium(reference).relevant:
             return configuration
         parts = self.thread.pieces(reference, value)
         if len(parts) > 1:
-            choices = tuple(("storing", reference, part) for part in parts)
-            return configuration._replace(stack=(("split", choices), configuration.stack))
+            choices = tuple(frames.Storing(reference, part) for part in parts)
+            return configuration.at((frames.Split(choices), configuration.stack))
         (value,) = parts
         if self.thread.is_shared(reference):
             value = UNKNOWN if value == ANY else value
             self.thread.wrote(reference, value)
-            return configuration._replace(stack=(("store", reference, value), configuration.stack))
+            return configuration.at((frames.Store(reference, value), configuration.stack))
         return self.thread.with_slot(configuration, reference, value)
 
     def _shown(self, c: Configuration, context: Context, medium: Medium, expression: Expression) -> Known:
@@ -234,9 +235,9 @@ class Computing:
             self.thread.abstracted(f"`{expression_text(duration)}` in `{name}` may be no time at all", duration.span)
         return False
 
-    def delay(self, words: str, takes_time: Known) -> Label:
+    def delay(self, words: str, takes_time: Known) -> Time:
         """The label of the end of a delay."""
-        return ("time", words) if takes_time is True else ("time", words, INSTANT)
+        return Time(words, instant=takes_time is not True)
 
     def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
         """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative begins."""

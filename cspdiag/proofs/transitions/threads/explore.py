@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from cspdiag.proofs.transitions.occurrences import Occurrence
 from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.systems.labels import Label
 from cspdiag.proofs.transitions.systems.minimal import minimized
 from cspdiag.proofs.transitions.systems.template import Template
+from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.follow import Follower
 from cspdiag.proofs.transitions.threads.offers import Offers
 from cspdiag.proofs.transitions.threads.spots import spot
@@ -38,7 +40,7 @@ def _explored(thread: Thread) -> Template:
     offers = Offers(thread, follower)
     template = thread.template
     begin = (
-        Configuration((("idle",), None))
+        Configuration((frames.Idle(), None))
         if not thread.role.outermost
         else follower.settled(Configuration(offers.body()))
     )
@@ -46,8 +48,8 @@ def _explored(thread: Thread) -> Template:
     order = [begin]
     limit = MANY_STATES
     for configuration in order:
-        edges: list[tuple[object, int]] = []
-        seen: set[tuple[object, int]] = set()
+        edges: list[tuple[Label, int]] = []
+        seen: set[tuple[Label, int]] = set()
         for label, unsettled in offers.moves(configuration):
             target = follower.settled(unsettled)
             number = numbers.get(target)
@@ -58,7 +60,7 @@ def _explored(thread: Thread) -> Template:
             if (label, number) not in seen:
                 seen.add((label, number))
                 edges.append((label, number))
-        template.edges.append(edges)  # type: ignore[arg-type]
+        template.edges.append(edges)
         if len(order) > limit:
             if thread.give_up(order):
                 raise Restart
@@ -68,14 +70,18 @@ def _explored(thread: Thread) -> Template:
                 raise TransitionError(f"`{where}` has more than {MOST_STATES} states, whatever is left open")
     for number, configuration in enumerate(order):
         assert configuration.stack is not None
-        frame = configuration.stack[0]
         template.spots.append(spot(thread, configuration))
-        if frame[0] in ("idle", "ended", "over", "faulted", "raised", "join") and not (
-            frame[0] == "raised" and not thread.role.outermost
-        ):
+        if _is_terminal(configuration.stack[0], thread.role):
             template.terminal.add(number)
     _tell_what_was_widened(thread)
     return minimized(template)
+
+
+def _is_terminal(frame: frames.Frame, role: Role) -> bool:
+    """Whether a thread that goes no further stands still for a reason, such as that it has ended."""
+    if isinstance(frame, frames.Raised):
+        return role.outermost
+    return isinstance(frame, frames.Idle | frames.Ended | frames.Over | frames.Faulted | frames.Join)
 
 
 def _tell_what_was_widened(thread: Thread) -> None:

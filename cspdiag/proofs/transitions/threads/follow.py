@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import TypeAlias, assert_never
 
 from cspdiag.network.ir.actions import (
+    Action,
     AssignValue,
     CatchException,
     Choice,
@@ -16,39 +18,51 @@ from cspdiag.network.ir.actions import (
     InterruptOn,
     OutputEvent,
     ParallelSteps,
+    ProcessScope,
     RaiseException,
+    ReadInputs,
     ReadValue,
     ReadyEvent,
     Repeat,
+    ReportCommunication,
     ResetInstance,
+    ResetStates,
     RunInstance,
+    RunLaw,
     SequentialSteps,
     SkipStep,
     StopStep,
     Target,
     WaitStep,
     WhileLoop,
+    WriteOutputs,
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.proofs.transitions.facts import FAULT
 from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.frames import Stack
 from cspdiag.proofs.transitions.threads.law_steps import LawSteps
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, NeedsLoad, Restart, Stack, reading_end
-from cspdiag.proofs.transitions.values import ANY, UNKNOWN, EvaluationFault
+from cspdiag.proofs.transitions.threads.thread import Configuration, NeedsLoad, Restart, reading_end
+from cspdiag.proofs.transitions.values import ANY, UNKNOWN, EvaluationFault, Known
 
 _MANY_STEPS = 5_000
 """After so many silent steps the variables that change are not followed any longer."""
 
-POINTS = frozenset(
-    {"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port", "pass", "guard only"}
-)
-"""What may be first on the stack where a cancelled or interrupted process ends."""
+
+Step: TypeAlias = Callable[[Configuration, Node, Context, Stack], Configuration | None]
 
 
 class Follower(LawSteps):
     """Takes the silent steps of one thread."""
+
+    @cached_property
+    def _steps(self) -> dict[Node, Step]:
+        """How actions are begun that were come to."""
+        return {}
 
     @cached_property
     def _settled(self) -> dict[Configuration, Configuration]:
@@ -67,14 +81,14 @@ class Follower(LawSteps):
         seen: dict[Configuration, None] = {}
         steps = 0
         while True:
-            if _is_choice(configuration):
+            frame = configuration.stack[0] if configuration.stack is not None else None
+            if isinstance(frame, frames.Run) and isinstance(frame.node.action, Choice):
                 known = self._settled.get(configuration)
                 if known is not None:
                     return known
                 choices.append(configuration)
-            turn = _turn(configuration)
-            if turn is not None:
-                begins, after = turn
+            if isinstance(frame, frames.Turns):
+                begins, after = _turn(configuration, frame)
                 if begins in seen:
                     configuration = after
                     continue
@@ -82,18 +96,18 @@ class Follower(LawSteps):
             following = self._step(configuration)
             if following is None:
                 stack = configuration.stack
-                if not configuration.doomed or stack is None or stack[0][0] not in POINTS:
+                if not configuration.doomed or stack is None or type(stack[0]) not in frames.POINTS:
                     return configuration
                 following = self.abandoned(configuration)
             configuration = following
             steps += 1
             if steps > 32:
                 if configuration in seen:
-                    return configuration._replace(stack=(("diverges",), configuration.stack))
+                    return configuration.at((frames.Diverges(), configuration.stack))
                 seen[configuration] = None
             if steps > _MANY_STEPS:
                 if not self.thread.give_up(seen):
-                    return configuration._replace(stack=(("diverges",), configuration.stack))
+                    return configuration.at((frames.Diverges(), configuration.stack))
                 raise Restart
 
     def _step(self, configuration: Configuration) -> Configuration | None:
@@ -103,32 +117,117 @@ class Follower(LawSteps):
             return self.finished(configuration)
         frame, rest = stack
         try:
-            if frame[0] == "run":
-                step = _STEPS[type(frame[1].action)]
-                return step(self, configuration, frame[1], frame[2], rest)
-            pop = _FRAMES.get(frame[0])
-            return None if pop is None else pop(self, configuration, frame, rest)
+            if isinstance(frame, frames.Run):
+                step = self._steps.get(frame.node)
+                if step is None:
+                    step = self._steps[frame.node] = self._step_of(frame.node.action)
+                return step(configuration, frame.node, frame.context, rest)
+            return self._frame(configuration, frame, rest)
         except NeedsLoad as needed:
-            return configuration._replace(stack=(("load", needed.reference), stack))
+            return configuration.at((frames.Load(needed.what), stack))
         except EvaluationFault:
             return self.thrown(configuration, FAULT)
 
-    def _sequence(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        for child in reversed(node.children):
-            rest = (("run", child, context), rest)
-        return c._replace(stack=rest)
+    def _step_of(self, action: Action) -> Step:
+        match action:
+            case SequentialSteps():
+                return self._sequence
+            case SkipStep() | ResetInstance():
+                return self._nothing
+            case AssignValue():
+                return self._assign
+            case ReadValue():
+                return self._read
+            case WriteValue():
+                return self._write
+            case WaitStep():
+                return self._wait
+            case StopStep() | ParallelSteps():
+                return self._point
+            case RaiseException():
+                return self._raise
+            case Repeat():
+                return self._repeat
+            case WhileLoop():
+                return self._while
+            case CountedLoop():
+                return self._turns
+            case IfElse():
+                return self._if
+            case CatchException():
+                return self._catch
+            case Choice():
+                return self._choice
+            case InterruptOn():
+                return self._interrupt
+            case Group():
+                return self._group
+            case RunInstance():
+                return self._instance
+            case ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication():
+                raise AssertionError("made by the optimizer, for programs of which no transition system is made")
+            case _:
+                assert_never(action)
+
+    def _frame(
+        self, c: Configuration, frame: frames.Silent | frames.Reading | frames.Writing | frames.Waiting, rest: Stack
+    ) -> Configuration | None:
+        match frame:
+            case frames.Turns():
+                return self._next_turn(c, frame, rest)
+            case frames.Again():
+                return self._again(c, frame, rest)
+            case frames.Leave():
+                return self.thread.closed(c, frame.context).at(rest)
+            case frames.Deciding():
+                return self._deciding(c, frame, rest)
+            case frames.Offering():
+                return self._offering(c, frame, rest)
+            case frames.Assign():
+                return self._assigning(c, frame, rest)
+            case frames.Interrupting():
+                return self._interrupting(c, frame, rest)
+            case frames.Interruptible():
+                return self._interruptible(c, frame, rest)
+            case frames.Interrupt():
+                return c.at((frames.Closing(frame, None), rest) if self.may_be_chosen(c, frame) else rest)
+            case frames.Reading():
+                return self._reading(c, frame, rest)
+            case frames.Compute():
+                return self._compute(c, frame, rest)
+            case frames.Writing():
+                return self._writing(c, frame, rest)
+            case frames.Storing():
+                return self.stored(c.at(rest), frame.reference, frame.value)
+            case frames.Catch():
+                return c.at(rest)
+            case (
+                frames.Put() | frames.Delivering() | frames.Withdrawing() | frames.Picking() | frames.Choosing()
+                | frames.Join() | frames.GuardOnly() | frames.Closing() | frames.Pass() | frames.Either()
+                | frames.Open() | frames.Split() | frames.Load() | frames.Store() | frames.Foreign()
+                | frames.ForeignPort() | frames.Diverges() | frames.Idle() | frames.Ended() | frames.Over()
+                | frames.Faulted() | frames.Raised()
+            ):  # fmt: skip
+                return None
+            case _:
+                assert_never(frame)
 
     def _nothing(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        return c._replace(stack=rest)
+        return c.at(rest)
+
+    def _sequence(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
+        for child in reversed(node.children):
+            rest = (frames.Run(child, context), rest)
+        return c.at(rest)
 
     def _assign(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
         assert isinstance(action, AssignValue)
-        if not self.thread.medium(("channel", context.path, action.target.channel)).relevant:
+        if not self.thread.medium(context.channel(action.target.channel)).relevant:
             self.compute_risk(c, context, action.value)
-            return self.assigned(c._replace(stack=rest), context, action.target, UNKNOWN)._replace(loaded=())
+            return self.assigned(c.at(rest), context, action.target, UNKNOWN)._replace(loaded=())
         value = self.evaluate(c, context, action.value)
-        return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
+        return self.assigned(c.at(rest), context, action.target, value)._replace(loaded=())
 
     def _read(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
@@ -138,19 +237,18 @@ class Follower(LawSteps):
             if c.fetched is not None:
                 if c.fetched[0] != reference:
                     self.cannot_fuse(c)
-                value = c.fetched[1]
-                return self.assigned(c._replace(stack=rest, fetched=None), context, action.target, value)
+                return self.assigned(c._replace(stack=rest, fetched=None), context, action.target, c.fetched[1])
             return self.abandoned(c) if c.doomed else None
-        value = UNKNOWN
+        value: Known = UNKNOWN
         if self._target_relevant(context, action.target):
             value = self.thread.value_of(c, reference)
         faults = self.thread.facts.faults
         if value is UNKNOWN and faults.of_read(action.source, context.definition.name):
             self.risk(c, action.span)
-        return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
+        return self.assigned(c.at(rest), context, action.target, value)._replace(loaded=())
 
     def _target_relevant(self, context: Context, target: Target) -> bool:
-        return bool(target.channel) and self.thread.medium(("channel", context.path, target.channel)).relevant
+        return bool(target.channel) and self.thread.medium(context.channel(target.channel)).relevant
 
     def _write(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
@@ -163,14 +261,19 @@ class Follower(LawSteps):
             if c.doomed:
                 return self.abandoned(c)
             value = self.communicated(c, context, reference, action.value)
-            puts = tuple(("put", reference, part, node) for part in self.thread.pieces(reference, value))
-            put = puts[0] if len(puts) == 1 else ("split", puts)
+            puts = tuple(frames.Put(reference, part, node) for part in self.thread.pieces(reference, value))
+            put = puts[0] if len(puts) == 1 else frames.Split(puts)
             c = self.spent(c) if value == ANY else c
             return c._replace(stack=(put, rest), loaded=())
         if kind == "var" and self.thread.medium(reference).relevant:
             value = self.evaluate(c, context, action.value)
-            return self.stored(c._replace(stack=rest), reference, value)._replace(loaded=())
+            return self.stored(c.at(rest), reference, value)._replace(loaded=())
         return c._replace(stack=rest, loaded=())
+
+    def _raise(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
+        action = node.action
+        assert isinstance(action, RaiseException)
+        return self.thrown(c, action.exception)
 
     def _wait(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if not c.doomed:
@@ -184,44 +287,35 @@ class Follower(LawSteps):
             self.cannot_fuse(c)
         return self.abandoned(c) if c.doomed else None
 
-    def _raise(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        action = node.action
-        assert isinstance(action, RaiseException)
-        return self.thrown(c, action.exception)
-
     def _repeat(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        return c._replace(stack=(("run", node.children[0], context), (("again", node, context), rest)))
+        return c.at((frames.Run(node.children[0], context), (frames.Again(node, context), rest)))
 
-    def _again(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, node, context = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
+    def _again(self, c: Configuration, frame: frames.Again, rest: Stack) -> Configuration | None:
+        node, context = frame.node, frame.context
         assert isinstance(node.action, Repeat)
         until = node.action.until
         if until is None:
-            return c._replace(stack=(("run", node, context), rest))
-        return self._decided(c, context, until, rest, (("run", node, context), rest))
+            return c.at((frames.Run(node, context), rest))
+        return self._decided(c, context, until, rest, (frames.Run(node, context), rest))
 
     def _while(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, WhileLoop)
-        again = (("run", node.children[0], context), (("run", node, context), rest))
+        again = (frames.Run(node.children[0], context), (frames.Run(node, context), rest))
         return self._decided(c, context, node.action.condition, again, rest)
 
     def _turns(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, CountedLoop)
-        return c._replace(stack=(("turns", node, context, node.action.turns), rest))
+        return c.at((frames.Turns(node, context, node.action.turns), rest))
 
-    def _next_turn(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+    def _next_turn(self, c: Configuration, frame: frames.Turns, rest: Stack) -> Configuration | None:
         """The turns that are left: the last one is followed by what comes after the loop."""
-        _, node, context, left = frame
-        assert isinstance(node, Node)
-        assert isinstance(left, int)
-        below = rest if left == 1 else (("turns", node, context, left - 1), rest)
-        return c._replace(stack=(("run", node.children[0], context), below))
+        node, context = frame.node, frame.context
+        below = rest if frame.left == 1 else (frames.Turns(node, context, frame.left - 1), rest)
+        return c.at((frames.Run(node.children[0], context), below))
 
     def _if(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, IfElse)
-        then, otherwise = ((("run", child, context), rest) for child in node.children)
+        then, otherwise = ((frames.Run(child, context), rest) for child in node.children)
         return self._decided(c, context, node.action.condition, then, otherwise)
 
     def _decided(
@@ -229,14 +323,16 @@ class Follower(LawSteps):
     ) -> Configuration | None:
         found = self.outcomes(c, context, condition)
         if len(found) > 1:
-            return c._replace(stack=(("open", context, condition, then, otherwise), None))
+            return c.at((frames.Open(context, condition, then, otherwise), None))
         ((holds, given),) = found
         return given._replace(stack=then if holds else otherwise, loaded=())
 
     def _catch(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, CatchException)
         body, handler = node.children
-        return c._replace(stack=(("run", body, context), (("catch", node.action.exception, handler, context), rest)))
+        return c._replace(
+            stack=(frames.Run(body, context), (frames.Catch(node.action.exception, handler, context), rest))
+        )
 
     def _choice(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if c.doomed:
@@ -247,74 +343,59 @@ class Follower(LawSteps):
             for branch in node.action.branches
         ):
             self.cannot_fuse(c)
-        return c._replace(stack=(("deciding", node, context, ()), rest))
+        return c.at((frames.Deciding(node, context, ()), rest))
 
-    def _deciding(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+    def _deciding(self, c: Configuration, frame: frames.Deciding, rest: Stack) -> Configuration | None:
         """The conditions of the guards one after the other: None where one does not hold, else what the guard will write, and whether that is left open."""
-        _, node, context, decided = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
+        node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, Choice)
-        assert isinstance(decided, tuple)
         branches = node.action.branches
         if len(decided) == len(branches):
-            kind = "picking" if any(entry is not None and entry[1] for entry in decided) else "choice"
-            return c._replace(stack=((kind, node, context, decided), rest))
+            is_open = any(entry is not None and entry[1] for entry in decided)
+            waits = (frames.Picking if is_open else frames.Choosing)(node, context, decided)
+            return c.at((waits, rest))
         branch = branches[len(decided)]
-        held, is_open = c._replace(stack=rest), False
+        held, is_open = c.at(rest), False
         if branch.condition is not None:
             found = self.outcomes(c, context, branch.condition)
-            no = (("deciding", node, context, (*decided, None)), rest)
+            no = (frames.Deciding(node, context, (*decided, None)), rest)
             is_open = len(found) > 1 and all(given is c for _, given in found)
             if len(found) > 1 and not is_open:
-                yes = (("offering", node, context, decided, False), rest)
-                return c._replace(stack=(("open", context, branch.condition, yes, no), None))
+                yes = (frames.Offering(node, context, decided, False), rest)
+                return c.at((frames.Open(context, branch.condition, yes, no), None))
             holds, held = found[0]
             if not holds:
                 return held._replace(stack=no, loaded=())
-        return held._replace(stack=(("offering", node, context, decided, is_open), rest), loaded=c.loaded)
+        return held._replace(stack=(frames.Offering(node, context, decided, is_open), rest), loaded=c.loaded)
 
-    def _offering(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, node, context, decided, is_open = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
+    def _offering(self, c: Configuration, frame: frames.Offering, rest: Stack) -> Configuration | None:
+        node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, Choice)
-        assert isinstance(decided, tuple)
         value = self.offered(c, context, node.action.branches[len(decided)])
-        return c._replace(stack=(("deciding", node, context, (*decided, (value, is_open))), rest), loaded=())
+        return c._replace(stack=(frames.Deciding(node, context, (*decided, (value, frame.is_open))), rest), loaded=())
 
-    def _assigning(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+    def _assigning(self, c: Configuration, frame: frames.Assign, rest: Stack) -> Configuration | None:
         """What was read goes into its variable."""
-        _, context, target, value = frame
-        assert isinstance(context, Context)
-        assert isinstance(target, Target)
-        return self.assigned(c._replace(stack=rest), context, target, value)._replace(loaded=())  # type: ignore[arg-type]
-
-    def _storing(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, reference, value = frame
-        return self.stored(c._replace(stack=rest), reference, value)  # type: ignore[arg-type]
+        after = c.at(rest)
+        return self.assigned(after, frame.context, frame.target, frame.value)._replace(loaded=())
 
     def _interrupt(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if c.doomed:
             return self.abandoned(c)
-        return self.passing(c, (("interrupting", node, context), rest), node)
+        return self.passing(c, (frames.Interrupting(node, context), rest), node)
 
-    def _interrupting(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, node, context = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
+    def _interrupting(self, c: Configuration, frame: frames.Interrupting, rest: Stack) -> Configuration | None:
+        node, context = frame.node, frame.context
         assert isinstance(node.action, InterruptOn)
         branch = node.action.branch
-        body = ("run", node.children[0], context)
+        body = frames.Run(node.children[0], context)
         if branch.condition is not None:
-            yes = (("interruptible", node, context), rest)
+            yes = (frames.Interruptible(node, context), rest)
             return self._decided(c, context, branch.condition, yes, (body, rest))
-        return c._replace(stack=(("interruptible", node, context), rest))
+        return c.at((frames.Interruptible(node, context), rest))
 
-    def _interruptible(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, node, context = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
+    def _interruptible(self, c: Configuration, frame: frames.Interruptible, rest: Stack) -> Configuration | None:
+        node, context = frame.node, frame.context
         assert isinstance(node.action, InterruptOn)
         value = self.offered(c, context, node.action.branch)
         event = node.action.branch.event
@@ -325,11 +406,11 @@ class Follower(LawSteps):
             reference = context.reference(event.source)
             if self.thread.medium(reference).kind == "sampled":
                 c = self.thread.beginning(c, context, reading_end(context, event.source))
-        guard = ("interrupt", node, context, value)
-        return c._replace(stack=(("run", node.children[0], context), (guard, rest)), loaded=())
+        guard = frames.Interrupt(node, context, value)
+        return c._replace(stack=(frames.Run(node.children[0], context), (guard, rest)), loaded=())
 
     def _group(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        return c._replace(stack=(("run", node.children[0], context), rest))
+        return c.at((frames.Run(node.children[0], context), rest))
 
     def _instance(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
@@ -337,78 +418,21 @@ class Follower(LawSteps):
         if self.thread.law(context, action.instance) is not None:
             if c.doomed:
                 return self.abandoned(c)
-            then = ("compute", context, action.instance, node)
-            return c._replace(stack=(("reading", context, action.instance, node, None), (then, rest)))
+            then = frames.Compute(context, action.instance, node)
+            return c.at((frames.Reading(context, action.instance, node, None), (then, rest)))
         inner = self.thread.context(context, action.instance)
-        below = (("leave", inner), rest)
+        below = (frames.Leave(inner), rest)
         if inner.definition.body is None:
-            return c._replace(stack=(("foreign", inner, node), below))
-        return c._replace(stack=(("run", inner.definition.body, inner), below))
-
-    def _leave(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        assert isinstance(frame[1], Context)
-        return self.thread.closed(c, frame[1])._replace(stack=rest)
-
-    def _body_ends(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        return c._replace(stack=(("closing", frame, None), rest) if self.may_be_chosen(c, frame) else rest)
-
-    def _pop(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        return c._replace(stack=rest)
+            return c.at((frames.Foreign(inner, node), below))
+        return c.at((frames.Run(inner.definition.body, inner), below))
 
 
-def _turn(configuration: Configuration) -> tuple[Configuration, Configuration] | None:
+def _turn(configuration: Configuration, turns: frames.Turns) -> tuple[Configuration, Configuration]:
     """What a turn of a counted loop begins with, whichever it is, and what comes after all turns.
 
     A turn that came silently to the next one and changed nothing is as those that are left.
     """
-    stack = configuration.stack
-    if stack is None or stack[0][0] != "turns":
-        return None
-    (kind, node, context, _), rest = stack
-    begins = configuration._replace(stack=((kind, node, context, 0), rest))
-    return begins, configuration._replace(stack=rest)
-
-
-def _is_choice(configuration: Configuration) -> bool:
-    stack = configuration.stack
-    return stack is not None and stack[0][0] == "run" and isinstance(stack[0][1].action, Choice)
-
-
-_STEPS: dict[type, Callable[[Follower, Configuration, Node, Context, Stack], Configuration | None]] = {
-    SequentialSteps: Follower._sequence,
-    SkipStep: Follower._nothing,
-    ResetInstance: Follower._nothing,
-    AssignValue: Follower._assign,
-    ReadValue: Follower._read,
-    WriteValue: Follower._write,
-    WaitStep: Follower._wait,
-    StopStep: Follower._point,
-    ParallelSteps: Follower._point,
-    RaiseException: Follower._raise,
-    Repeat: Follower._repeat,
-    WhileLoop: Follower._while,
-    CountedLoop: Follower._turns,
-    IfElse: Follower._if,
-    CatchException: Follower._catch,
-    Choice: Follower._choice,
-    InterruptOn: Follower._interrupt,
-    Group: Follower._group,
-    RunInstance: Follower._instance,
-}
-
-_FRAMES: dict[str, Callable[[Follower, Configuration, tuple[object, ...], Stack], Configuration | None]] = {
-    "again": Follower._again,
-    "assign": Follower._assigning,
-    "catch": Follower._pop,
-    "interrupt": Follower._body_ends,
-    "interruptible": Follower._interruptible,
-    "interrupting": Follower._interrupting,
-    "leave": Follower._leave,
-    "deciding": Follower._deciding,
-    "offering": Follower._offering,
-    "reading": Follower._reading,
-    "compute": Follower._compute,
-    "turns": Follower._next_turn,
-    "storing": Follower._storing,
-    "writing": Follower._writing,
-}
+    assert configuration.stack is not None
+    rest = configuration.stack[1]
+    begins = configuration.at((frames.Turns(turns.node, turns.context, 0), rest))
+    return begins, configuration.at(rest)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.model.types import DOUBLE
@@ -10,15 +10,21 @@ from cspdiag.network.ir.actions import Action, ParallelSteps, ReadValue, Target,
 from cspdiag.network.ir.expressions import PresentTime
 from cspdiag.proofs.transitions.facts import FAULT
 from cspdiag.proofs.transitions.program import Node
-from cspdiag.proofs.transitions.systems.template import Label, Parallel
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Frame, Stack, Thread
+from cspdiag.proofs.transitions.systems.labels import Cancel, Fork, Join, Label, Thrown
+from cspdiag.proofs.transitions.systems.template import Parallel
+from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 
 if TYPE_CHECKING:
     from cspdiag.proofs.transitions.threads.follow import Follower
 
 
+Side: TypeAlias = Literal["reading", "writing"]
+
+
 def fork_edges(
-    thread: Thread, follower: Follower, c: Configuration, node: Node, context: Context, rest: Stack
+    thread: Thread, follower: Follower, c: Configuration, node: Node, context: Context, rest: frames.Stack
 ) -> list[tuple[Label, Configuration]]:
     """The start of all branches."""
     key = (context.path, node)
@@ -26,16 +32,10 @@ def fork_edges(
     caught = follower.faults_are_caught(c)
     raising = any(escaping(thread, child, context, caught=caught) for child in node.children)
     parallel.caught = parallel.caught or caught
-    parallel.cancellable = parallel.cancellable or thread.role.cancellable or _is_interruptible(c.stack) or raising
-    return [(("fork", key), c._replace(stack=(("join", node, context, "wait"), rest)))]
-
-
-def _is_interruptible(stack: Stack) -> bool:
-    while stack is not None:
-        frame, stack = stack
-        if frame[0] == "interrupt":
-            return True
-    return False
+    parallel.cancellable = (
+        parallel.cancellable or thread.role.cancellable or frames.is_interruptible(c.stack) or raising
+    )
+    return [(Fork(key), c.at((frames.Join(node, context, "wait"), rest)))]
 
 
 def escaping(thread: Thread, branch: Node, context: Context, *, caught: bool) -> list[str]:
@@ -45,43 +45,46 @@ def escaping(thread: Thread, branch: Node, context: Context, *, caught: bool) ->
 
 
 def join_edges(
-    thread: Thread, follower: Follower, c: Configuration, frame: Frame, rest: Stack
+    thread: Thread, follower: Follower, c: Configuration, frame: frames.Join, rest: frames.Stack
 ) -> list[tuple[Label, Configuration]]:
-    """What the parent waits for. The last part of the frame is where it is.
+    """What the parent waits for. ``stage`` is where it is.
 
     ``wait``: for the end of all branches, or an exception of one; ``cancelling``, with the exception: the branches are told; ``failing``: it waits for
     their end, and raises it; ``abandon`` and ``abandoned``: the same after an interrupt or its own cancellation. Of several exceptions the first counts, also
     that of a branch that is cancelled and raises it before its next communication.
     """
-    _, node, context, stage, *exception = frame
+    node, context = frame.node, frame.context
     parallel = (context.path, node)
 
-    def at(stage: str, *more: str) -> Configuration:
-        return c._replace(stack=(("join", node, context, stage, *more), rest))
+    def at(stage: frames.Stage, exception: str | None = None) -> Configuration:
+        return c.at((frames.Join(node, context, stage, exception), rest))
 
     caught = follower.faults_are_caught(c)
     thrown = [
-        (("thrown", parallel, branch, name), name)
+        (Thrown(parallel, branch, name), name)
         for branch, child in enumerate(node.children)
         for name in escaping(thread, child, context, caught=caught)
     ]
-    done = c._replace(stack=rest)
-    match stage:
+    done = c.at(rest)
+    match frame.stage:
         case "wait":
-            return [(("join", parallel), done), *((label, at("cancelling", name)) for label, name in thrown)]
+            return [(Join(parallel), done), *((label, at("cancelling", name)) for label, name in thrown)]
         case "cancelling":
-            return [(("cancel", parallel), at("failing", *exception))]
+            return [(Cancel(parallel), at("failing", frame.exception))]
         case "failing":
-            several = len({label[2] for label, _ in thrown}) > 1
+            several = len({label.branch for label, _ in thrown}) > 1
             ignored = [(label, c) for label, _ in thrown if several]
-            return [(("join", parallel), follower.thrown(done, exception[0])), *ignored]
+            assert frame.exception is not None
+            return [(Join(parallel), follower.thrown(done, frame.exception)), *ignored]
         case "abandon":
             return [
-                (("cancel", parallel), at("abandoned")),
+                (Cancel(parallel), at("abandoned")),
                 *((label, at("cancelling", name)) for label, name in thrown),
             ]
+        case "abandoned":
+            return [(Join(parallel), done), *((label, at("failing", name)) for label, name in thrown)]
         case _:
-            return [(("join", parallel), done), *((label, at("failing", name)) for label, name in thrown)]
+            assert_never(frame.stage)
 
 
 class LawParallels:
@@ -92,22 +95,28 @@ class LawParallels:
         self.follower = follower
 
     def fork(
-        self, c: Configuration, frame: Frame, rest: Stack, connections: list[Any]
+        self, c: Configuration, frame: frames.Reading | frames.Writing, rest: frames.Stack, connections: list[Any]
     ) -> list[tuple[Label, Configuration]]:
         """Starts the communications of a law that remain."""
-        kind, context, instance, node, remaining = frame
+        context, node, remaining = frame.context, frame.node, frame.remaining
+        assert remaining is not None
+        side: Side = "reading" if isinstance(frame, frames.Reading) else "writing"
         if c.fetched is not None:
             self.follower.cannot_fuse(c)
-        known = context.definition.laws.get((instance, kind, remaining))
+        known = context.definition.laws.get((frame.instance, side, remaining))
         if known is None:
             ends = [connections[position][0].attachment for position in remaining]
-            steps = tuple(_step(kind, end, node.span) for end in ends)
+            steps = tuple(_step(side, end, node.span) for end in ends)
             known = Node(ParallelSteps(span=node.span, steps=steps, prioritized=False))
-            context.definition.laws[instance, kind, remaining] = known
+            context.definition.laws[frame.instance, side, remaining] = known
         return fork_edges(self.thread, self.follower, c, known, context, rest)
 
 
-def _step(kind: str, end: Any, span: Span) -> Action:
-    if kind == "reading":
-        return ReadValue(span=span, source=end, target=Target(""))
-    return WriteValue(span=span, sink=end, value=PresentTime(type=DOUBLE))
+def _step(side: Side, end: Any, span: Span) -> Action:
+    match side:
+        case "reading":
+            return ReadValue(span=span, source=end, target=Target(""))
+        case "writing":
+            return WriteValue(span=span, sink=end, value=PresentTime(type=DOUBLE))
+        case _:
+            assert_never(side)

@@ -6,10 +6,12 @@ from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Connection, SubmodelClass
 from cspdiag.proofs.transitions.occurrences import PATIENT
-from cspdiag.proofs.transitions.program import Node
-from cspdiag.proofs.transitions.systems.template import Reference
+from cspdiag.proofs.transitions.systems.references import Reference
+from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.computing import Computing
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Stack
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.frames import Stack
+from cspdiag.proofs.transitions.threads.thread import Configuration
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
 
@@ -24,12 +26,9 @@ class LawSteps(Computing):
         connections = context.definition.instances[instance].connections
         return [(c, context.reference(c.attachment)) for c in connections if c.port in names]
 
-    def _reading(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+    def _reading(self, c: Configuration, frame: frames.Reading, rest: Stack) -> Configuration | None:
         """The inputs that are still to be read: all at first."""
-        _, context, instance, node, remaining = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
-        assert isinstance(instance, str)
+        context, instance, node, remaining = frame.context, frame.instance, frame.node, frame.remaining
         if remaining is None:
             instance_of = context.definition.instances[instance]
             if self.thread.facts.faults.of_inputs(instance_of, context.definition.name):
@@ -45,31 +44,26 @@ class LawSteps(Computing):
                 waiting = kept
             if not waiting:
                 return self.passing(c._replace(loaded=()), rest, node)
-            return c._replace(stack=(("reading", context, instance, node, tuple(waiting)), rest), loaded=())
-        return None if remaining else c._replace(stack=rest)
+            return c._replace(stack=(frames.Reading(context, instance, node, tuple(waiting)), rest), loaded=())
+        return None if remaining else c.at(rest)
 
-    def _compute(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, context, instance, node = frame
-        assert isinstance(context, Context)
-        assert isinstance(instance, str)
+    def _compute(self, c: Configuration, frame: frames.Compute, rest: Stack) -> Configuration | None:
+        context, instance, node = frame.context, frame.instance, frame.node
         law = self.thread.law(context, instance)
         assert law is not None
         outputs = self.connections(context, instance, "out")
         shown = any(self.thread.medium(reference).kind == "output" for _, reference in outputs)
         if shown or self.thread.facts.faults.of_law(law):
             self.risk(c, context.definition.instances[instance].span)
-        c = c._replace(stack=(("writing", context, instance, node, None), rest), loaded=())
+        c = c._replace(stack=(frames.Writing(context, instance, node, None), rest), loaded=())
         for connection, reference in outputs:
             if self.thread.medium(reference).kind == "var":
                 c = self.stored(c, reference, constant_output(law, connection.port))
         return c
 
-    def _writing(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+    def _writing(self, c: Configuration, frame: frames.Writing, rest: Stack) -> Configuration | None:
         """The outputs that are still to be written: all at first."""
-        _, context, instance, node, remaining = frame
-        assert isinstance(node, Node)
-        assert isinstance(context, Context)
-        assert isinstance(instance, str)
+        context, instance, node, remaining = frame.context, frame.instance, frame.node, frame.remaining
         if remaining is None:
             if c.doomed:
                 return self.abandoned(c)
@@ -78,8 +72,8 @@ class LawSteps(Computing):
             left = tuple(i for i, kind in enumerate(kinds) if kind not in ("var", "discard"))
             if not left:
                 return self.passing(c, rest, node)
-            return c._replace(stack=(("writing", context, instance, node, left), rest))
-        return None if remaining else c._replace(stack=rest)
+            return c.at((frames.Writing(context, instance, node, left), rest))
+        return None if remaining else c.at(rest)
 
 
 def constant_output(law: SubmodelClass, port: str) -> Known:

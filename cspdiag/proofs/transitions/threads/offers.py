@@ -2,23 +2,45 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import assert_never
 
 from cspdiag.network.dump.expression import expression_text
-from cspdiag.network.ir.actions import ChannelEnd, Choice, ParallelSteps, PortEnd, ReadValue, StopStep, WaitStep
+from cspdiag.network.ir.actions import (
+    ChannelEnd,
+    Choice,
+    InterruptOn,
+    ParallelSteps,
+    PortEnd,
+    ReadValue,
+    StopStep,
+    WaitStep,
+)
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection
 from cspdiag.proofs.transitions.abandoning import Abandoning, is_point
 from cspdiag.proofs.transitions.facts import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.specifications import is_time_out
-from cspdiag.proofs.transitions.systems.template import INTERNAL_LABEL, Reference
-from cspdiag.proofs.transitions.threads.communications import MISSED, Move, assigning
-from cspdiag.proofs.transitions.threads.computing import RISK
+from cspdiag.proofs.transitions.systems.labels import (
+    INTERNAL,
+    Delivered,
+    End,
+    Load,
+    Start,
+    Store,
+    Throw,
+    Time,
+    Withdrawn,
+)
+from cspdiag.proofs.transitions.systems.references import Reference
+from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.communications import Missed, Move, assigning
+from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.follow import Follower
+from cspdiag.proofs.transitions.threads.frames import RISK, Risk, Stack
 from cspdiag.proofs.transitions.threads.joining import LawParallels, fork_edges, join_edges
 from cspdiag.proofs.transitions.threads.law_steps import constant_output
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Frame, Stack, Thread
+from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
 _AT_ONCE = 4
@@ -39,91 +61,105 @@ class Offers(Abandoning):
         if is_point(frame) and self.is_abandoned_at_once(rest):
             return self.interruptions(c, frame)
         found = self._own(c, frame, rest)
-        if is_point(frame) or (frame[0] == "join" and frame[3] == "wait"):
+        if is_point(frame) or (isinstance(frame, frames.Join) and frame.stage == "wait"):
             found += self.interruptions(c, frame)
         if self.thread.role.cancellable and not c.doomed:
-            found += self.cancellation(c, frame)
+            found += self.cancellation(c, frame, rest)
         return found
 
-    def _own(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
-        match frame[0]:
-            case "run":
-                return self._action(c, frame[1], frame[2], rest)
-            case "put":
-                return [(self.written(frame[1], frame[2]), self.delivering(frame[1], frame[3], c._replace(stack=rest)))]
-            case "delivering":
-                return [(("delivered", frame[1]), c._replace(stack=rest))]
-            case "withdrawing":
-                return [(("withdrawn", frame[1]), c._replace(stack=rest))]
-            case "choice":
+    def _own(self, c: Configuration, frame: frames.Frame, rest: Stack) -> list[Move]:
+        match frame:
+            case frames.Run():
+                return self._action(c, frame.node, frame.context, rest)
+            case frames.Put():
+                written = self.written(frame.reference, frame.value)
+                return [(written, self.delivering(frame.reference, frame.node, c.at(rest)))]
+            case frames.Delivering():
+                return [(Delivered(frame.reference), c.at(rest))]
+            case frames.Withdrawing():
+                return [(Withdrawn(frame.reference), c.at(rest))]
+            case frames.Choosing():
                 return self._choice(c, frame, rest)
-            case "picking":
+            case frames.Picking():
                 return self._picking(c, frame, rest)
-            case "reading":
+            case frames.Reading():
                 return self._reading(c, frame, rest)
-            case "writing":
+            case frames.Writing():
                 return self._writing(c, frame, rest)
-            case "join":
+            case frames.Join():
                 return join_edges(self.thread, self.follower, c, frame, rest)
-            case "guard only":
-                _, node, context, value = frame
-                branch = node.action.branch
-                return self.guarded(c._replace(stack=rest), context, branch, node.children[1], value)
-            case "closing":
+            case frames.GuardOnly():
+                assert isinstance(frame.node.action, InterruptOn)
+                branch = frame.node.action.branch
+                return self.guarded(c.at(rest), frame.context, branch, frame.node.children[1], frame.value)
+            case frames.Closing():
                 return self.closing(c, frame, rest)
-            case "pass":
-                return [(INTERNAL_LABEL, c._replace(stack=rest))]
-            case "either":
-                return [(INTERNAL_LABEL, self.follower.abandoned(c)), (INTERNAL_LABEL, c._replace(stack=rest))]
-            case "open":
+            case frames.Pass():
+                return [(INTERNAL, c.at(rest))]
+            case frames.Either():
+                return [(INTERNAL, self.follower.abandoned(c)), (INTERNAL, c.at(rest))]
+            case frames.Open():
                 return self._open(c, frame)
-            case "split":
-                return [(INTERNAL_LABEL, c._replace(stack=(part, rest))) for part in frame[1]]
-            case "load":
-                return self._load(c, frame[1], rest)
-            case "store":
-                return [(("store", frame[1], frame[2]), c._replace(stack=rest))]
-            case "foreign":
+            case frames.Split():
+                return [(INTERNAL, c.at((part, rest))) for part in frame.parts]
+            case frames.Load():
+                return self._load(c, frame.what, rest)
+            case frames.Store():
+                return [(Store(frame.reference, frame.value), c.at(rest))]
+            case frames.Foreign():
                 return self._foreign(c, frame, rest)
-            case "foreign port":
+            case frames.ForeignPort():
                 return self._foreign_port(c, frame, rest)
-            case "diverges":
-                return [(INTERNAL_LABEL, c)]
-            case "idle":
-                return [(("start",), c._replace(stack=self.body()))]
-            case "ended":
-                if self.thread.role.outermost:
-                    return []
-                return [(("end",), c._replace(stack=(("over" if self.thread.role.once else "idle",), None)))]
-            case "over":
+            case frames.Diverges():
+                return [(INTERNAL, c)]
+            case frames.Over():
                 return []
-            case "faulted":
-                return [(("time", "the program ends by a fault"), c)]
-            case "raised":
-                if self.thread.role.outermost:
-                    return []
-                return [(("throw", frame[1]), c._replace(stack=(("ended",), None)))]
-        raise AssertionError(frame[0])
+            case frames.Faulted():
+                return [(Time("the program ends by a fault"), c)]
+            case frames.Idle() | frames.Ended() | frames.Raised():
+                return self._as_branch(c, frame)
+            case (
+                frames.Deciding() | frames.Offering() | frames.Compute() | frames.Interrupting()
+                | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again()
+                | frames.Turns() | frames.Catch() | frames.Leave()
+            ):  # fmt: skip
+                raise AssertionError(f"{frame} is done in silence")
+            case _:
+                assert_never(frame)
+
+    def _as_branch(self, c: Configuration, frame: frames.Idle | frames.Ended | frames.Raised) -> list[Move]:
+        """What the parent takes part in; the outermost process has none."""
+        match frame:
+            case frames.Idle():
+                return [(Start(), c.at(self.body()))]
+            case _ if self.thread.role.outermost:
+                return []
+            case frames.Ended():
+                return [(End(), c.at((frames.Over() if self.thread.role.once else frames.Idle(), None)))]
+            case frames.Raised():
+                return [(Throw(frame.exception), c.at((frames.Ended(), None)))]
+            case _:
+                assert_never(frame)
 
     def body(self) -> Stack:
         """All that the thread does."""
         root, node = self.thread.root, self.thread.node
         if node is None:
-            return (("foreign", root, None), (("leave", root), None))
-        own = (("leave", root), None) if node is root.definition.body else None
-        return (("run", node, root), own)
+            return (frames.Foreign(root, None), (frames.Leave(root), None))
+        own = (frames.Leave(root), None) if node is root.definition.body else None
+        return (frames.Run(node, root), own)
 
     def _action(self, c: Configuration, node: Node, context: Context, rest: Stack) -> list[Move]:
         action = node.action
-        after = c._replace(stack=rest)
+        after = c.at(rest)
         match action:
             case ReadValue():
                 found: list[Move] = []
                 for label, value, given in self.reads(c, context, action.source):
-                    if value is MISSED:
+                    if isinstance(value, Missed):
                         found.append((label, self.follower.thrown(given, TIMEOUT)))
                     else:
-                        found.append((label, assigning(given._replace(stack=rest), context, action.target, value)))
+                        found.append((label, assigning(given.at(rest), context, action.target, value)))
                 return found
             case WaitStep():
                 takes_time = self.follower.takes_time(c, context, action.duration)
@@ -133,21 +169,21 @@ class Offers(Abandoning):
                 return []
             case ParallelSteps():
                 return fork_edges(self.thread, self.follower, c, node, context, rest)
-        raise AssertionError(type(action).__name__)
+        raise AssertionError(f"{type(action).__name__} is done in silence")
 
-    def _choice(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
-        _, node, context, decided = frame
+    def _choice(self, c: Configuration, frame: frames.Choosing, rest: Stack) -> list[Move]:
+        node, context = frame.node, frame.context
         assert isinstance(node.action, Choice)
         found: list[Move] = []
-        held = c._replace(stack=rest)
-        decided = self._as_far_as_taken(context, node.action, decided)
+        held = c.at(rest)
+        decided = self._as_far_as_taken(context, node.action, frame.decided)
         for branch, body, enabled in zip(node.action.branches, node.children, decided, strict=True):
             if enabled is not None:
                 others = [other for other in node.action.branches if other is not branch]
                 found += self.guarded(self.watched(held, context, others), context, branch, body, enabled[0])
         return found
 
-    def _as_far_as_taken(self, context: Context, choice: Choice, decided: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _as_far_as_taken(self, context: Context, choice: Choice, decided: frames.Decided) -> frames.Decided:
         """The guards without those that are never taken, because another one is always ready: time-outs, and with priority all that come after it."""
         always = [
             number
@@ -161,12 +197,12 @@ class Offers(Abandoning):
             for number, (branch, entry) in enumerate(zip(choice.branches, decided, strict=True))
         )
 
-    def _picking(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+    def _picking(self, c: Configuration, frame: frames.Picking, rest: Stack) -> list[Move]:
         """An alternative with conditions that may hold or not: none of them does, or one.
 
         Where several hold, the alternative does what it does where one of them holds, and refuses less: more need not be told apart.
         """
-        _, node, context, decided = frame
+        node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, Choice)
         may = [number for number, entry in enumerate(decided) if entry is not None and entry[1]]
         found: list[Move] = []
@@ -174,7 +210,7 @@ class Offers(Abandoning):
             picked = tuple(
                 None if number in may and number != chosen else entry for number, entry in enumerate(decided)
             )
-            found.append((INTERNAL_LABEL, c._replace(stack=(("choice", node, context, picked), rest))))
+            found.append((INTERNAL, c.at((frames.Choosing(node, context, picked), rest))))
         for number in may:
             condition = node.action.branches[number].condition
             assert condition is not None
@@ -185,22 +221,23 @@ class Offers(Abandoning):
         where = context.definition.name
         self.thread.abstracted(f"`{expression_text(condition)}` in `{where}` may hold or not", condition.span)
 
-    def _reading(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
-        _, context, instance, node, remaining = frame
+    def _reading(self, c: Configuration, frame: frames.Reading, rest: Stack) -> list[Move]:
+        context, instance, node, remaining = frame.context, frame.instance, frame.node, frame.remaining
+        assert remaining is not None
         inputs = self.follower.connections(context, instance, "in")
         chain, free = self._ordered(context, inputs, remaining)
         if len(free) > _AT_ONCE:
             return self.laws.fork(c, frame, rest, inputs)
         found: list[Move] = []
         for position in (*chain[:1], *free):
-            left = (("reading", context, instance, node, tuple(i for i in remaining if i != position)), rest)
+            left = (frames.Reading(context, instance, node, tuple(i for i in remaining if i != position)), rest)
             end = inputs[position][0].attachment
             assert isinstance(end, PortEnd | ChannelEnd)
             for label, value, given in self.reads(c, context, end):
-                if value is MISSED:
+                if isinstance(value, Missed):
                     found.append((label, self.follower.thrown(given, TIMEOUT)))
                 else:
-                    found.append((label, given._replace(stack=left)))
+                    found.append((label, given.at(left)))
         return found
 
     def _ordered(self, context: Context, inputs: list, remaining: tuple[int, ...]) -> tuple[list[int], list[int]]:  # type: ignore[type-arg]
@@ -219,8 +256,9 @@ class Offers(Abandoning):
             chain = []
         return chain, [i for i in remaining if i not in chain]
 
-    def _writing(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
-        _, context, instance, node, remaining = frame
+    def _writing(self, c: Configuration, frame: frames.Writing, rest: Stack) -> list[Move]:
+        context, instance, node, remaining = frame.context, frame.instance, frame.node, frame.remaining
+        assert remaining is not None
         outputs = self.follower.connections(context, instance, "out")
         chain = [i for i in remaining if self.thread.medium(outputs[i][1]).kind in ("output", "overwrite")]
         free = [i for i in remaining if i not in chain]
@@ -229,9 +267,9 @@ class Offers(Abandoning):
             return self.laws.fork(c, frame, rest, outputs)
         found: list[Move] = []
         for position in (*chain[:1], *free):
-            left = (("writing", context, instance, node, tuple(i for i in remaining if i != position)), rest)
+            left = (frames.Writing(context, instance, node, tuple(i for i in remaining if i != position)), rest)
             connection, reference = outputs[position]
-            after = self.delivering(reference, node, c._replace(stack=left))
+            after = self.delivering(reference, node, c.at(left))
             found.append((self.written(reference, self._computed(context, connection, instance, reference)), after))
         return found
 
@@ -248,50 +286,50 @@ class Offers(Abandoning):
             self.follower.not_shown(context, medium, f"of the control law `{instance}`", span)
         return value
 
-    def _open(self, c: Configuration, frame: Frame) -> list[Move]:
-        _, context, condition, then, otherwise = frame
-        self._left_open(context, condition)
-        found = self.follower.outcomes(c, context, condition)
+    def _open(self, c: Configuration, frame: frames.Open) -> list[Move]:
+        self._left_open(frame.context, frame.condition)
+        found = self.follower.outcomes(c, frame.context, frame.condition)
         return [
-            (INTERNAL_LABEL, given._replace(stack=then if holds else otherwise, loaded=())) for holds, given in found
+            (INTERNAL, given._replace(stack=frame.then if holds else frame.otherwise, loaded=()))
+            for holds, given in found
         ]
 
-    def _load(self, c: Configuration, reference: Reference, rest: Stack) -> list[Move]:
-        if reference[0] == "risk":
-            self.thread.abstracted("a computation may end in a fault or not", reference[1])
+    def _load(self, c: Configuration, reference: Reference | Risk, rest: Stack) -> list[Move]:
+        if isinstance(reference, Risk):
+            self.thread.abstracted("a computation may end in a fault or not", reference.span)
             safe = c._replace(stack=rest, loaded=(*c.loaded, (RISK, True)))
-            return [(INTERNAL_LABEL, self.follower.thrown(safe, FAULT)), (INTERNAL_LABEL, safe)]
+            return [(INTERNAL, self.follower.thrown(safe, FAULT)), (INTERNAL, safe)]
         domain = self.thread.domain(reference)
         return [
-            (("load", reference, value), c._replace(stack=rest, loaded=(*c.loaded, (reference, value))))
+            (Load(reference, value), c._replace(stack=rest, loaded=(*c.loaded, (reference, value))))
             for value in ((UNKNOWN,) if domain is None else domain)
         ]
 
-    def _foreign(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+    def _foreign(self, c: Configuration, frame: frames.Foreign, rest: Stack) -> list[Move]:
         """A process written in another language: it may communicate on any of its ports, one after the other, and end whenever it likes."""
-        _, context, node = frame
+        context, node = frame.context, frame.node
         self.thread.abstracted(
             f"`{context.definition.name}` is written by hand: it may communicate in any order, and end at any time",
             context.definition.definition.span,
         )
-        found: list[Move] = [(INTERNAL_LABEL, c._replace(stack=rest))]
+        found: list[Move] = [(INTERNAL, c.at(rest))]
         for element in context.definition.elements:
             reference = context.ports[element]
             kind = self.thread.medium(reference).kind
             if kind == "var" and self.thread.medium(reference).relevant:
-                found.append((INTERNAL_LABEL, self.follower.stored(c, reference, UNKNOWN)))
+                found.append((INTERNAL, self.follower.stored(c, reference, UNKNOWN)))
             elif kind not in ("var", "constant", "discard"):
-                found.append((INTERNAL_LABEL, c._replace(stack=(("foreign port", context, element, node), rest))))
+                found.append((INTERNAL, c.at((frames.ForeignPort(context, element, node), rest))))
         return found
 
-    def _foreign_port(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
-        _, context, (name, index), node = frame
-        back = c._replace(stack=(("foreign", context, node), rest))
+    def _foreign_port(self, c: Configuration, frame: frames.ForeignPort, rest: Stack) -> list[Move]:
+        context, (name, index), node = frame.context, frame.element, frame.node
+        back = c.at((frames.Foreign(context, node), rest))
         ports = {port.name: port for port in context.definition.definition.ports}
         reference = context.ports[name, index]
         if ports[name].direction == "out":
             return [(self.written(reference, UNKNOWN), self.delivering(reference, node, back))]
         found: list[Move] = []
         for label, value, given in self.reads(back, context, PortEnd(name, index)):
-            found.append((label, self.follower.thrown(given, TIMEOUT) if value is MISSED else given))
+            found.append((label, self.follower.thrown(given, TIMEOUT) if isinstance(value, Missed) else given))
         return found

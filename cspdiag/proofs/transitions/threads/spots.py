@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.base.record import replaced
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import (
@@ -9,16 +11,21 @@ from cspdiag.network.ir.actions import (
     Branch,
     Choice,
     InputEvent,
+    InterruptOn,
     OutputEvent,
     ParallelSteps,
     ReadValue,
     ReadyEvent,
+    SkipEvent,
     StopStep,
     WaitStep,
 )
 from cspdiag.proofs.transitions.occurrences import PATIENT
-from cspdiag.proofs.transitions.systems.template import Path, Reference, Spot
-from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Frame, Thread
+from cspdiag.proofs.transitions.systems.references import Path, Reference
+from cspdiag.proofs.transitions.systems.template import Spot
+from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 
 MISSED_A_SAMPLE = "raises Timeout"
 """Where a missed sample has ended the outermost process."""
@@ -35,67 +42,79 @@ def _innermost(configuration: Configuration) -> Path:
     stack = configuration.stack
     while stack is not None:
         frame, stack = stack
-        if frame[0] == "leave":
-            path: Path = frame[1].path
-            return path
+        if isinstance(frame, frames.Leave):
+            return frame.context.path
     return ()
 
 
-def _spot(thread: Thread, frame: Frame) -> Spot:
-    match frame[0]:
-        case "run":
+def _spot(thread: Thread, frame: frames.Frame) -> Spot:
+    match frame:
+        case frames.Run():
             return _action(frame)
-        case "put":
-            return Spot("waits to write", frame[1], frame[3].span)
-        case "delivering":
-            span = None if frame[2] is None else frame[2].span
-            return Spot("waits until all readers have taken what it wrote to", frame[1], span)
-        case "withdrawing":
-            return Spot("takes back what it wrote to", frame[1])
-        case "choice":
+        case frames.Put():
+            return Spot("waits to write", frame.reference, frame.node.span)
+        case frames.Delivering():
+            span = None if frame.node is None else frame.node.span
+            return Spot("waits until all readers have taken what it wrote to", frame.reference, span)
+        case frames.Withdrawing():
+            return Spot("takes back what it wrote to", frame.reference)
+        case frames.Choosing():
             return _choice(frame)
-        case "reading" | "writing":
+        case frames.Reading() | frames.Writing():
             return _law(thread, frame)
-        case "join":
-            words = "waits for its parallel branches to end" if frame[3] == "wait" else "ends its parallel branches"
-            return Spot(words, None, frame[1].span)
-        case "picking":
-            return Spot("decides", None, frame[1].span)
-        case "open":
-            return Spot("decides", None, frame[2].span)
-        case "guard only":
-            words, reference = _guard(frame[1].action.branch, frame[2])
-            return Spot(words, reference, frame[1].action.branch.span)
-        case "pass":
-            return Spot("goes on", None, frame[1].span)
-        case "closing":
-            return Spot("goes on", None, frame[1][1].span)
-        case "split":
-            return Spot("computes", None, frame[1][0][3].span) if frame[1][0][0] == "put" else Spot("computes")
-        case "load":
-            return Spot("computes", None, frame[1][1]) if frame[1][0] == "risk" else Spot("looks at", frame[1])
-        case "store":
-            return Spot("assigns", frame[1])
-        case "foreign":
-            return Spot("decides what to do", None, frame[1].definition.definition.span)
-        case "foreign port":
-            _, context, element, _ = frame
-            return Spot("waits to communicate on", context.ports[element], context.definition.definition.span)
-        case "diverges":
+        case frames.Join():
+            words = "waits for its parallel branches to end" if frame.stage == "wait" else "ends its parallel branches"
+            return Spot(words, None, frame.node.span)
+        case frames.Picking():
+            return Spot("decides", None, frame.node.span)
+        case frames.Open():
+            return Spot("decides", None, frame.condition.span)
+        case frames.GuardOnly():
+            assert isinstance(frame.node.action, InterruptOn)
+            words, reference = _guard(frame.node.action.branch, frame.context)
+            return Spot(words, reference, frame.node.action.branch.span)
+        case frames.Pass():
+            return Spot("goes on", None, frame.node.span)
+        case frames.Closing():
+            return Spot("goes on", None, frame.interrupt.node.span)
+        case frames.Split():
+            first = frame.parts[0]
+            return Spot("computes", None, first.node.span if isinstance(first, frames.Put) else None)
+        case frames.Load(what=frames.Risk() as risk):
+            return Spot("computes", None, risk.span)
+        case frames.Load(what=reference):
+            return Spot("looks at", reference)
+        case frames.Store():
+            return Spot("assigns", frame.reference)
+        case frames.Foreign():
+            return Spot("decides what to do", None, frame.context.definition.definition.span)
+        case frames.ForeignPort():
+            reference = frame.context.ports[frame.element]
+            return Spot("waits to communicate on", reference, frame.context.definition.definition.span)
+        case frames.Diverges():
             return Spot("goes round for ever without a communication")
-        case "idle":
+        case frames.Idle():
             return Spot("has not been started")
-        case "faulted":
+        case frames.Faulted():
             return Spot("has ended by a fault")
-        case "raised":
-            return Spot(f"raises {frame[1]}")
-        case "either":
+        case frames.Raised():
+            return Spot(f"raises {frame.exception}")
+        case frames.Either():
             return Spot("was cancelled")
-    return Spot("has ended")
+        case frames.Ended() | frames.Over():
+            return Spot("has ended")
+        case (
+            frames.Deciding() | frames.Offering() | frames.Compute() | frames.Interrupting() | frames.Interruptible()
+            | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again() | frames.Turns()
+            | frames.Catch() | frames.Leave()
+        ):  # fmt: skip
+            raise AssertionError(f"{frame} is done in silence")
+        case _:
+            assert_never(frame)
 
 
-def _action(frame: Frame) -> Spot:
-    _, node, context = frame
+def _action(frame: frames.Run) -> Spot:
+    node, context = frame.node, frame.context
     action = node.action
     match action:
         case ReadValue():
@@ -106,11 +125,11 @@ def _action(frame: Frame) -> Spot:
             return Spot("waits for ever, at stop", None, node.span)
         case ParallelSteps():
             return Spot("starts its parallel branches", None, node.span)
-    return Spot("goes on", None, node.span)
+    raise AssertionError(f"{type(action).__name__} is done in silence")
 
 
-def _choice(frame: Frame) -> Spot:
-    _, node, context, decided = frame
+def _choice(frame: frames.Choosing) -> Spot:
+    node, context, decided = frame.node, frame.context, frame.decided
     assert isinstance(node.action, Choice)
     branches = [branch for branch, on in zip(node.action.branches, decided, strict=True) if on is not None]
     if not branches:
@@ -129,17 +148,21 @@ def _guard(branch: Branch, context: Context) -> tuple[str, Reference | None]:
             return "waits to write", context.reference(sink)
         case AfterEvent(duration=duration):
             return f"waits for `after {expression_text(duration)}`", None
-    return "goes on", None
+        case SkipEvent():
+            return "goes on", None
+        case _:
+            assert_never(branch.event)
 
 
-def _law(thread: Thread, frame: Frame) -> Spot:
-    kind, context, instance, node, remaining = frame
-    connections = context.definition.instances[instance].connections
-    law = thread.law(context, instance)
+def _law(thread: Thread, frame: frames.Reading | frames.Writing) -> Spot:
+    context, node = frame.context, frame.node
+    connections = context.definition.instances[frame.instance].connections
+    law = thread.law(context, frame.instance)
     assert law is not None
-    side = "in" if kind == "reading" else "out"
+    assert frame.remaining is not None
+    side = "in" if isinstance(frame, frames.Reading) else "out"
     names = {port.name for port in law.ports if port.direction == side}
     ends = [context.reference(c.attachment) for c in connections if c.port in names]
-    waiting = [ends[position] for position in remaining]
+    waiting = [ends[position] for position in frame.remaining]
     patient = [reference for reference in waiting if thread.medium(reference).kind in PATIENT] or waiting
     return Spot("waits to read" if side == "in" else "waits to write", patient[0], node.span)

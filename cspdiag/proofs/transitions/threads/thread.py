@@ -3,46 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias, assert_never
 
 from cspdiag.base import Span
-from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
+from cspdiag.network.ir.actions import End
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.network.ir.network import Attachment, ConstantEnd, SubmodelClass
+from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.proofs.transitions.occurrences import Medium, Occurrence
-from cspdiag.proofs.transitions.program import Class, Node
+from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.systems.references import (
+    Constant,
+    Discard,
+    InnerChannel,
+    OwnPort,
+    Path,
+    ReadingEnd,
+    Reference,
+)
 from cspdiag.proofs.transitions.systems.system import Abstraction
-from cspdiag.proofs.transitions.systems.template import Path, ReadingEnd, Reference, Template
+from cspdiag.proofs.transitions.systems.template import Template
+from cspdiag.proofs.transitions.threads.context import Context
+from cspdiag.proofs.transitions.threads.frames import Risk, Stack
 from cspdiag.proofs.transitions.values import MOST_VALUES, UNKNOWN, Known, evaluated, same
-
-
-class Context:
-    """A process inside a thread, in whose terms an action stands."""
-
-    __slots__ = ("definition", "occurrence", "path", "ports")
-
-    def __init__(self, path: Path, occurrence: Occurrence, ports: dict[tuple[str, int | None], Reference]) -> None:
-        self.path = path
-        self.occurrence = occurrence
-        self.definition: Class = occurrence.definition
-        self.ports = ports
-
-    def reference(self, end: Attachment) -> Reference:
-        """The medium of an end."""
-        match end:
-            case PortEnd():
-                return self.ports[end.port, end.index]
-            case ChannelEnd():
-                return ("channel", self.path, end.channel)
-            case ConstantEnd():
-                return ("constant", self.occurrence.constant(end.value))
-        return ("discard",)
-
-
-Frame: TypeAlias = tuple[Any, ...]
-"""One thing that is still to be done: its kind, and what it needs."""
-
-Stack: TypeAlias = "tuple[Frame, Stack] | None"
 
 
 class Configuration(NamedTuple):
@@ -54,7 +36,11 @@ class Configuration(NamedTuple):
     variables: tuple[Known, ...] = ()
     doomed: bool = False
     fetched: tuple[Reference, Known, Node] | None = None
-    loaded: tuple[tuple[object, Known], ...] = ()
+    loaded: tuple[tuple[Reference | Risk, Known], ...] = ()
+
+    def at(self, stack: Stack) -> Configuration:
+        """The same with other things to be done: what ``_replace`` would give, in half the time."""
+        return Configuration(stack, self.variables, self.doomed, self.fetched, self.loaded)
 
 
 class Role(NamedTuple):
@@ -68,11 +54,21 @@ class Role(NamedTuple):
     once: bool
 
 
+class Session(NamedTuple):
+    """Whether a session has begun at an end of a sampled input."""
+
+    end: ReadingEnd
+
+
+Slot: TypeAlias = Reference | Session
+"""A local variable, or a note."""
+
+
 class NeedsLoad(Exception):  # noqa: N818 - a step that is to be taken first
     """A shared variable has to be loaded first."""
 
-    def __init__(self, reference: Reference) -> None:
-        self.reference = reference
+    def __init__(self, what: Reference | Risk) -> None:
+        self.what = what
 
 
 class Restart(Exception):  # noqa: N818
@@ -98,17 +94,17 @@ class Thread:
         ports: dict[tuple[str, int | None], Reference] = {}
         for (name, index), medium in occurrence.ports.items():
             if medium.kind == "constant":
-                ports[name, index] = ("constant", medium.initial)
+                ports[name, index] = Constant(medium.initial)
             elif medium.kind == "discard":
-                ports[name, index] = ("discard",)
+                ports[name, index] = Discard()
             else:
-                ports[name, index] = first.setdefault(id(medium), ("port", name, index))
+                ports[name, index] = first.setdefault(id(medium), OwnPort(name, index))
         self.root = Context((), occurrence, ports)
         self._contexts: dict[Path, Context] = {(): self.root}
-        self._slots: dict[object, int] = {}
+        self._slots: dict[Slot, int] = {}
         self._initial: list[Known] = []
         self._values: list[set[Known]] = []
-        self._sessions: dict[Path, list[object]] = {}
+        self._sessions: dict[Path, list[Session]] = {}
 
     def context(self, outer: Context, name: str) -> Context:
         """The process that an instance inside is."""
@@ -129,13 +125,21 @@ class Thread:
         """What a reference stands for; ``constant`` and ``discard`` have media of their own."""
         known = self._media.get(reference)
         if known is None:
-            if reference[0] in ("constant", "discard"):
-                known = Medium("_", reference[0], None)
-                known.initial = reference[1] if len(reference) > 1 else UNKNOWN
-            else:
-                known = resolve(self.root.occurrence, reference)
-            self._media[reference] = known
+            known = self._media[reference] = self._medium(reference)
         return known
+
+    def _medium(self, reference: Reference) -> Medium:
+        match reference:
+            case OwnPort() | InnerChannel():
+                return resolve(self.root.occurrence, reference)
+            case Constant():
+                medium = Medium("_", "constant", None)
+                medium.initial = reference.value
+                return medium
+            case Discard():
+                return Medium("_", "discard", None)
+            case _:
+                assert_never(reference)
 
     def domain(self, reference: Reference) -> tuple[Known, ...] | None:
         """The values that may be read there; None if they are not followed."""
@@ -160,9 +164,9 @@ class Thread:
 
     def value_of(self, configuration: Configuration, reference: Reference) -> Known:
         """The present value of a variable. Raises NeedsLoad for one that is shared."""
-        if reference[0] == "constant":
-            return reference[1]  # type: ignore[no-any-return]
-        if not self.medium(reference).relevant or reference[0] == "discard":
+        if isinstance(reference, Constant):
+            return reference.value
+        if not self.medium(reference).relevant or isinstance(reference, Discard):
             return UNKNOWN
         if self.is_shared(reference):
             for loaded, value in configuration.loaded:
@@ -176,7 +180,7 @@ class Thread:
         occurrence = context.occurrence
         return evaluated(
             expression,
-            lambda name: self.value_of(configuration, ("channel", context.path, name)),
+            lambda name: self.value_of(configuration, context.channel(name)),
             lambda name: self._parameter(occurrence, name),
         )
 
@@ -185,12 +189,12 @@ class Thread:
         relevant = ("parameter", occurrence.definition.name, name) in self.facts.relevant
         return occurrence.arguments.get(name, UNKNOWN) if relevant else UNKNOWN
 
-    def slot_value(self, configuration: Configuration, key: object) -> Known:
+    def slot_value(self, configuration: Configuration, key: Slot) -> Known:
         """The value of a local variable, or of a note such as whether a session has begun."""
         slot = self._slot(key)
         return configuration.variables[slot] if slot < len(configuration.variables) else self._initial[slot]
 
-    def with_slot(self, configuration: Configuration, key: object, value: Known) -> Configuration:
+    def with_slot(self, configuration: Configuration, key: Slot, value: Known) -> Configuration:
         """The configuration with another value of a local variable. Trailing initial values are left out, so that equal ones look equal."""
         value = self._followed(key, value)
         slot = self._slot(key)
@@ -207,19 +211,21 @@ class Thread:
             changed.pop()
         return configuration._replace(variables=tuple(changed))
 
-    def _slot(self, key: object) -> int:
+    def _slot(self, key: Slot) -> int:
         slot = self._slots.get(key)
         if slot is None:
             slot = self._slots[key] = len(self._initial)
-            initial = False if _is_session(key) else self.medium(key).initial  # type: ignore[arg-type]
+            initial = False if isinstance(key, Session) else self.medium(key).initial
             self._initial.append(self._followed(key, initial))
             self._values.append(set())
-            if _is_session(key):
-                self._sessions.setdefault(key[1][0], []).append(key)  # type: ignore[index]
+            if isinstance(key, Session):
+                self._sessions.setdefault(key.end.path, []).append(key)
         return slot
 
-    def _followed(self, key: object, value: Known) -> Known:
+    def _followed(self, key: Slot, value: Known) -> Known:
         """A value of a variable as far as it is followed."""
+        if isinstance(key, Session):
+            return value
         if key in self.dropped:
             return UNKNOWN
         return self.medium(key).coarsened(value) if key in self.widened else value
@@ -245,7 +251,8 @@ class Thread:
             values.add(value)
             if len(values) > MOST_VALUES:
                 ((key, _),) = (entry for entry in self._slots.items() if entry[1] == slot)
-                self._widen(key)  # type: ignore[arg-type]
+                assert not isinstance(key, Session)
+                self._widen(key)
                 raise Restart
 
     def give_up(self, configurations: Iterable[Configuration]) -> bool:
@@ -254,27 +261,28 @@ class Thread:
         for configuration in configurations:
             for slot, value in enumerate(configuration.variables):
                 found.setdefault(slot, set()).add(value)
-        most, best = 1, None
+        most: int = 1
+        best: Reference | None = None
         for key, slot in self._slots.items():
             values = found.get(slot, set()) | {self._initial[slot]}
-            if len(values) > most and key not in self.dropped and not _is_session(key):
+            if len(values) > most and not isinstance(key, Session) and key not in self.dropped:
                 most, best = len(values), key
         if best is None:
             return False
-        self._widen(best)  # type: ignore[arg-type]
+        self._widen(best)
         return True
 
     def begun(self, configuration: Configuration, context: Context, end: ReadingEnd) -> bool:
         """Whether a sample may have been missed at an end: its process has read there before. Unknown counts as that."""
         if not self._follows_sessions(context):
             return True
-        return bool(self.slot_value(configuration, ("begun", end)))
+        return bool(self.slot_value(configuration, Session(end)))
 
     def beginning(self, configuration: Configuration, context: Context, end: ReadingEnd) -> Configuration:
         """A read at an end: the session has begun."""
         if not self._follows_sessions(context):
             return configuration
-        return self.with_slot(configuration, ("begun", end), True)
+        return self.with_slot(configuration, Session(end), True)
 
     def closed(self, configuration: Configuration, context: Context) -> Configuration:
         """The process ends, and with it the sessions of its ends."""
@@ -291,17 +299,19 @@ class Thread:
         self.template.abstractions[Abstraction(what, span)] = None
 
 
-def _is_session(key: object) -> bool:
-    return isinstance(key, tuple) and key[0] == "begun"
-
-
 def resolve(occurrence: Occurrence, reference: Reference) -> Medium:
     """The medium of a reference of a thread whose own instance is ``occurrence``."""
-    if reference[0] == "port":
-        return occurrence.ports[reference[1], reference[2]]
-    return occurrence.at(reference[1]).channel(reference[2])
+    match reference:
+        case OwnPort():
+            return occurrence.ports[reference.name, reference.element]
+        case InnerChannel():
+            return occurrence.at(reference.path).channel(reference.name)
+        case Constant() | Discard():
+            raise AssertionError("nobody else accesses it")
+        case _:
+            assert_never(reference)
 
 
 def reading_end(context: Context, end: End) -> ReadingEnd:
     """The identity of an end at which a process reads."""
-    return (context.path, end)
+    return ReadingEnd(context.path, end)

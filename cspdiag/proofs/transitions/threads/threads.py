@@ -14,7 +14,8 @@ from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import instances_run
 from cspdiag.proofs.transitions.occurrences import CHANNELS, Medium, Occurrence, World
 from cspdiag.proofs.transitions.program import Node
-from cspdiag.proofs.transitions.systems.template import ParallelId, Template
+from cspdiag.proofs.transitions.systems.references import ParallelId, Reference
+from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.explore import explore
 from cspdiag.proofs.transitions.threads.thread import Role, resolve
 from cspdiag.proofs.transitions.values import UNKNOWN
@@ -162,7 +163,7 @@ class Strands:
         return definition.name, strand.node, strand.role, values, tuple(ports)
 
 
-def _answer(occurrence: Occurrence, reference: tuple[object, ...]) -> object:
+def _answer(occurrence: Occurrence, reference: Reference) -> object:
     medium = resolve(occurrence, reference)
     return medium.domain, medium.shared
 
