@@ -7,9 +7,9 @@ import pytest
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Abandon, Code, Communicate, Instruction, Join, Loop, Raise, Resume, Unwatch
+from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
 from cspdiag.network.flow.ends import may_end
-from cspdiag.network.flow.raised import Exceptions, exceptions_of
+from cspdiag.network.flow.raised import NO_EXCEPTIONS, exceptions_of
 from cspdiag.network.ir.actions import Action
 from cspdiag.network.ir.network import Network
 from cspdiag.optimize import lower_for_targets, optimize
@@ -124,10 +124,7 @@ def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
     ],
 )  # fmt: skip
 def test_which_exceptions_come_to_handlers(composition: str, leaving: set[str], coming: list[object]) -> None:
-    def raised_by(instruction: Instruction) -> Exceptions:
-        return frozenset({instruction.step.exception}) if isinstance(instruction, Raise) else frozenset()
-
-    found, watched = exceptions_of(code(composition), raised_by)
+    found, watched = exceptions_of(body(composition), lambda _: NO_EXCEPTIONS)
     assert found == leaving
     assert [(each.raised, each.caught_inside) for each in watched] == coming
 

@@ -7,8 +7,6 @@ from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.model.program import Program
 from cspdiag.network.diagnostics.usage import HandlerNeverRuns
-from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Call, Instruction, Raise
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, Watched, exceptions_of
 from cspdiag.network.shapes import Shape
 from cspdiag.network.syntax_walk import nodes
@@ -40,17 +38,11 @@ class RaisedExceptions:
             self._by_shape[shape] = None
             return
 
-        def raised_by(instruction: Instruction) -> Exceptions:
-            match instruction:
-                case Raise():
-                    return frozenset({instruction.step.exception})
-                case Call():
-                    inner = shape.instances[instruction.step.instance].shape
-                    return NO_EXCEPTIONS if inner.is_submodel else self._by_shape.get(inner)
-                case _:
-                    return NO_EXCEPTIONS
+        def of_instance(name: str) -> Exceptions:
+            inner = shape.instances[name].shape
+            return NO_EXCEPTIONS if inner.is_submodel else self._by_shape.get(inner)
 
-        self._by_shape[shape], watched = exceptions_of(flow_of(shape.body), raised_by)
+        self._by_shape[shape], watched = exceptions_of(shape.body, of_instance)
         for found in watched:
             self._note(shape, found)
 

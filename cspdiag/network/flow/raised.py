@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from cspdiag.base.record import node
-from cspdiag.network.flow.code import Abandon, Code, Instruction
-from cspdiag.network.ir.actions import CatchException
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Abandon, Call, Instruction, Raise
+from cspdiag.network.ir.actions import Action, CatchException
 
 Exceptions: TypeAlias = frozenset[str] | None
 """Names of exceptions; None: any."""
@@ -24,15 +25,29 @@ class Watched:
     caught_inside: frozenset[str]
 
 
-def exceptions_of(code: Code, raised_by: Callable[[Instruction], Exceptions]) -> tuple[Exceptions, list[Watched]]:
-    """The exceptions that may leave a composition, and what comes to its handlers; ``raised_by`` are those that an instruction may raise."""
+def exceptions_of(
+    body: Action,
+    of_instance: Callable[[str], Exceptions],
+    of_step: Callable[[Instruction], Exceptions] = lambda _: NO_EXCEPTIONS,
+) -> tuple[Exceptions, list[Watched]]:
+    """The exceptions that may leave a composition, and what comes to its handlers.
+
+    ``of_instance`` are those that leave the instance of a name, ``of_step`` those that come from an instruction but for ``raise``.
+    """
+    code = flow_of(body)
     arriving: dict[int | None, Exceptions] = {None: NO_EXCEPTIONS}
     caught: dict[int | None, frozenset[str]] = {}
     found = []
     # The end of a watched part stands behind all that is in it, and in front of the end of the part around.
     for index, instruction in enumerate(code.instructions):
         around = code.abandoned[index]
-        leaving = raised_by(instruction)
+        match instruction:
+            case Raise():
+                leaving: Exceptions = frozenset({instruction.step.exception})
+            case Call():
+                leaving = of_instance(instruction.step.instance)
+            case _:
+                leaving = of_step(instruction)
         if isinstance(instruction, Abandon):
             leaving, inside = arriving.pop(index, NO_EXCEPTIONS), caught.pop(index, frozenset())
             if isinstance(instruction.step, CatchException):

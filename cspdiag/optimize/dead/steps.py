@@ -10,8 +10,7 @@ from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
 from cspdiag.network.checks.unwritten import may_be_unwritten
-from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Call, Compute, Instruction, Raise
+from cspdiag.network.flow.code import Compute, Instruction
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
@@ -127,18 +126,7 @@ class _Raising:
 
     def by(self, body: Action) -> Exceptions:
         """The declared exceptions that may leave a composition, from what it runs as well."""
-        return exceptions_of(flow_of(body), self._by_instruction)[0]
-
-    def _by_instruction(self, instruction: Instruction) -> Exceptions:
-        match instruction:
-            case Raise():
-                return frozenset({instruction.step.exception})
-            case Call():
-                return self._raised[self._classes[instruction.step.instance]]
-            case Compute(step=RunLaw(equations=equations)) if any(isinstance(e, ExternalCall) for e in equations):
-                return None
-            case _:
-                return NO_EXCEPTIONS
+        return exceptions_of(body, lambda instance: self._raised[self._classes[instance]], _from_outside)[0]
 
     def may(self, body: Action, exception: str) -> bool:
         """Whether it may raise an exception; any step may fault."""
@@ -156,6 +144,13 @@ class _Raising:
                 return isinstance(end, PortEnd) and end.port in self._sampled
             case _:
                 return False
+
+
+def _from_outside(instruction: Instruction) -> Exceptions:
+    """A law in another language may raise anything."""
+    law = instruction.step if isinstance(instruction, Compute) else None
+    is_external = isinstance(law, RunLaw) and any(isinstance(equation, ExternalCall) for equation in law.equations)
+    return None if is_external else NO_EXCEPTIONS
 
 
 def _without_unused_instances(entry: ProcessClass, classes: Mapping[str, Class]) -> ProcessClass:

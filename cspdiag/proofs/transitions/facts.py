@@ -9,14 +9,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
-from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import (
-    Call,
     Communicate,
     Compute,
     Delay,
     Instruction,
-    Raise,
     Select,
     Take,
     Test,
@@ -107,17 +104,17 @@ class Facts:
         """The exceptions that may end an action of a class, and leave it."""
         known = self._escaping.get(node)
         if known is None:
-            known, _ = exceptions_of(flow_of(node.action), lambda instruction: self._raised_by(instruction, one))
+            known, _ = exceptions_of(
+                node.action,
+                lambda name: self._of_instance(name, one),
+                lambda instruction: self._of_step(instruction, one),
+            )
             assert known is not None
             self._escaping[node] = known
         return known
 
-    def _raised_by(self, instruction: Instruction, one: Class) -> frozenset[str]:
+    def _of_step(self, instruction: Instruction, one: Class) -> frozenset[str]:
         match instruction:
-            case Raise():
-                return frozenset({instruction.step.exception})
-            case Call():
-                return self._of_instance(instruction.step.instance, one)
             case Take(branch=Branch(event=ReadyEvent(source=end) | InputEvent(source=end))):
                 return self._of_read(end, one)
             case Communicate(step=ReadValue(source=end)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
 
@@ -14,6 +14,7 @@ from cspdiag.analyses.timing.flow.looping import Looping
 from cspdiag.analyses.timing.flow.places import Context, Places, variables_in
 from cspdiag.analyses.timing.result import Refusal
 from cspdiag.base.record import replaced
+from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
@@ -401,18 +402,17 @@ class Threads(Places):
         abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]
         return replaced(context, interrupts=(*context.interrupts, *abandons))
 
-    def _raised_in(self, action: Action, path: str) -> Iterator[str]:
-        for part in parts(action):
-            match part:
-                case RaiseException():
-                    yield part.exception
-                case RunInstance():
-                    inner = f"{path}.{part.instance}"
-                    entry = self.classes[self.instances[inner].class_name]
-                    if isinstance(entry, ProcessClass) and entry.body is not None:
-                        yield from self._raised_in(entry.body, inner)
-                case _:
-                    pass
+    def _raised_in(self, action: Action, path: str) -> frozenset[str]:
+        """The declared exceptions that may leave an action."""
+
+        def of_instance(name: str) -> Exceptions:
+            entry = self.classes[self.instances[f"{path}.{name}"].class_name]
+            body = entry.body if isinstance(entry, ProcessClass) else None
+            return NO_EXCEPTIONS if body is None else self._raised_in(body, f"{path}.{name}")
+
+        raised, _ = exceptions_of(action, of_instance)
+        assert raised is not None
+        return raised
 
     def _named(self, step: Action, path: str) -> str:
         match step:
