@@ -25,6 +25,7 @@ from cspdiag.codegen.python.text.code import (
     Starred,
 )
 from cspdiag.codegen.python.text.literals import remark
+from cspdiag.codegen.shared.document import LINE, SOFT, Choice, Document, Flat, Group, Nest, joined, render
 
 LINE_LENGTH = 100
 """Of generated code; its pyproject.toml says the same."""
@@ -46,7 +47,7 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
     lines = [] if comment is None else [f"{indent}# {comment}"]
     if len(line) <= LINE_LENGTH or not code.flat:
         return [*lines, line]
-    return [*lines, *_broken_statement(indent, before, code, after)]
+    return [*lines, *render((before, _statement(code), after), LINE_LENGTH, len(indent))]
 
 
 def _comment_line(indent: str, comment: str) -> str:
@@ -54,18 +55,15 @@ def _comment_line(indent: str, comment: str) -> str:
     return line if len(line) <= LINE_LENGTH else f"{line[: LINE_LENGTH - 3].rstrip()}..."
 
 
-def _broken_statement(indent: str, before: str, code: Code, after: str) -> list[str]:
+def _statement(code: Code) -> Document:
+    """An expression that stands behind the beginning of a statement, and does not fit on its line."""
     if isinstance(code, Chain | Conditional | Prefix):
-        if _splits_at_brackets(code):
-            at_brackets = _broken(indent, before, code, after)
-            if all(len(line) <= LINE_LENGTH for line in at_brackets):
-                return at_brackets
-        if not _is_awaited_call(code):
-            return [f"{indent}{before}(", *_inside(indent + INDENT, "", code, ""), f"{indent}){after}"]
+        at_brackets = (_at_brackets(code),) if _splits_at_brackets(code) else ()
+        in_parentheses = () if _is_awaited_call(code) else (_surrounded("(", _inside(code), ")"),)
+        return Choice((*at_brackets, *(in_parentheses or (_at_brackets(code),))))
     if isinstance(code, Atom):
-        wrapped = [f"{indent}{before}(", f"{indent}{INDENT}{code.text}", f"{indent}){after}"]
-        return wrapped if len(wrapped[1]) <= LINE_LENGTH else [f"{indent}{before}{code.text}{after}"]
-    return _broken(indent, before, code, after)
+        return Choice((_surrounded("(", code.text, ")"), code.text))
+    return _at_brackets(code)
 
 
 def _is_awaited_call(code: Code) -> bool:
@@ -128,22 +126,19 @@ def _has_brackets_first(code: Code) -> bool:
     return False
 
 
-def _inside(indent: str, before: str, code: Code, after: str) -> list[str]:
-    """The lines of an expression that stands between brackets already."""
-    line = f"{indent}{before}{code.flat}{after}"
-    if len(line) <= LINE_LENGTH:
-        return [line]
+def _inside(code: Code) -> Document:
+    """An expression that stands between brackets already."""
     match code:
         case Chain():
-            operands = [("", code.first), *((f"{operator} ", operand) for operator, operand in code.rest)]
-            return _operands(indent, before, operands, after)
+            rest = [(f"{operator} ", _inside(operand)) for operator, operand in code.rest]
+            return Group(joined(LINE, (_inside(code.first), *rest)))
         case Conditional():
-            return _operands(indent, before, list(_alternatives(code)), after)
+            return Group(joined(LINE, [(start, _inside(operand)) for start, operand in _alternatives(code)]))
         case Prefix():
-            return _inside(indent, before + code.text, code.operand, after)
+            return (code.text, _inside(code.operand))
         case Named():
-            return _inside(indent, f"{before}{code.name} := ", code.value, after)
-    return _broken(indent, before, code, after)
+            return (f"{code.name} := ", _inside(code.value))
+    return _at_brackets(code)
 
 
 def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:
@@ -157,43 +152,41 @@ def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:
     yield start, rest
 
 
-def _operands(indent: str, before: str, operands: Sequence[tuple[str, Code]], after: str) -> list[str]:
-    lines: list[str] = []
-    for position, (operator, operand) in enumerate(operands):
-        start = before if position == 0 else operator
-        end = after if position == len(operands) - 1 else ""
-        lines += _inside(indent, start, operand, end)
-    return lines
-
-
-def _broken(indent: str, before: str, code: Code, after: str) -> list[str]:
-    """The lines of an expression broken at its own brackets."""
-    deeper = indent + INDENT
+def _at_brackets(code: Code) -> Document:
+    """An expression that is broken at its own brackets."""
     match code:
         case Atom() | Entry() | Call(arguments=()) | Items(items=()):
-            return [f"{indent}{before}{code.flat}{after}"]
+            return code.flat
         case Call():
-            return [f"{indent}{before}{code.function}(", *_arguments(deeper, code), f"{indent}){after}"]
+            return _bracketed(code, f"{code.function}(", _arguments(code), ")")
         case Items():
-            items = [line for item in code.items for line in _item(deeper, item)]
-            return [f"{indent}{before}{code.brackets[0]}", *items, f"{indent}{code.brackets[1]}{after}"]
+            items = joined(LINE, [(_item(item), ",") for item in code.items])
+            return _bracketed(code, code.brackets[0], items, code.brackets[1])
         case Comprehension():
-            inner = [f"{deeper}{code.element.flat} {code.clause}"]
-            if len(inner[0]) > LINE_LENGTH:
-                inner = [*_inside(deeper, "", code.element, ""), f"{deeper}{code.clause}"]
-            return [f"{indent}{before}{code.brackets[0]}", *inner, f"{indent}{code.brackets[1]}{after}"]
+            several = (_inside(code.element), LINE, code.clause)
+            inner = Choice((Flat(f"{code.element.flat} {code.clause}"), several))
+            return _bracketed(code, code.brackets[0], inner, code.brackets[1])
         case Starred():
-            return _broken(indent, f"{before}*", code.value, after)
+            return ("*", _at_brackets(code.value))
         case Parenthesized():
-            return [f"{indent}{before}(", *_inside(deeper, "", code.operand, ""), f"{indent}){after}"]
+            return _bracketed(code, "(", _inside(code.operand), ")")
         case Postfix():
-            return _broken(indent, before, code.operand, code.text + after)
+            return (_at_brackets(code.operand), code.text)
         case Prefix():
-            return _broken(indent, before + code.text, code.operand, after)
+            return (code.text, _at_brackets(code.operand))
         case Chain():
-            return _flow(indent, before, list(_leaves(code, "")), after)
+            return tuple((operator, _at_brackets(leaf)) for operator, leaf in _leaves(code, ""))
         case Conditional() | Named():
-            return _inside(indent, before, code, after)
+            return _inside(code)
+
+
+def _bracketed(code: Code, opening: str, inner: Document, closing: str) -> Document:
+    """On one line, or with the brackets on lines of their own."""
+    return Choice((Flat(code.flat), _surrounded(opening, inner, closing)))
+
+
+def _surrounded(opening: str, inner: Document, closing: str) -> Document:
+    return (opening, Nest(len(INDENT), (SOFT, inner)), SOFT, closing)
 
 
 def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
@@ -209,43 +202,14 @@ def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
             yield before, code
 
 
-def _flow(indent: str, before: str, leaves: Sequence[tuple[str, Code]], after: str) -> list[str]:
-    """Operands one behind the other; each stays flat if the line then reaches the next bracket, the last of them breaks."""
-    lines: list[str] = []
-    line = before
-    for position, (operator, leaf) in enumerate(leaves):
-        line += operator
-        following = leaves[position + 1 :]
-        if not _has_brackets(leaf) or _reaches(f"{indent}{line}{leaf.flat}", following, after):
-            line += leaf.flat
-            continue
-        broken = _broken(indent, line, leaf, "")
-        lines += broken[:-1]
-        line = broken[-1].removeprefix(indent)
-    return [*lines, f"{indent}{line}{after}"]
+def _item(item: Code) -> Document:
+    return (f"{item.key}: ", _inside(item.value)) if isinstance(item, Entry) else _inside(item)
 
 
-def _reaches(line: str, leaves: Sequence[tuple[str, Code]], after: str) -> bool:
-    """Whether a line has room for what follows up to the next opening bracket, or for all of it."""
-    for operator, leaf in leaves:
-        if _has_brackets(leaf):
-            opening = leaf.function if isinstance(leaf, Call) else ""
-            return len(line) + len(operator) + len(opening) + 1 <= LINE_LENGTH
-        line += operator + leaf.flat
-    return len(line) + len(after) <= LINE_LENGTH
-
-
-def _item(indent: str, item: Code) -> list[str]:
-    if isinstance(item, Entry):
-        return _inside(indent, f"{item.key}: ", item.value, ",")
-    return _inside(indent, "", item, ",")
-
-
-def _arguments(indent: str, code: Call) -> list[str]:
-    line = indent + ", ".join(argument.flat for argument in code.arguments)
-    if len(line) <= LINE_LENGTH:
-        return [line]
-    return [line for argument in code.arguments for line in _inside(indent, argument.prefix, argument.value, ",")]
+def _arguments(code: Call) -> Document:
+    """On one line of their own, or on a line each."""
+    together = Flat(", ".join(argument.flat for argument in code.arguments))
+    return Choice((together, joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
 
 
 def bracketed(indent: str, before: str, items: Sequence[str], after: str, *, together: bool = True) -> list[str]:
@@ -253,10 +217,7 @@ def bracketed(indent: str, before: str, items: Sequence[str], after: str, *, tog
 
     ``together`` allows the items on one indented line, as for arguments; imports do not.
     """
-    line = f"{indent}{before}{', '.join(items)}{after}"
-    if len(line) <= LINE_LENGTH:
-        return [line]
-    inner = f"{indent}{INDENT}{', '.join(items)}"
-    if together and len(inner) <= LINE_LENGTH:
-        return [f"{indent}{before}", inner, f"{indent}{after}"]
-    return [f"{indent}{before}", *(f"{indent}{INDENT}{item}," for item in items), f"{indent}{after}"]
+    inner = Flat(", ".join(items))
+    apart = _surrounded(before, joined(LINE, [f"{item}," for item in items]), after)
+    beneath = (_surrounded(before, inner, after),) if together else ()
+    return render(Choice((Flat((before, inner, after)), *beneath, apart)), LINE_LENGTH, len(indent))

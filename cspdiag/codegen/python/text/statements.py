@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import Atom, Code
-from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, statement
+from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, bracketed, statement
 from cspdiag.codegen.python.text.literals import remark
 
 NOTHING = Atom("")
@@ -106,7 +106,4 @@ def _unpacking(item: Unpack, indent: str) -> list[str]:
 
 def signature(before: str, parameters: Sequence[str], after: str, indent: str) -> list[str]:
     """The head of a function: on one line, or one parameter a line."""
-    line = f"{indent}{before}({', '.join(parameters)}){after}"
-    if len(line) <= LINE_LENGTH:
-        return [line]
-    return [f"{indent}{before}(", *(f"{indent}{INDENT}{item}," for item in parameters), f"{indent}){after}"]
+    return bracketed(indent, f"{before}(", parameters, f"){after}", together=False)
