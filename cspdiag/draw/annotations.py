@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 
 from cspdiag.base import Diagnostic
 from cspdiag.base.record import record
-from cspdiag.draw.communication.symbols import INKS
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.shapes import Anchor, Box, Face, Group, Ink, Item, Run, Text
@@ -19,6 +18,16 @@ BADGE = 8.5
 """Half the height of a badge."""
 SMALLEST_ROW = 520.0
 """Legends and messages are not broken to less than this width."""
+
+INKS: dict[MarkKind, tuple[Ink, Ink]] = {
+    "error": (Ink.ERROR, Ink.ERROR_FILL),
+    "warning": (Ink.WARNING, Ink.WARNING_FILL),
+    "added": (Ink.ADDED, Ink.ADDED_FILL),
+    "removed": (Ink.REMOVED, Ink.REMOVED_FILL),
+    "changed": (Ink.CHANGED, Ink.CHANGED_FILL),
+    "highlighted": (Ink.ACCENT, Ink.ACCENT_FILL),
+}
+"""The outline and the inside of what is marked."""
 
 _SIGNS: dict[MarkKind, str] = {
     "error": "!",

@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from cspdiag.base.record import replaced
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat.solver import MISSING
 from cspdiag.proofs.search.candidates import MOST_STATES, refute_by_candidate
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 

@@ -10,7 +10,7 @@ import pytest
 from cspdiag.proofs import verdict
 from cspdiag.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.sat import solver as sat_solver
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown
 from tests.proofs.systems import known, naive

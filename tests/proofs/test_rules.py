@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.rules.deadlock import by_rules
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
 from tests.proofs.systems import known, naive

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from cspdiag.analyses.timing.flow.graph import Missing
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.task import Task
 from cspdiag.base import Span
 from cspdiag.base.record import record
@@ -72,18 +73,6 @@ class Chain:
     loops: tuple[str, ...]
     reaction: int
     age: int
-
-
-@record
-class Refusal:
-    """Something that has no bound, why, where, and what helps."""
-
-    uncompared: ClassVar[frozenset[str]] = frozenset()
-
-    subject: str
-    reason: str
-    span: Span
-    help: str
 
 
 @record

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from cspdiag.base import Diagnostic
 from cspdiag.base.record import replaced
-from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, badge_width, has_badge, heading, messages
+from cspdiag.draw.annotations import BADGE, INKS, SMALLEST_ROW, badge, badge_width, has_badge, heading, messages
 from cspdiag.draw.communication import symbols
 from cspdiag.draw.communication.graph import BADGE_GAP, Caption, CommunicationGraph, communication_graph
 from cspdiag.draw.communication.legend import legend
@@ -259,7 +259,7 @@ def _lines(caption: Caption, place: Rectangle, anchor: Anchor) -> list[Item]:
 def _inked(runs: tuple[Run, ...], mark: Mark | None) -> tuple[Run, ...]:
     if mark is None:
         return runs
-    ink = symbols.INKS[mark.kind][0]
+    ink = INKS[mark.kind][0]
     return tuple(Run(run.text, run.face, ink) for run in runs)
 
 

@@ -4,24 +4,15 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
+from cspdiag.draw.annotations import INKS
 from cspdiag.draw.elements.diagram import Arrow, FlowKind, Store
 from cspdiag.draw.elements.diagram import Box as InstanceBox
-from cspdiag.draw.elements.marks import Mark, MarkKind
+from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Ink, Item, Line
 
 Symbol: TypeAlias = FlowKind | Literal["several"]
 """What an arrow begins with; ``several`` where instances of the process differ in the kind of channel."""
-
-INKS: dict[MarkKind, tuple[Ink, Ink]] = {
-    "error": (Ink.ERROR, Ink.ERROR_FILL),
-    "warning": (Ink.WARNING, Ink.WARNING_FILL),
-    "added": (Ink.ADDED, Ink.ADDED_FILL),
-    "removed": (Ink.REMOVED, Ink.REMOVED_FILL),
-    "changed": (Ink.CHANGED, Ink.CHANGED_FILL),
-    "highlighted": (Ink.ACCENT, Ink.ACCENT_FILL),
-}
-"""The outline and the inside of what is marked."""
 
 MARKED_WIDTH = 2.2
 STACK = 5.0

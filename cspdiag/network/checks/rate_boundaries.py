@@ -13,7 +13,7 @@ from cspdiag.base.record import record
 from cspdiag.network.diagnostics.rates import FasterLawWaits
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
-from cspdiag.network.instances import own_uses
+from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.ir.actions import (
     Action,
     CatchException,

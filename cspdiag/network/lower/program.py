@@ -17,12 +17,12 @@ from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
 from cspdiag.network.elaborate.vocabulary import Vocabulary
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.infer.parameter_ranges import with_ranges
-from cspdiag.network.instances import walk_instances
 from cspdiag.network.ir.network import Network
 from cspdiag.network.lower import environments, external_bodies
 from cspdiag.network.lower.classes import Classes, by_name
 from cspdiag.network.lower.environments import lower_environment
 from cspdiag.network.lower.external_ports import external_ports
+from cspdiag.network.lower.instances import walk_instances
 from cspdiag.network.lower.setting_paths import of_root, refuse_missing
 from cspdiag.network.occurrences import Occurrences, instance_names
 from cspdiag.network.submodels import classes as submodels

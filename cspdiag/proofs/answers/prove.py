@@ -75,7 +75,7 @@ def _answer(
 def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:
     """No deadlock, in which nothing goes on, and no knot, in which some wait for each other for ever while others go on."""
     from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
-    from cspdiag.proofs.search.pairs import Structure
+    from cspdiag.proofs.structure.pairs import Structure
 
     methods = None if method is None else (method,)
     structure = Structure(system, limits)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.rules import forms as rules_forms
 from cspdiag.proofs.rules.runs import Run, at_rest, moves_of, the_run, unsteady
 from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
 MOST_MOVES = 1_000_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from cspdiag.proofs.search.pairs import Shape, Structure
+from cspdiag.proofs.structure.pairs import Shape, Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from cspdiag.base.record import record
-from cspdiag.proofs.search.pairs import Shape, Structure
+from cspdiag.proofs.structure.pairs import Shape, Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import Limits, Move
 

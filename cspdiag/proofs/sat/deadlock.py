@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat.encoding import Encoding
 from cspdiag.proofs.sat.solver import MISSING, Clause, Solver, SolverTimeoutError, find_solver
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 SMALL = 60

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from cspdiag.proofs.rules.waiting import Waiting
 from cspdiag.proofs.sat.solver import Clause
-from cspdiag.proofs.search.pairs import Neighbour, Structure
+from cspdiag.proofs.structure.pairs import Neighbour, Structure
+from cspdiag.proofs.structure.waiting import Waiting
 
 LARGEST_PAIRWISE = 6
 """Up to so many variables are made exclusive two by two, more through a chain of others."""

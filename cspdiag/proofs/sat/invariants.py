@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import lcm
 
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat.deadlock import Examination, exclude_by_trap, refine
 from cspdiag.proofs.sat.encoding import Encoding
 from cspdiag.proofs.sat.invariants_basis import invariants_with_equality
@@ -20,6 +19,7 @@ from cspdiag.proofs.sat.invariants_encoding import excluding, sum_clauses
 from cspdiag.proofs.sat.invariants_problem import Problem, Weights, problem_of
 from cspdiag.proofs.sat.invariants_process import WeightsProcess
 from cspdiag.proofs.sat.solver import Clause
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import LimitError, Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000

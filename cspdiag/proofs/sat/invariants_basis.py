@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.proofs.sat.invariants_problem import Weights
-from cspdiag.proofs.search.pairs import Shape, Structure
+from cspdiag.proofs.structure.pairs import Shape, Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import Limits
 

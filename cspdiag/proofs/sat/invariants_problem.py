@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 from cspdiag.base.record import record
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 Weights: TypeAlias = dict[int, dict[int, int]]

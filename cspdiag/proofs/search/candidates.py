@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from itertools import product
 
-from cspdiag.proofs.question import Question
-from cspdiag.proofs.search.pairs import Shape
 from cspdiag.proofs.search.stuck_sets import Offers
 from cspdiag.proofs.search.traces import causes, end_of
+from cspdiag.proofs.structure.pairs import Shape
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move, Refuted
 

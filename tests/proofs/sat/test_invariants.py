@@ -7,14 +7,14 @@ import time
 
 import pytest
 
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat import invariants
 from cspdiag.proofs.sat.deadlock import by_sat
 from cspdiag.proofs.sat.invariants import by_invariants
 from cspdiag.proofs.sat.invariants_basis import invariants_with_equality
 from cspdiag.proofs.sat.invariants_problem import problem_of
 from cspdiag.proofs.sat.invariants_process import WeightsProcess
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import Limits, Proved, Unknown
 from tests.proofs.systems import known, naive
 from tests.proofs.systems.known import counted_meals, table_with_butler

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat import solver as sat_solver
 from cspdiag.proofs.sat.deadlock import by_sat
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits, Proved, Unknown
 from tests.proofs.systems import known

@@ -11,9 +11,9 @@ from types import SimpleNamespace
 import pytest
 
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
-from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat.deadlock import by_sat
 from cspdiag.proofs.sat.solver import SolverTimeoutError, find_solver
+from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.proofs.systems import known, naive
 from tests.proofs.systems.random_networks import random_network, truth

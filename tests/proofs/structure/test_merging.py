@@ -7,8 +7,8 @@ import pytest
 from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.rules.runs import moves_of, the_run
-from cspdiag.proofs.search.merging import representatives
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.merging import representatives
+from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import Edge, System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted
 from tests.proofs.systems import known, naive

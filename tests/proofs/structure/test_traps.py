@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.proofs.sat.traps import Place, Traps
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
+from cspdiag.proofs.structure.traps import Place, Traps
 from cspdiag.proofs.transitions.systems.system import System
 from tests.proofs.systems import known, naive
 from tests.proofs.systems.random_networks import random_network

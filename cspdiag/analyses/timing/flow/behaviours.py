@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cspdiag.analyses.timing.flow.graph import Place, Thread
 from cspdiag.analyses.timing.flow.jobs import Gap, Jobs, UnboundedError, cycles
 from cspdiag.analyses.timing.flow.paths import Job
-from cspdiag.analyses.timing.result import Refusal
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.model.constants.durations import duration
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.flow.starts import round_period
-from cspdiag.analyses.timing.result import Refusal
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.task import ONCE
 from cspdiag.base.record import record, replaced
 

@@ -11,7 +11,7 @@ from cspdiag.analyses.timing.flow.jobs import cycles
 from cspdiag.analyses.timing.flow.meeting import may_get_stuck
 from cspdiag.analyses.timing.flow.paths import End, Path
 from cspdiag.analyses.timing.flow.surroundings import Surroundings
-from cspdiag.analyses.timing.result import Refusal
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.base import Span
 from cspdiag.model.constants.durations import duration
 

@@ -9,7 +9,7 @@ from typing import Any
 from cspdiag.analyses.timing.flow.counting import Counting, Values, without
 from cspdiag.analyses.timing.flow.ends import Ends
 from cspdiag.analyses.timing.flow.graph import Missing, Move, Offer, Place, Thread
-from cspdiag.analyses.timing.result import Refusal
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import Action, Branch, Event, PortEnd, Step
 from cspdiag.network.ir.declared import Declared

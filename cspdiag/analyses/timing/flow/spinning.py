@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.analyses.timing.flow.graph import Circle, Offer, Place, Thread
 from cspdiag.analyses.timing.flow.paths import End
-from cspdiag.analyses.timing.result import Refusal
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.base.graphs import strong_components
 
 

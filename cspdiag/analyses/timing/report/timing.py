@@ -17,9 +17,10 @@ from cspdiag.analyses.timing.flow.spinning import Spinning
 from cspdiag.analyses.timing.flow.starts import again
 from cspdiag.analyses.timing.flow.surroundings import Surroundings
 from cspdiag.analyses.timing.flow.threads import Threads
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
 from cspdiag.analyses.timing.report.outputs import Outputs, port_names
-from cspdiag.analyses.timing.result import Chain, LoopTiming, Refusal, TimingReport
+from cspdiag.analyses.timing.result import Chain, LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE, Task
 from cspdiag.analyses.timing.tasks import demand as edf
 from cspdiag.analyses.timing.tasks.assignment import feasible_order

@@ -17,8 +17,7 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection
-from cspdiag.proofs.transitions.abandoning import Abandoning, is_point
-from cspdiag.proofs.transitions.facts import FAULT, TIMEOUT
+from cspdiag.proofs.transitions.built_in_exceptions import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.specifications import is_time_out
 from cspdiag.proofs.transitions.systems.labels import (
@@ -34,6 +33,7 @@ from cspdiag.proofs.transitions.systems.labels import (
 )
 from cspdiag.proofs.transitions.systems.references import Reference
 from cspdiag.proofs.transitions.threads import frames
+from cspdiag.proofs.transitions.threads.abandoning import Abandoning, is_point
 from cspdiag.proofs.transitions.threads.communications import Missed, Move, assigning
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.follow import Follower

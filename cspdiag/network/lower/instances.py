@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from cspdiag.base import Span
 from cspdiag.model.types import Type
-from cspdiag.network.infer.ends import all_actions
-from cspdiag.network.ir.actions import Choice, InputEvent, InterruptOn, OutputEvent, ReadValue, ReadyEvent, WriteValue
+from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.ir.network import ChannelKind, Direction, ExternalPort, Instantiation, Net
 from cspdiag.network.lower.classes import Classes
 from cspdiag.network.occurrences import LawOccurrence, Occurrence
-from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 
@@ -130,25 +128,3 @@ class _Walk:
                 is_input = instance.shape.ports[element[0]].direction == "in"
                 (net.readers if is_input else net.writers).append((path, key))
         return nets
-
-
-def own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
-    """The ports and channels that a process itself writes and reads, each once, in text order; expressions are no readers."""
-    writes: dict[Key, None] = {}
-    reads: dict[Key, None] = {}
-    for action in [] if shape.body is None else all_actions(shape.body):
-        match action:
-            case ReadValue():
-                reads[end_key(action.source)] = None
-            case WriteValue():
-                writes[end_key(action.sink)] = None
-            case Choice() | InterruptOn():
-                branches = action.branches if isinstance(action, Choice) else (action.branch,)
-                for branch in branches:
-                    if isinstance(branch.event, ReadyEvent | InputEvent):
-                        reads[end_key(branch.event.source)] = None
-                    elif isinstance(branch.event, OutputEvent):
-                        writes[end_key(branch.event.sink)] = None
-            case _:
-                pass
-    return list(writes), list(reads)

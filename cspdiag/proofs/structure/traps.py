@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from functools import cached_property
 from typing import TypeAlias
 
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 Place: TypeAlias = tuple[int, int]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
 
 
 class Waiting:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.proofs.rules.waiting import Waiting, waiting_states
-from cspdiag.proofs.sat.traps import Traps
-from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.structure.pairs import Structure
+from cspdiag.proofs.structure.traps import Traps
+from cspdiag.proofs.structure.waiting import Waiting, waiting_states
 from cspdiag.proofs.transitions.systems.system import System
 
 

@@ -14,7 +14,7 @@ from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from cspdiag.base.record import record
-from cspdiag.proofs.search.merging import representatives
+from cspdiag.proofs.structure.merging import representatives
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge, System
 from cspdiag.proofs.verdict import Limits
 
