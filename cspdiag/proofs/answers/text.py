@@ -80,5 +80,5 @@ def _how(answer: Answer) -> Iterator[str]:
     if answer.method is not None:
         yield answer.method
     if answer.states is not None:
-        yield f"{answer.states} states"
+        yield f"{answer.states} state{'' if answer.states == 1 else 's'}"
     yield f"{answer.seconds:.2f} s"

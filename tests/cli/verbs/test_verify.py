@@ -128,6 +128,9 @@ def test_without_assertions_freedom_from_deadlock_and_livelock_is_asked(cspdiag:
     assert "PROVED   Ticks deadlock free" in result.err
     assert "PROVED   Ticks livelock free" in result.err
     assert "2 properties: 2 proved" in result.err
+    assert "(breadth-first, 2 states, " in cspdiag("verify", "--method", "breadth-first", path).err
+    path.write_text("process Waits { composition { mu wait 1 s } }\nassert Waits deadlock free\n")
+    assert "(breadth-first, 1 state, " in cspdiag("verify", "--method", "breadth-first", path).err
 
 
 @pytest.mark.parametrize(
