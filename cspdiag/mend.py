@@ -39,7 +39,10 @@ class Mended:
 
 
 class _Files:
-    """Files as they were read and as they are by now, by what ``identity`` takes a name for: one that has two names is one."""
+    """Files as they were read and as they are by now, by what ``identity`` takes a name for.
+
+    A file that has two names is one.
+    """
 
     def __init__(self, read: Reader, identity: Callable[[str], str]) -> None:
         self._read = read
@@ -86,8 +89,8 @@ class _Files:
 def mend(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], str]) -> Mended:
     """Mend programs and the files that they import; bundled libraries stay as they are.
 
-    ``identity`` gives two names of one file the same key. A mend after which more is wrong than before is taken back: something
-    else was meant. A file that was in the one style is in it afterwards.
+    ``identity`` gives two names of one file the same key. A mend after which more is wrong than before is taken back:
+    something else was meant. A file that was in the one style is in it afterwards.
     """
     files = _Files(read, identity)
     for source in sources:

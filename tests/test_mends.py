@@ -25,7 +25,7 @@ PLAIN = (
 PORTS = "submodel Law {\n%s\n\n  y = x\n}\n"
 
 MENDS = [
-    ("E0101", "procss Main {\n  composition {\n    skip\n  }\n}\n", "process Main {\n  composition {\n    skip\n  }\n}\n"),
+    ("E0101", PLAIN.replace("process", "procss") % "taken ! n", PLAIN % "taken ! n"),
     ("E0101", PLAIN.replace("var", "vra") % "taken ! n", PLAIN % "taken ! n"),
     ("E0102", LAW % "angle · 2", LAW % "angle * 2"),
     ("E0102", LAW % "if is_on∧n ≥ 1 then angle else 0", LAW % "if is_on and n >= 1 then angle else 0"),
@@ -51,7 +51,8 @@ MENDS = [
     ("E0204", LAW % "Angle", LAW % "angle"),
     ("E0204", LAW % "arctan(angle) + fabs(angle)", LAW % "atan(angle) + abs(angle)"),
     ("E0204", PORTS % "  in  x : real\n  out y : double", PORTS % "  in  x : double\n  out y : double"),
-    ("E0206", "enum Mode { idle, busy }\n\nconst start = Mode.idel\n", "enum Mode { idle, busy }\n\nconst start = Mode.idle\n"),
+    ("E0206", "enum Mode { idle, busy }\n\nconst start = Mode.idel\n",
+     "enum Mode { idle, busy }\n\nconst start = Mode.idle\n"),
     ("E0212", "struct Pose {\n  angle: double\n}\n\nconst start = Pose(agnle = 0)\n",
      "struct Pose {\n  angle: double\n}\n\nconst start = Pose(angle = 0)\n"),
     ("E0215", manual_page("E0215").refused, manual_page("E0215").mended),
@@ -63,6 +64,8 @@ MENDS = [
     ("E0308", LAW % "if not n then angle else 0", LAW % "if not (n != 0) then angle else 0"),
     ("E0312", LAW % "if is_on then n else angle", LAW % "if is_on then double(n) else angle"),
     ("E0217", LAW % "lag(angle, 1<s>, method = Tustin)", LAW % "lag(angle, 1<s>, method = tustin)"),
+    ("E0456", PORTS.replace("Law", "Law method = Tustin") % "  in  x : double\n  out y : double",
+     PORTS.replace("Law", "Law method = tustin") % "  in  x : double\n  out y : double"),
     ("E0602", PLAIN % "(given ? n [] after 1 ms -> skip) ; taken ! n",
      PLAIN % "(given ? n -> skip [] after 1 ms -> skip) ; taken ! n"),
     ("E0122", f'import "{MAIN}"\n\nconst period = 1 ms\n', "const period = 1 ms\n"),
@@ -132,7 +135,10 @@ def test_the_refused_program_of_a_page_is_mended_whole_if_at_all(kind: type[Diag
 
 def test_a_mend_that_uncovers_more_is_taken_back() -> None:
     law = "submodel Screen {\n  in  x : double\n  out y : double\n\n  y = x\n}\n\n"
-    main = "process Main {\n  communication {\n    pick : screen(base = 1)\n    pick.a -> pick.b\n  }\n\n  composition {\n    pick\n  }\n}\n"
+    main = (
+        "process Main {\n  communication {\n    pick : screen(base = 1)\n    pick.a -> pick.b\n  }\n\n"
+        "  composition {\n    pick\n  }\n}\n"
+    )
     text, left = mended(law + main)
     assert text == law + main
     assert [found.code for found in left] == ["E0204"]

@@ -26,7 +26,7 @@ def slip(span: Span, name: str, meant: str | None) -> tuple[Edit, ...]:
 
 
 def removing(span: Span) -> Edit:
-    """Without what stands at ``span``: with its line, where nothing else stands there, or else with the space before it."""
+    """Without what stands at ``span``: with its line, where nothing else stands there, or with the space before it."""
     text, start, end = span.source.text, span.start, span.end
     while start > 0 and text[start - 1] in " \t":
         start -= 1

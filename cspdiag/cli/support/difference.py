@@ -21,5 +21,5 @@ def show_difference(source: SourceFile, text: str, what: str) -> None:
 
 
 def _lines(text: str) -> list[str]:
-    """The lines with their ends, which are line feeds: a comment may have other characters that Python takes for ends of lines."""
+    """The lines with their ends, which are line feeds: comments may have what else Python takes for ends of lines."""
     return [line for line in re.split(r"(?<=\n)", text) if line]

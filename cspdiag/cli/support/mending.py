@@ -37,7 +37,10 @@ def require_free_output(arguments: Namespace) -> None:
 
 
 def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
-    """Mend what can be mended, or show it, and say what is left; the exit code is about what is left, with ``--diff`` about differences as well."""
+    """Mend what can be mended, or show it, and say what is left.
+
+    The exit code is about what is left, with ``--diff`` about differences as well.
+    """
     mended = mend(sources, read_source, _identity)
     names = [source.name for source in sources]
     if arguments.diff:
@@ -93,7 +96,10 @@ def _bytes(file: MendedFile) -> bytes:
 
 
 def _with_ends_of(before: str, text: str) -> str:
-    """``text`` with the ends of lines of ``before``: where that has both, unchanged lines keep their own and new ones have that of the first line."""
+    """``text`` with the ends of lines of ``before``.
+
+    Where that has both, unchanged lines keep their own, and changed ones have that of the first line.
+    """
     if "\r\n" not in before:
         return text
     old, new = before.split("\n"), text.split("\n")

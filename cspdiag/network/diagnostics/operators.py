@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from cspdiag.base import Diagnostic, Severity
+from cspdiag.base import Diagnostic, Edit, Severity
+from cspdiag.base.edits import slip
 from cspdiag.base.record import record
+
+_METHODS = ("tustin", "zoh", "euler", "backward", "rk4")
 
 
 @record
@@ -66,6 +69,10 @@ class UnknownMethod(Diagnostic):
     @property
     def help(self) -> str:
         return "the methods are tustin, zoh, euler and backward, and rk4 for states with `der`"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return tuple(edit for method in _METHODS for edit in slip(self.span, self.name, method))
 
 
 @record

@@ -64,7 +64,7 @@ def misspelled(situation: Situation) -> Finding | None:
 
 
 def _is_surely(word: str, keyword: str) -> bool:
-    """Whether nothing else than the keyword can be meant; a word of another language may come with more of that language."""
+    """Whether nothing but the keyword can be meant; with a word of another language may come more of that language."""
     is_shuffled = sorted(word.lower()) == sorted(keyword)
     return is_shuffled or is_slip(word, keyword) or (len(keyword) > 4 and edits(word.lower(), keyword) == 1)
 

@@ -30,7 +30,7 @@ def replace_text(path: str, text: str) -> None:
 def replace_files(files: Mapping[str, bytes]) -> None:
     """Give files that there are other contents, by path: all of them, or none where one cannot be written.
 
-    Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name that was given.
+    Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name given.
     """
     from secrets import token_hex
 
