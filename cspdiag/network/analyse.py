@@ -20,7 +20,7 @@ from cspdiag.network.checks.rate_boundaries import RateBoundaries
 from cspdiag.network.checks.samples.missed import MissedSamples
 from cspdiag.network.checks.usage import check_usage
 from cspdiag.network.diagnostics.arrays import TooManyInstances
-from cspdiag.network.diagnostics.periods import SampleUnknown
+from cspdiag.network.diagnostics.samples.periods import SampleUnknown
 from cspdiag.network.elaborate.definitions import Definitions
 from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
 from cspdiag.network.infer.contexts import Contexts, Placed, Surroundings

@@ -141,7 +141,7 @@ def _by_sat(question: Question, limits: Limits) -> Verdict:
 
 
 def _by_invariants(question: Question, limits: Limits) -> Verdict:
-    from cspdiag.proofs.sat.invariants import by_invariants
+    from cspdiag.proofs.sat.invariants.prove import by_invariants
 
     def examine(candidate: Sequence[int], stuck: Sequence[int]) -> Refuted | None:
         return refute_by_candidate(question, candidate, stuck, limits, "invariants", STATES_OF_EXAMINATION)

@@ -149,7 +149,7 @@ class Run(RunData):
         Raises MissingPackageError, an ImportError, with the command to install matplotlib if it is missing, ArgumentError for a name of a file that
         ends otherwise than in .svg, .png or .pdf, and FileError where it cannot be written.
         """
-        from cspdiag.simulate.record.plot import plot
+        from cspdiag.simulate.record.plot.figure import plot
 
         if find_spec("matplotlib") is None:
             raise missing_package("matplotlib", "plot")
@@ -159,6 +159,6 @@ class Run(RunData):
             return plot(self, None if path is None else Path(path))
 
     def _repr_svg_(self) -> str:
-        from cspdiag.simulate.record.plot import svg_text
+        from cspdiag.simulate.record.plot.figure import svg_text
 
         return svg_text(self)

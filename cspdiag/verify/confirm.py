@@ -13,15 +13,15 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import answered, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
-from cspdiag.proofs.transitions.told_apart import AsSpecification
+from cspdiag.proofs.transitions.classes.told_apart import AsSpecification
 from cspdiag.proofs.verdict import LimitError, Limits, Method
 from cspdiag.verify.systems import SystemCache, VerificationError
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import Network
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
+    from cspdiag.proofs.transitions.classes.told_apart import ToldApart
     from cspdiag.proofs.transitions.systems.system import System
-    from cspdiag.proofs.transitions.told_apart import ToldApart
     from cspdiag.verify.other_counterexamples import Narrowing
     from cspdiag.verify.replay.result import Judge, Replay
     from cspdiag.verify.runs.trace import Trace

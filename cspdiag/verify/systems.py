@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from cspdiag import pipeline
 from cspdiag.base.errors import CspdiagError
 from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.classes.told_apart import Apart, AsSpecification
 from cspdiag.proofs.transitions.threads.explore import TransitionError
-from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification
 
 if TYPE_CHECKING:
+    from cspdiag.proofs.transitions.classes.told_apart import ToldApart
     from cspdiag.proofs.transitions.systems.system import System
-    from cspdiag.proofs.transitions.told_apart import ToldApart
 
 
 class VerificationError(CspdiagError):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from pkgutil import iter_modules
+from pkgutil import walk_packages
 
 from cspdiag.base import Diagnostic
 
@@ -14,8 +14,8 @@ def kinds_of_diagnostics() -> list[type[Diagnostic]]:
     """Every kind of diagnostic, by code. They stand in the folders ``diagnostics`` of the layers."""
     for layer in _LAYERS:
         folder = f"cspdiag.{layer}.diagnostics"
-        for module in iter_modules(import_module(folder).__path__):
-            import_module(f"{folder}.{module.name}")
+        for module in walk_packages(import_module(folder).__path__, f"{folder}."):
+            import_module(module.name)
     return sorted(_with_code(Diagnostic), key=lambda kind: kind.code)
 
 

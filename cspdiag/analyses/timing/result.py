@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from cspdiag.analyses.timing.flow.graph import Missing
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.threads.graph import Missing
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.constants.durations import rounded

@@ -7,6 +7,7 @@ from typing import assert_never
 
 from cspdiag.base.record import record, replaced
 from cspdiag.draw.annotations import BADGE, badge_width, has_badge
+from cspdiag.draw.communication.ordering import ordered
 from cspdiag.draw.elements.diagram import (
     Arrow,
     Box,
@@ -23,7 +24,6 @@ from cspdiag.draw.elements.marks import Mark, Marks
 from cspdiag.draw.hiding import Hidden
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layer, Node, Padding, Port, Side
 from cspdiag.draw.layout.question import HEADROOM
-from cspdiag.draw.ordering import ordered
 from cspdiag.draw.scene.shapes import Face, Ink, Run
 from cspdiag.draw.scene.text_metrics import line_height, runs_width
 

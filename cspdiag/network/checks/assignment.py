@@ -13,7 +13,7 @@ from operator import or_
 from cspdiag.base import Report, Span
 from cspdiag.base.record import record
 from cspdiag.network.checks.agreement import Agreement
-from cspdiag.network.diagnostics.runs import ReadBeforeWrite, Unreachable
+from cspdiag.network.diagnostics.composition.runs import ReadBeforeWrite, Unreachable
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Call, Code, Instruction
 from cspdiag.network.flow.effects import reads, writes

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from cspdiag.model.types import BoolType
 from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.checks.usage import expressions_in
-from cspdiag.network.diagnostics.alternatives import ReleaseNotToldApart
+from cspdiag.network.diagnostics.composition.alternatives import ReleaseNotToldApart
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.ir.actions import Action, Branch, Choice, InputEvent, InterruptOn, ReadValue, ReadyEvent

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from cspdiag.base import Report, Span
 from cspdiag.model.types import UnknownType
 from cspdiag.network.checks.agreement import Agreement
-from cspdiag.network.diagnostics.alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
-from cspdiag.network.diagnostics.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
+from cspdiag.network.diagnostics.composition.alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
+from cspdiag.network.diagnostics.composition.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.possible import decided_by_instance, overtaken

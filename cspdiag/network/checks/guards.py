@@ -13,7 +13,7 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import record
-from cspdiag.network.diagnostics.alternatives import GuardNotRead
+from cspdiag.network.diagnostics.composition.alternatives import GuardNotRead
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait

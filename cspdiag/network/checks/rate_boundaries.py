@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import record
-from cspdiag.network.diagnostics.rates import FasterLawWaits
+from cspdiag.network.diagnostics.samples.rates import FasterLawWaits
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.own_uses import own_uses

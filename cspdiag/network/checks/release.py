@@ -12,7 +12,7 @@ from typing import TypeAlias, assert_never
 from cspdiag.base import Report
 from cspdiag.model.program import PortSymbol, Program
 from cspdiag.model.types import BoolType, RealType
-from cspdiag.network.diagnostics.release import OutputNotReleased
+from cspdiag.network.diagnostics.samples.release import OutputNotReleased
 from cspdiag.network.syntax_walk import declared_in, nodes
 from cspdiag.syntax import ast
 

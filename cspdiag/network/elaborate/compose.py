@@ -8,8 +8,8 @@ from typing import TypeAlias, assert_never
 from cspdiag.base import Span
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
 from cspdiag.model.types import UNKNOWN
-from cspdiag.network.diagnostics.alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.diagnostics.channels import LabelOfPortRead
+from cspdiag.network.diagnostics.composition.alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.elaborate.array_sizes import check_sizes
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression

@@ -7,9 +7,9 @@ from typing import TypeAlias
 
 from cspdiag.base import Diagnostic, Report
 from cspdiag.network.diagnostics.channels import ChannelOneSided
+from cspdiag.network.diagnostics.composition.parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
+from cspdiag.network.diagnostics.composition.sequence import BroadcastInSequence, RendezvousInSequence
 from cspdiag.network.diagnostics.kinds import KindContradicts, KindsDisagree, MixedRelation
-from cspdiag.network.diagnostics.parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
-from cspdiag.network.diagnostics.sequence import BroadcastInSequence, RendezvousInSequence
 from cspdiag.network.relations import Pair, Uses, UsesByKey
 from cspdiag.network.shapes import AskedKind, ChannelShape, Key, Shape, attached_key, element_name
 from cspdiag.syntax import ast

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from cspdiag.base import Report, Span
 from cspdiag.model.program import Program
-from cspdiag.network.diagnostics.periods import PeriodNotPositive
+from cspdiag.network.diagnostics.samples.periods import PeriodNotPositive
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.shapes import Shape
 from cspdiag.network.syntax_walk import names

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import record
-from cspdiag.network.diagnostics.periods import PeriodsDisagree, SampledInsideOnly, SamplesDisagree
+from cspdiag.network.diagnostics.samples.periods import PeriodsDisagree, SampledInsideOnly, SamplesDisagree
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, Shape, attached_key, element_name
 
 

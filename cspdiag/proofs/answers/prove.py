@@ -9,8 +9,8 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Failure, counterexample
+from cspdiag.proofs.transitions.classes.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.proofs.transitions.systems.system import Abstraction, System
-from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 

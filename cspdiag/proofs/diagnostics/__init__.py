@@ -1,1 +1,1 @@
-"""TODO."""
+"""What is said where something cannot be proved, or is not what was asserted."""

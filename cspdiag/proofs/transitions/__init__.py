@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import Network
+    from cspdiag.proofs.transitions.classes.told_apart import AsSpecification, ToldApart
     from cspdiag.proofs.transitions.systems.system import System
-    from cspdiag.proofs.transitions.told_apart import AsSpecification, ToldApart
 
 
 def transition_system(
@@ -21,9 +21,9 @@ def transition_system(
     ``cspdiag.proofs.transitions.threads.explore.TransitionError`` for a program that has too many states in one of its processes, or too many ways to communicate on one channel.
     """
     from cspdiag.proofs.transitions.assembly import Assembly
-    from cspdiag.proofs.transitions.facts import Facts
+    from cspdiag.proofs.transitions.classes.facts import Facts
+    from cspdiag.proofs.transitions.classes.program import Program
     from cspdiag.proofs.transitions.occurrences import World
-    from cspdiag.proofs.transitions.program import Program
     from cspdiag.proofs.transitions.threads.threads import Strands
     from cspdiag.syntax.parse.nesting import room_to_recurse
 

@@ -6,7 +6,7 @@ from collections import defaultdict
 from typing import Literal, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.proofs.transitions.built_in_exceptions import FAULT, TIMEOUT
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.meetings import Meetings, Use
 from cspdiag.proofs.transitions.occurrences import Medium
 from cspdiag.proofs.transitions.places import Places

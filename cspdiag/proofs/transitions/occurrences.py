@@ -12,11 +12,11 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Attachment, ConstantEnd, ProcessClass
-from cspdiag.proofs.transitions.facts import Facts
-from cspdiag.proofs.transitions.items import Item
-from cspdiag.proofs.transitions.program import Class, Program
+from cspdiag.proofs.transitions.classes.facts import Facts
+from cspdiag.proofs.transitions.classes.items import Item
+from cspdiag.proofs.transitions.classes.program import Class, Program
+from cspdiag.proofs.transitions.classes.told_apart import Apart
 from cspdiag.proofs.transitions.ranges import Cell, Range, cell_of, cells, limits_of, pieces, with_examples
-from cspdiag.proofs.transitions.told_apart import Apart
 from cspdiag.proofs.transitions.values import (
     ANY,
     GIVEN,

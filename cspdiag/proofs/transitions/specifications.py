@@ -24,8 +24,8 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import Occurrence, World
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.system import Abstraction
 
 _ALWAYS_READY = "always"

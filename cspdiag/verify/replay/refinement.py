@@ -10,8 +10,8 @@ from cspdiag.network.ir.network import Network
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.refine.allowed import Rest, violation
 from cspdiag.proofs.refine.labels import Label, Labels
+from cspdiag.proofs.transitions.classes.told_apart import Apart, ToldApart
 from cspdiag.proofs.transitions.systems.system import System
-from cspdiag.proofs.transitions.told_apart import Apart, ToldApart
 from cspdiag.proofs.transitions.values import MOST_VALUES
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.replay.rest import Resting

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 
 from cspdiag.model.types import ArrayType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.proofs.transitions.facts import deciding
-from cspdiag.proofs.transitions.program import Program
+from cspdiag.proofs.transitions.classes.facts import deciding
+from cspdiag.proofs.transitions.classes.program import Program
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.kernel.scheduler import Task, scheduler
 from cspdiag.runtime.process import Process

@@ -14,7 +14,7 @@ from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.expressions import BinaryOperation, LiteralValue
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.proofs.transitions.cuts import COMPARISONS, Arguments
+from cspdiag.proofs.transitions.classes.cuts import COMPARISONS, Arguments
 from cspdiag.proofs.transitions.ranges import limits_of
 from cspdiag.proofs.transitions.values import GIVEN
 from cspdiag.settings import parse_duration

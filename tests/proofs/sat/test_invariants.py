@@ -7,12 +7,12 @@ import time
 
 import pytest
 
-from cspdiag.proofs.sat import invariants
 from cspdiag.proofs.sat.deadlock import by_sat
-from cspdiag.proofs.sat.invariants import by_invariants
-from cspdiag.proofs.sat.invariants_basis import invariants_with_equality
-from cspdiag.proofs.sat.invariants_problem import problem_of
-from cspdiag.proofs.sat.invariants_process import WeightsProcess
+from cspdiag.proofs.sat.invariants import prove as invariants
+from cspdiag.proofs.sat.invariants.basis import invariants_with_equality
+from cspdiag.proofs.sat.invariants.problem import problem_of
+from cspdiag.proofs.sat.invariants.process import WeightsProcess
+from cspdiag.proofs.sat.invariants.prove import by_invariants
 from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import Limits, Proved, Unknown

@@ -15,7 +15,7 @@ import cspdiag
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.simulate.record.plot_series import series_of, shortened, stairs, thinned, unit_of_time
+from cspdiag.simulate.record.plot.series import series_of, shortened, stairs, thinned, unit_of_time
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import simulate
 from tests.simulate.record.test_samples import DRIVE

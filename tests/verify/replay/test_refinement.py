@@ -7,7 +7,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.proofs.transitions.told_apart import AsSpecification
+from cspdiag.proofs.transitions.classes.told_apart import AsSpecification
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.replay.refinement import judge
 from cspdiag.verify.replay.rest import Resting

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cspdiag.analyses.timing.flow.graph import Place, Thread
 from cspdiag.analyses.timing.flow.jobs import Gap, Jobs, UnboundedError, cycles
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.refusal import Refusal
+from cspdiag.analyses.timing.threads.graph import Place, Thread
 from cspdiag.model.constants.durations import duration
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import IntEnum
 
-from cspdiag.analyses.timing.flow.graph import Key, Offer, Place
+from cspdiag.analyses.timing.threads.graph import Key, Offer, Place
 
 
 class Standing(IntEnum):

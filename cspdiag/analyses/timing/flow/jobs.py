@@ -22,8 +22,8 @@ from cspdiag.analyses.timing.flow.books import (
     periods,
     with_standing,
 )
-from cspdiag.analyses.timing.flow.graph import Offer, Place, Thread
 from cspdiag.analyses.timing.flow.paths import Job, Node, Path, either
+from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 from cspdiag.base import Span
 from cspdiag.base.graphs import strong_components
 from cspdiag.base.record import record

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.analyses.timing.flow.graph import Offer, Place, Thread
+from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 
 LARGEST_NUMBER_OF_PAIRS = 40_000
 

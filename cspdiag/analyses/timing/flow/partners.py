@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.demands import Demands
-from cspdiag.analyses.timing.flow.graph import Offer, Place, Thread
 from cspdiag.analyses.timing.flow.jobs import cycles
 from cspdiag.analyses.timing.flow.meeting import may_get_stuck
 from cspdiag.analyses.timing.flow.paths import End, Path
 from cspdiag.analyses.timing.flow.surroundings import Surroundings
 from cspdiag.analyses.timing.refusal import Refusal
+from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 from cspdiag.base import Span
 from cspdiag.model.constants.durations import duration
 

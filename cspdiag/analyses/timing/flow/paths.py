@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow.books import Books
-from cspdiag.analyses.timing.flow.graph import Offer
+from cspdiag.analyses.timing.threads.graph import Offer
 from cspdiag.base.record import record
 
 End = tuple[str, bool]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.analyses.timing.flow.graph import Circle, Offer, Place, Thread
 from cspdiag.analyses.timing.flow.paths import End
 from cspdiag.analyses.timing.refusal import Refusal
+from cspdiag.analyses.timing.threads.graph import Circle, Offer, Place, Thread
 from cspdiag.base.graphs import strong_components
 
 

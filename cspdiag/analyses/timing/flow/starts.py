@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
-from cspdiag.analyses.timing.flow.graph import Thread
 from cspdiag.analyses.timing.flow.jobs import cycles
 from cspdiag.analyses.timing.task import ONCE
+from cspdiag.analyses.timing.threads.graph import Thread
 
 
 def again(threads: Sequence[Thread], behaviours: Sequence[Behaviour], grid: int | None) -> dict[int, int]:

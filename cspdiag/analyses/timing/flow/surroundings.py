@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from cspdiag.analyses.timing.flow.demands import Demand, across, merged
-from cspdiag.analyses.timing.flow.graph import Thread
+from cspdiag.analyses.timing.threads.graph import Thread
 
 Key = tuple[int, int, int]
 """Demands by thread, period and origin."""

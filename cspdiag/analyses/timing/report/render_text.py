@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.analyses.timing.flow.graph import Missing
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE
+from cspdiag.analyses.timing.threads.graph import Missing
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.model.constants.durations import rounded
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
-from cspdiag.analyses.timing.flow.graph import Thread
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.result import Witness
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.tasks.schedule import simulate
+from cspdiag.analyses.timing.threads.graph import Thread
 
 
 def find_witness(

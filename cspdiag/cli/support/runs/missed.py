@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from cspdiag.base.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
-    from cspdiag.network.diagnostics.rates import SamplesMissed
+    from cspdiag.network.diagnostics.samples.rates import SamplesMissed
     from cspdiag.simulate.result import Run
 
 
@@ -23,7 +23,7 @@ def told_of_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | Non
     place = error.place if isinstance(error, Timeout) else None
     if place is None:
         return None
-    from cspdiag.network.diagnostics.rates import SamplesMissed
+    from cspdiag.network.diagnostics.samples.rates import SamplesMissed
 
     for found in diagnostics:
         if isinstance(found, SamplesMissed) and _is_at(found, place.statement):

@@ -10,7 +10,7 @@ from typing import assert_never
 
 from cspdiag.codegen.python.fast.alternatives import Alternatives
 from cspdiag.codegen.python.fast.communications import Statements, text
-from cspdiag.codegen.python.fast.law_steps import LawSteps, law_of
+from cspdiag.codegen.python.fast.laws.steps import LawSteps, law_of
 from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension, Starred, tuple_of
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.rolling import LEAST, statements_template

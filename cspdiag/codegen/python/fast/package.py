@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from cspdiag.codegen.options import Options
 from cspdiag.codegen.python import package as plain
-from cspdiag.codegen.python.fast.environments import environment_module
+from cspdiag.codegen.python.fast.laws.environments import environment_module
 from cspdiag.codegen.python.fast.processes import process_module
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.network import network_view

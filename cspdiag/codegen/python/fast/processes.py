@@ -11,7 +11,7 @@ from cspdiag.codegen.python.fast.actions import Composition, code_lines
 from cspdiag.codegen.python.fast.cancellation import checked_classes
 from cspdiag.codegen.python.fast.communications import Communications, Statements, text
 from cspdiag.codegen.python.fast.expressions import FastPrinter
-from cspdiag.codegen.python.fast.laws import external_calls
+from cspdiag.codegen.python.fast.laws.in_place import external_calls
 from cspdiag.codegen.python.fast.places import Spelling, is_alternated, is_inline
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.storage import run_again

@@ -6,7 +6,7 @@ from cspdiag.base import Report, Span
 from cspdiag.network.checks.samples.first import Late
 from cspdiag.network.checks.samples.gaps import NOTHING, Gap, either, then
 from cspdiag.network.checks.samples.reads import MANY, Book, Part, Reads
-from cspdiag.network.diagnostics.rates import SamplesMissed
+from cspdiag.network.diagnostics.samples.rates import SamplesMissed
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import sample_period
 from cspdiag.network.shapes import Key

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple, TypeAlias
 
 from cspdiag.network.ir.actions import End
-from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.values import Known
 
 Path: TypeAlias = tuple[str, ...]

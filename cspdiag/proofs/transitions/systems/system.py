@@ -15,7 +15,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import EMPTY, record
-from cspdiag.proofs.transitions.told_apart import Apart
+from cspdiag.proofs.transitions.classes.told_apart import Apart
 
 INTERNAL = -1
 """The event of an edge that a component takes on its own, unseen."""

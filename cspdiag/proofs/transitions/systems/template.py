@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
-from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.systems.labels import Fork, Label
 from cspdiag.proofs.transitions.systems.references import ParallelId, Path, Reference
 from cspdiag.proofs.transitions.systems.system import Abstraction

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import assert_never
 
 from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, SkipEvent
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import PATIENT
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.labels import INTERNAL, Alarm, Bound, Cancelled, Read
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.communications import Communications, Move

@@ -17,9 +17,9 @@ from cspdiag.network.ir.actions import (
     SkipEvent,
     Target,
 )
-from cspdiag.proofs.transitions.built_in_exceptions import TIMEOUT
+from cspdiag.proofs.transitions.classes.built_in_exceptions import TIMEOUT
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import PATIENT
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.labels import (
     INTERNAL,
     Bind,

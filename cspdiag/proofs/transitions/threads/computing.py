@@ -9,9 +9,9 @@ from cspdiag.model.types import ArrayType, RealType, StructType, Type
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, Target
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
-from cspdiag.proofs.transitions.built_in_exceptions import FAULT
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import Medium
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.ranges import Range, bounds
 from cspdiag.proofs.transitions.systems.labels import Time
 from cspdiag.proofs.transitions.systems.references import Constant, Discard, Reference

@@ -6,8 +6,8 @@ from typing import assert_never
 
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.network import Attachment, ConstantEnd, DiscardEnd
+from cspdiag.proofs.transitions.classes.program import Class
 from cspdiag.proofs.transitions.occurrences import Occurrence
-from cspdiag.proofs.transitions.program import Class
 from cspdiag.proofs.transitions.systems.references import Constant, Discard, InnerChannel, Path, Reference
 
 

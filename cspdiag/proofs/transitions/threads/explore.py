@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import Occurrence
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.labels import Label
 from cspdiag.proofs.transitions.systems.minimal import minimized
 from cspdiag.proofs.transitions.systems.template import Template

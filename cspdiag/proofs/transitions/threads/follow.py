@@ -39,9 +39,9 @@ from cspdiag.network.ir.actions import (
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.proofs.transitions.built_in_exceptions import FAULT
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import PATIENT
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.frames import Stack

@@ -11,7 +11,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias
 from cspdiag.base import Span
 from cspdiag.network.ir.actions import Target
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.systems.references import Reference
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.values import Known

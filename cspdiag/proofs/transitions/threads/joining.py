@@ -8,8 +8,8 @@ from cspdiag.base import Span
 from cspdiag.model.types import DOUBLE
 from cspdiag.network.ir.actions import Action, ParallelSteps, ReadValue, Target, WriteValue
 from cspdiag.network.ir.expressions import PresentTime
-from cspdiag.proofs.transitions.built_in_exceptions import FAULT
-from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.systems.labels import Cancel, Fork, Join, Label, Thrown
 from cspdiag.proofs.transitions.systems.template import Parallel
 from cspdiag.proofs.transitions.threads import frames

@@ -17,8 +17,8 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection
-from cspdiag.proofs.transitions.built_in_exceptions import FAULT, TIMEOUT
-from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.specifications import is_time_out
 from cspdiag.proofs.transitions.systems.labels import (
     INTERNAL,

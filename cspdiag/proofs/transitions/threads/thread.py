@@ -9,8 +9,8 @@ from cspdiag.base import Span
 from cspdiag.network.ir.actions import End
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import Medium, Occurrence
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.references import (
     Constant,
     Discard,

@@ -12,8 +12,8 @@ from typing import TypeAlias
 from cspdiag.network.ir.actions import Group, RunInstance
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import instances_run
+from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import CHANNELS, Medium, Occurrence, World
-from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.references import ParallelId, Reference
 from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.explore import explore

@@ -15,7 +15,7 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.network.checks.samples.gaps import NOTHING, Elapsed, Gap, then
-from cspdiag.network.diagnostics.rates import SamplesMissed
+from cspdiag.network.diagnostics.samples.rates import SamplesMissed
 from cspdiag.runtime.kernel.exceptions import Timeout
 from cspdiag.simulate.run import execute
 

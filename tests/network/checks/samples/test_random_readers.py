@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
-from cspdiag.network.diagnostics.rates import SamplesMissed
+from cspdiag.network.diagnostics.samples.rates import SamplesMissed
 from tests.network.checks.samples.random_readers import reader
 from tests.oracle.explore import explore
 from tests.oracle.programs.text import text

@@ -14,8 +14,8 @@ from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import BinaryOperation, ConditionalValue, Expression, ParameterValue, VariableValue
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.proofs.transitions.items import Item, items_of
-from cspdiag.proofs.transitions.program import Class, Program
+from cspdiag.proofs.transitions.classes.items import Item, items_of
+from cspdiag.proofs.transitions.classes.program import Class, Program
 from cspdiag.proofs.transitions.values import UNKNOWN, EvaluationFault, Known, evaluated
 
 Boundaries: TypeAlias = Mapping[Item, frozenset[int]]

@@ -1,4 +1,4 @@
-"""The solver for weights, in a process that can be ended at any time: ``python -m cspdiag.proofs.sat.invariants_process``.
+"""The solver for weights, in a process that can be ended at any time: ``python -m cspdiag.proofs.sat.invariants.process``.
 
 The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It takes no more memory than it is given: where it needs
 more it ends, and there is no answer.
@@ -14,7 +14,7 @@ from importlib import import_module
 from threading import Timer
 from typing import Any
 
-from cspdiag.proofs.sat.invariants_problem import Problem
+from cspdiag.proofs.sat.invariants.problem import Problem
 from cspdiag.proofs.verdict import Limits
 
 MARGIN = 1e-9

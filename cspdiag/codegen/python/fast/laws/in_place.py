@@ -9,7 +9,7 @@ from math import ceil
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import FastPrinter
-from cspdiag.codegen.python.fast.integration import InlineIntegration, SubStep
+from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, call, infix

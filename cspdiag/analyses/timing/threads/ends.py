@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.analyses.timing.flow.graph import Offer
+from cspdiag.analyses.timing.threads.graph import Offer
 from cspdiag.base import Span
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import ChannelEnd, End, Step

@@ -13,7 +13,7 @@ from math import gcd, lcm
 from typing import TypeAlias
 
 from cspdiag.base.record import record
-from cspdiag.proofs.sat.invariants_problem import Weights
+from cspdiag.proofs.sat.invariants.problem import Weights
 from cspdiag.proofs.structure.pairs import Shape, Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import Limits

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from cspdiag.codegen.python.fast.expressions import NANOSECONDS, SCALAR, FastPrinter
-from cspdiag.codegen.python.fast.integration import InlineIntegration, SubStep
+from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.environments import MEMBERS, EnvironmentModule, EnvironmentWriter

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import TypeAlias
 
-from cspdiag.analyses.timing.flow.ends import Ends
+from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType
 from cspdiag.network.ir.actions import (

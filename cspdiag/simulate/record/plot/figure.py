@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from cspdiag.base.record import record, replaced
 from cspdiag.simulate.record.files import write_whole
 from cspdiag.simulate.record.modes import ModeGroup, mode_groups
-from cspdiag.simulate.record.plot_lanes import (
+from cspdiag.simulate.record.plot.lanes import (
     FAINT,
     LANE_HEIGHT,
     Lane,
@@ -26,8 +26,8 @@ from cspdiag.simulate.record.plot_lanes import (
     process_lanes,
     series_lane,
 )
-from cspdiag.simulate.record.plot_panels import Row, Sizes, greatest, lying_below, panels_of
-from cspdiag.simulate.record.plot_series import (
+from cspdiag.simulate.record.plot.panels import Row, Sizes, greatest, lying_below, panels_of
+from cspdiag.simulate.record.plot.series import (
     DURATION,
     WHOLE_NUMBERS,
     Series,

@@ -43,12 +43,12 @@ from cspdiag.network.ir.durations import Durations
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.proofs.transitions.built_in_exceptions import FAULT, TIMEOUT
-from cspdiag.proofs.transitions.cuts import boundaries, handed_to
-from cspdiag.proofs.transitions.faults import Faults
-from cspdiag.proofs.transitions.items import Item, all_items_in, items_in, items_of
-from cspdiag.proofs.transitions.program import Class, Node, Program
-from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification, ToldApart
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
+from cspdiag.proofs.transitions.classes.cuts import boundaries, handed_to
+from cspdiag.proofs.transitions.classes.faults import Faults
+from cspdiag.proofs.transitions.classes.items import Item, all_items_in, items_in, items_of
+from cspdiag.proofs.transitions.classes.program import Class, Node, Program
+from cspdiag.proofs.transitions.classes.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.proofs.transitions.values import values_of_type
 
 NOTHING: ToldApart = {}

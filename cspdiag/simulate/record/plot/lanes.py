@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType
 from cspdiag.simulate.record.modes import ModeGroup
-from cspdiag.simulate.record.plot_series import Series, apart, shortened, stairs
+from cspdiag.simulate.record.plot.series import Series, apart, shortened, stairs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

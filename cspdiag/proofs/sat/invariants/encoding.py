@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.proofs.sat.encoding import Encoding
-from cspdiag.proofs.sat.invariants_problem import Weights
+from cspdiag.proofs.sat.invariants.problem import Weights
 from cspdiag.proofs.sat.solver import Clause
 
 MOST_SUMS = 100_000

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python.fast.communications import text
-from cspdiag.codegen.python.fast.laws import InlineLaw, external_calls, reset_statements
+from cspdiag.codegen.python.fast.laws.in_place import InlineLaw, external_calls, reset_statements
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.values import Values
 from cspdiag.codegen.python.text.statements import Block, Statement

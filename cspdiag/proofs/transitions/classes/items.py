@@ -9,7 +9,7 @@ from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, ParameterValue, VariableValue
 from cspdiag.network.ir.network import Attachment, ConstantEnd
-from cspdiag.proofs.transitions.program import Class
+from cspdiag.proofs.transitions.classes.program import Class
 
 Item: TypeAlias = tuple[Literal["port", "channel", "parameter"], str, str]
 """A port, a channel or a parameter of a class, by the names of the class and its own."""

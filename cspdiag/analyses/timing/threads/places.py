@@ -6,10 +6,10 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cache
 from typing import Any
 
-from cspdiag.analyses.timing.flow.counting import Counting, Values, without
-from cspdiag.analyses.timing.flow.ends import Ends
-from cspdiag.analyses.timing.flow.graph import Missing, Move, Offer, Place, Thread
 from cspdiag.analyses.timing.refusal import Refusal
+from cspdiag.analyses.timing.threads.counting import Counting, Values, without
+from cspdiag.analyses.timing.threads.ends import Ends
+from cspdiag.analyses.timing.threads.graph import Missing, Move, Offer, Place, Thread
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import Action, Branch, Event, PortEnd, Step
 from cspdiag.network.ir.declared import Declared

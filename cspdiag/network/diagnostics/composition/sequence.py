@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.base import Diagnostic, Label
 from cspdiag.base.record import record
-from cspdiag.network.diagnostics.parallel import both
+from cspdiag.network.diagnostics.composition.parallel import both
 from cspdiag.network.relations import Access
 
 

@@ -14,10 +14,10 @@ from math import lcm
 
 from cspdiag.proofs.sat.deadlock import Examination, exclude_by_trap, refine
 from cspdiag.proofs.sat.encoding import Encoding
-from cspdiag.proofs.sat.invariants_basis import invariants_with_equality
-from cspdiag.proofs.sat.invariants_encoding import excluding, sum_clauses
-from cspdiag.proofs.sat.invariants_problem import Problem, Weights, problem_of
-from cspdiag.proofs.sat.invariants_process import WeightsProcess
+from cspdiag.proofs.sat.invariants.basis import invariants_with_equality
+from cspdiag.proofs.sat.invariants.encoding import excluding, sum_clauses
+from cspdiag.proofs.sat.invariants.problem import Problem, Weights, problem_of
+from cspdiag.proofs.sat.invariants.process import WeightsProcess
 from cspdiag.proofs.sat.solver import Clause
 from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import LimitError, Limits, Unknown, Verdict

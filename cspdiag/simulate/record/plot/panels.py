@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.base.record import record
-from cspdiag.simulate.record.plot_series import Series, quantity
+from cspdiag.simulate.record.plot.series import Series, quantity
 
 if TYPE_CHECKING:
     import numpy

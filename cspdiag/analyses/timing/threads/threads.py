@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
 
-from cspdiag.analyses.timing.flow.counting import MOST_ROUNDS, Loop
-from cspdiag.analyses.timing.flow.ends import never_waits
-from cspdiag.analyses.timing.flow.graph import Circle, Move, Offer, Thread
-from cspdiag.analyses.timing.flow.looping import Looping
-from cspdiag.analyses.timing.flow.places import Context, Places, variables_in
 from cspdiag.analyses.timing.refusal import Refusal
+from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS, Loop
+from cspdiag.analyses.timing.threads.ends import never_waits
+from cspdiag.analyses.timing.threads.graph import Circle, Move, Offer, Thread
+from cspdiag.analyses.timing.threads.looping import Looping
+from cspdiag.analyses.timing.threads.places import Context, Places, variables_in
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
