@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 from pathlib import Path
 
 import pytest
@@ -148,16 +149,25 @@ def test_a_file_that_somebody_changes_meanwhile_is_not_overwritten(
     assert slip.read_text() == GOOD + "// somebody's\n"
 
 
-def test_all_files_are_written_or_none(cspdiag: Command, slip: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("problem", [KeyboardInterrupt(), OSError(28, "No space left on device")])
+def test_all_files_are_written_or_none(
+    cspdiag: Command, slip: Path, monkeypatch: pytest.MonkeyPatch, problem: BaseException
+) -> None:
     other = slip.with_name("other.csp")
     other.write_text(SLIP)
 
-    def full(path: str, mode: int) -> None:
-        if "other" in os.path.basename(path):
-            raise KeyboardInterrupt
+    names = iter(["first", None])
 
-    monkeypatch.setattr(os, "chmod", full)
-    assert cspdiag("check", "--fix", slip, other).code != 0
+    def name_of_a_file_beside(length: int) -> str:
+        name = next(names)
+        if name is None:
+            raise problem
+        return name
+
+    monkeypatch.setattr(secrets, "token_hex", name_of_a_file_beside)
+    result = cspdiag("check", "--fix", slip, other)
+    assert result.code != 0
+    assert f"{other}: no space" in result.err or isinstance(problem, KeyboardInterrupt)
     assert (slip.read_text(), other.read_text()) == (SLIP, SLIP)
     assert {path.name for path in slip.parent.iterdir()} == {slip.name, other.name}
 

@@ -28,29 +28,30 @@ def replace_text(path: str, text: str) -> None:
 
 
 def replace_files(files: Mapping[str, bytes]) -> None:
-    """Give files that there are other contents, by path: all of them, or none where one cannot be written.
+    """Give files that there are other contents, by path.
 
+    All are written beside their places first, so that none changes where one cannot be written, and then moved there.
     Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name given.
     """
     from secrets import token_hex
 
-    staged: list[tuple[str, str]] = []
+    staged: dict[str, tuple[str, str]] = {}
     path = ""
     try:
         for path, data in files.items():
             real = os.path.realpath(path)
             temporary = f"{real}.{token_hex(8)}.tmp"
             with open(temporary, "xb") as file:
-                staged.append((temporary, real))
+                staged[path] = temporary, real
                 file.write(data)
             with suppress(OSError):
                 os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-        for temporary, real in staged:
+        for path, (temporary, real) in staged.items():  # noqa: B007 (told of below)
             os.replace(temporary, real)
     except OSError as problem:
         raise OSError(problem.errno, problem.strerror, path) from None
     finally:
-        for temporary, _ in staged:
+        for temporary, _ in staged.values():
             with suppress(FileNotFoundError):
                 os.unlink(temporary)
 
