@@ -142,6 +142,59 @@ def test_each_instance_of_a_law_counts() -> None:
     assert found(text.format("state s : int = 1 / (word - 2)  next s = 0  y = if s > 0 then u else k")) == []
 
 
+STEPS = """
+const none = 0
+const large = 9223372036854775807
+process Main(k: int = 0) {{
+  in  c : int
+  out o : double
+  out n : int
+  communication {{ var a : int8 = 1  var own : int[3] = [1, 2, 3]  c -> _ }}
+  composition {{ {} }}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("step", "marked"),
+    [
+        ("o ! 1.0 / 0.0", "1.0 / 0.0"),
+        ("o ! sqrt(-1.0)", "sqrt(-1.0)"),
+        ("o ! 0.0 ^ -1.0", "0.0 ^ -1.0"),
+        ("n ! large + 1", "large + 1"),
+        ("a := int8(200)", "int8(200)"),
+        ("a := 100 + 100", "100 + 100"),
+        ("n ! own[3]", "3"),
+        ("own[none - 1] := 7", "none - 1"),
+        ("a := a % int8(none)", "a % int8(none)"),
+        ("wait 9000000 s * 9000000", "9000000 s * 9000000"),
+        ("(after 9000000 s * 9000000 -> skip [] after 1 ms -> skip)", "9000000 s * 9000000"),
+        ("(stop interrupt n ! 1 / none -> skip)", "1 / none"),
+        ("if 1 / none == 1 then n ! 1", "1 / none"),
+        ("(while 1 / none == 1 do n ! 1)", "1 / none"),
+        ("(mu n ! 1 until 1 / none == 1)", "1 / none"),
+        ("(when 1 / none == 1 & skip -> n ! 1)", "1 / none"),
+        ("(if a > 0 then n ! 1 / none)", None),
+        ("o ! limit(1e300 * 1e300, 0.0, 1.0)", None),
+        ("n ! 1 / k", None),
+    ],
+)
+@pytest.mark.parametrize("around", ["{}", "({}) catch Fault -> skip"])
+def test_constants_that_fault_in_a_run_are_no_errors(step: str, marked: str | None, around: str) -> None:
+    """They are faults where they stand, and said to be if nothing decides whether they are reached."""
+    source = SourceFile(name="case.csp", text=STEPS.format(around.format(step)))
+    report = pipeline.build(source, lambda _: source).checked.report
+    assert not report.has_errors
+    assert [d.span.text for d in report.diagnostics if d.code == "W0907"] == ([] if marked is None else [marked])
+
+
+def test_an_error_is_not_said_to_be_a_fault_too() -> None:
+    """Coefficients stand in an equation, and are computed before the run."""
+    text = LAW.format("y = delay(u, 1 / 0, int8(1))")
+    source = SourceFile(name="case.csp", text=text)
+    assert [d.code for d in pipeline.check(source, lambda _: source).report.diagnostics] == ["E0903"]
+
+
 def test_what_is_not_given_is_not_known() -> None:
     """A process of a library may be given other values than its defaults, and one without a value has none."""
     text = PROCESS.format(" = 0", "var v : int8 = k + k", "k").replace("k: int8 = 100, word", "k: int8, word")

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.base import Report, Span
+from cspdiag.base import Diagnostic, Report, Span
 from cspdiag.model.constants.arithmetic import OutOfRangeError, UndefinedError, checked
 from cspdiag.model.constants.evaluate import evaluate
-from cspdiag.model.diagnostics.constants import IndexOutOfRange, NumberTooLarge
+from cspdiag.model.diagnostics.constants import (
+    CertainFault,
+    ConstantDivision,
+    ConstantOverflow,
+    IndexOutOfRange,
+    NumberTooLarge,
+)
 from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import Program
-from cspdiag.model.types import INT, TIME, UNKNOWN, ArrayType, IntType, RealType, TimeType
+from cspdiag.model.types import INT, TIME, UNKNOWN, ArrayType, IntType, RealType, TimeType, Type
 from cspdiag.syntax import ast
 
 
 def check_constants(program: Program, report: Report) -> None:
-    """Report numbers that do not fit their type, divisions by a known zero, and known indexes outside of arrays.
+    """Report numbers that do not fit their type, and warn of faults that are certain wherever an expression is computed in a run.
 
-    What stands behind a condition may never be computed, and is left to the running program.
+    What the program begins with was computed with its types, and what went wrong in that is reported as an error.
     """
-    found = Report()
     negated = {part.operand for part in program.types if isinstance(part, ast.Unary) and part.operator == "-"}
     for part in program.types:
         match part:
@@ -27,18 +32,64 @@ def check_constants(program: Program, report: Report) -> None:
                 _check_number(program, part, report, negative=part in negated)
             case ast.Duration():
                 _check_duration(program, part, report)
-            case ast.Binary() if part.operator in {"/", "%"}:
-                _check_division(program, part, found)
-            case ast.Index():
-                _check_index(program, part, found)
             case _:
                 pass
-    if found.diagnostics:
-        doubtful = {(span.file, span.start, span.end) for span in _doubtful_places(program)}
-        for diagnostic in found.diagnostics:
-            span = diagnostic.span
-            if (span.file, span.start, span.end) not in doubtful:
-                report.add(diagnostic)
+    _warn_of_faults(program, report)
+
+
+def _warn_of_faults(program: Program, report: Report) -> None:
+    """Warn of compositions and equations whose constants fault. What stands behind a condition may never be computed."""
+    found = Report()
+    for tree in program.trees:
+        for part in walk(tree):
+            for expression in _computed_in_a_run(program, part):
+                evaluate(program, expression, {}, found)
+                for inner in walk(expression):
+                    if isinstance(inner, ast.Index) and inner not in program.poisoned:
+                        _check_index(program, inner.index, program.types.get(inner.value, UNKNOWN), found)
+            if isinstance(part, ast.Reference):
+                _check_element(program, part, found)
+    faults = [one for one in found.diagnostics if _is_fault(one)]
+    if not faults:
+        return
+    elsewhere = {*map(_place, _doubtful_places(program)), *(_place(one.span) for one in report.diagnostics)}
+    for fault in faults:
+        if _place(fault.span) not in elsewhere:
+            report.add(CertainFault(fault.span, problem=fault.message))
+
+
+def _computed_in_a_run(program: Program, part: ast.Node) -> tuple[ast.Expression, ...]:
+    """The expressions of a step, a guard or an equation."""
+    match part:
+        case (
+            ast.Write() | ast.OutputGuard() | ast.Assign() | ast.Equation() | ast.Let() | ast.Next() | ast.Derivative()
+        ):
+            return (part.value,)
+        case ast.Wait() | ast.AfterGuard():
+            return (part.duration,)
+        case ast.Mu(until=condition) | ast.Guard(condition=condition):
+            return () if condition is None else (condition,)
+        case ast.If() | ast.While():
+            return (part.condition,)
+        case ast.Reference() if isinstance(program.bindings.get(part), ast.Variable):
+            return part.indexes
+        case _:
+            return ()
+
+
+def _is_fault(found: Diagnostic) -> bool:
+    """Whether what goes wrong in a value is a fault of a run: sums and products of reals go on as infinities."""
+    match found:
+        case ConstantOverflow():
+            return not isinstance(found.type, RealType)
+        case ConstantDivision() | IndexOutOfRange():
+            return True
+        case _:
+            return False
+
+
+def _place(span: Span) -> tuple[str, int, int]:
+    return span.file, span.start, span.end
 
 
 _CONDITIONAL: dict[type[ast.Node], tuple[str, ...]] = {
@@ -69,12 +120,6 @@ def _check_duration(program: Program, duration: ast.Duration, report: Report) ->
         report.add(NumberTooLarge(duration.span, type=TIME))
 
 
-def _check_division(program: Program, division: ast.Binary, report: Report) -> None:
-    # The left side may be a long chain, which is looked at only where there is something to report.
-    if evaluate(program, division.right, {}, report) == 0:
-        evaluate(program, division, {}, report)
-
-
 def _check_number(program: Program, number: ast.Number, report: Report, *, negative: bool) -> None:
     found = program.types.get(number, UNKNOWN)
     if number in program.poisoned or not isinstance(found, IntType | RealType):
@@ -85,10 +130,20 @@ def _check_number(program: Program, number: ast.Number, report: Report, *, negat
         report.add(NumberTooLarge(number.span, type=found))
 
 
-def _check_index(program: Program, index: ast.Index, report: Report) -> None:
-    found = program.types.get(index.value, UNKNOWN)
-    if not isinstance(found, ArrayType) or found.size is None or index in program.poisoned:
+def _check_element(program: Program, target: ast.Reference, report: Report) -> None:
+    """The indexes of an element of a variable that is written."""
+    variable = program.bindings.get(target)
+    if not isinstance(variable, ast.Variable) or target in program.poisoned:
         return
-    value = evaluate(program, index.index, {}, report)
-    if isinstance(value, int) and not 0 <= value < found.size:
-        report.add(IndexOutOfRange(index.index.span, index=value, size=found.size))
+    whole = program.types.get(variable, UNKNOWN)
+    for index in target.indexes:
+        _check_index(program, index, whole, report)
+        whole = whole.element if isinstance(whole, ArrayType) else UNKNOWN
+
+
+def _check_index(program: Program, index: ast.Expression, whole: Type, report: Report) -> None:
+    if not isinstance(whole, ArrayType) or whole.size is None or index in program.poisoned:
+        return
+    value = evaluate(program, index, {}, Report())
+    if isinstance(value, int) and not 0 <= value < whole.size:
+        report.add(IndexOutOfRange(index.span, index=value, size=whole.size))

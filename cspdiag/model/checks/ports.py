@@ -32,6 +32,6 @@ def _check_options(ports: ast.Ports, report: Report) -> None:
 
 def check_duration(program: Program, expression: ast.Expression, what: str, report: Report) -> None:
     """Report a duration that is known and negative."""
-    value = evaluate(program, expression, {}, report)
+    value = evaluate(program, expression, {}, Report())
     if isinstance(value, int) and value < 0:
         report.add(NegativeDuration(expression.span, what=what, value=duration(value)))

@@ -66,6 +66,23 @@ class IndexOutOfRange(Diagnostic):
 
 
 @record
+class CertainFault(Diagnostic):
+    code = "W0907"
+    title = "a fault whenever it is computed"
+    severity = "warning"
+
+    problem: str
+
+    @property
+    def message(self) -> str:
+        return f"{self.problem}: whenever this is computed, it is the exception `Fault`"
+
+    @property
+    def help(self) -> str:
+        return "change the constants, or compute it only where they allow it: `if ... then ... else ...`"
+
+
+@record
 class BadSize(Diagnostic):
     code = "E0905"
     title = "an impossible size"

@@ -31,7 +31,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
 )
 from cspdiag.network.ir.expression_walk import walk
-from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, PresentTime
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
 from cspdiag.network.syntax_walk import nodes
@@ -131,6 +131,9 @@ def _may_end(placed: Placed, loop: Repeat | WhileLoop, condition: Expression | N
     if holds == {not ends}:
         return False
     looked_at = {value.channel for value in variables_read(condition)}
+    if not looked_at and not any(isinstance(part, PresentTime) for part in walk(condition)):
+        # Constants that have no value: the loop ends with a fault.
+        return True
     written = _written_in(placed.shape, loop.body)
     return not looked_at.isdisjoint(written) or any(is_open(placed, key) for key in looked_at)
 
