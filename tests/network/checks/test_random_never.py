@@ -1,7 +1,7 @@
 """Of what a run comes to, nothing says that it never happens.
 
 Random parts with replicators, in several instances of one process, each part in a line of its own where it writes the number of the line.
-``python -m tests.network.test_random_never NUMBER`` tries more programs.
+``python -m tests.network.checks.test_random_never NUMBER`` tries more programs.
 """
 
 from __future__ import annotations
