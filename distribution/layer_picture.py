@@ -21,7 +21,7 @@ import grimp
 from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import fitted
-from cspdiag.draw.scene.shapes import Anchor, Box, Ellipse, Face, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene.shapes import Anchor, Box, Ellipse, Face, Ink, Item, Line, Scene, Text, TextRun
 
 ROOT = Path(__file__).parent.parent
 PICTURE = ROOT / "docs" / "pictures" / "layers.svg"
@@ -153,7 +153,7 @@ def _cross(x: float, y: float) -> list[Item]:
 def _text(
     x: float, y: float, words: str, ink: Ink = Ink.TEXT, anchor: Anchor = Anchor.START, face: Face = Face.SANS
 ) -> Text:
-    return Text(Point(x, y + ROW / 2 + 4.5), (Run(words, face, ink),), 12, anchor)
+    return Text(Point(x, y + ROW / 2 + 4.5), (TextRun(words, face, ink),), 12, anchor)
 
 
 def picture() -> str:

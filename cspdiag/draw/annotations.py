@@ -8,7 +8,7 @@ from cspdiag.base import Diagnostic
 from cspdiag.base.record import record
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.scene.geometry import Point, Rectangle
-from cspdiag.draw.scene.shapes import Anchor, Box, Face, Group, Ink, Item, Run, Text
+from cspdiag.draw.scene.shapes import Anchor, Box, Face, Group, Ink, Item, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height, runs_width, text_width
 
 HEADING_SIZE = 16.0
@@ -39,7 +39,7 @@ _SIGNS: dict[MarkKind, str] = {
 }
 
 
-def heading(runs: Sequence[Run], doc: str | None, mark: Mark | None = None) -> Group:
+def heading(runs: Sequence[TextRun], doc: str | None, mark: Mark | None = None) -> Group:
     """The name of what is drawn, at the origin, with the mark of the whole, and below it the first sentence of its doc comment."""
     items: list[Item] = [Text(Point(0, ASCENT * HEADING_SIZE), tuple(runs), HEADING_SIZE)]
     if mark is not None:
@@ -71,9 +71,9 @@ def wrapped(text: str, size: float, width: float, face: Face = Face.SANS) -> lis
     return lines
 
 
-def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[tuple[Run, ...]]:
+def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[tuple[TextRun, ...]]:
     """Lines no wider than ``width`` pixels, but for single words; what stands between backticks is set as code, without them."""
-    words: list[list[Run]] = []
+    words: list[list[TextRun]] = []
     is_apart = True
     for position, piece in enumerate(text.split("`")):
         face = Face.MONO if position % 2 else Face.SANS
@@ -82,10 +82,10 @@ def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[t
                 words.append([])
             is_apart = False
             if word:
-                words[-1].append(Run(word, face, ink))
-    lines: list[list[Run]] = []
+                words[-1].append(TextRun(word, face, ink))
+    lines: list[list[TextRun]] = []
     for word_runs in filter(None, words):
-        extended = [*lines[-1], Run(" ", Face.SANS, ink), *word_runs] if lines else word_runs
+        extended = [*lines[-1], TextRun(" ", Face.SANS, ink), *word_runs] if lines else word_runs
         if lines and runs_width(extended, size) <= width:
             lines[-1] = extended
         else:
@@ -93,12 +93,12 @@ def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[t
     return [_merged(line) for line in lines]
 
 
-def _merged(runs: list[Run]) -> tuple[Run, ...]:
+def _merged(runs: list[TextRun]) -> tuple[TextRun, ...]:
     """Neighbours of one look as one run."""
-    merged: list[Run] = []
+    merged: list[TextRun] = []
     for run in runs:
         if merged and (merged[-1].face, merged[-1].ink) == (run.face, run.ink):
-            merged[-1] = Run(merged[-1].text + run.text, run.face, run.ink)
+            merged[-1] = TextRun(merged[-1].text + run.text, run.face, run.ink)
         else:
             merged.append(run)
     return tuple(merged)
@@ -123,7 +123,7 @@ def badge(mark: Mark, centre: Point) -> Group:
     ink, _ = INKS[mark.kind]
     text, width = _badge_text(mark), badge_width(mark)
     place = Rectangle(centre.x - width / 2, centre.y - BADGE, width, 2 * BADGE)
-    label = Text(Point(centre.x, centre.y + 4), (Run(text, Face.BOLD, Ink.PAPER),), 11, Anchor.MIDDLE)
+    label = Text(Point(centre.x, centre.y + 4), (TextRun(text, Face.BOLD, Ink.PAPER),), 11, Anchor.MIDDLE)
     return Group(f"badge {mark.kind}", (Box(place, ink, Ink.PAPER, BADGE, 1.5), label), title=mark.note)
 
 
@@ -159,7 +159,7 @@ def notes(rows: Iterable[Note], width: float) -> Group:
         items.append(badge(row.mark, Point(BADGE, y + BADGE)))
         ink, _ = INKS[row.mark.kind]
         indent = 2 * BADGE + 12
-        code = Run(row.code, Face.BOLD, ink)
+        code = TextRun(row.code, Face.BOLD, ink)
         first = indent + (runs_width((code,), NOTE_SIZE) + 6 if row.code else 0)
         if row.code:
             items.append(Text(Point(indent, y + ASCENT * NOTE_SIZE + 2), (code,), NOTE_SIZE))
@@ -167,7 +167,7 @@ def notes(rows: Iterable[Note], width: float) -> Group:
             items.append(Text(Point(first, y + ASCENT * NOTE_SIZE + 2), line, NOTE_SIZE))
             y += line_height(NOTE_SIZE) + 2
         if row.place:
-            place = Run(row.place, Face.MONO, Ink.FAINT)
+            place = TextRun(row.place, Face.MONO, Ink.FAINT)
             items.append(Text(Point(first, y + ASCENT * PLACE_SIZE + 1), (place,), PLACE_SIZE))
             y += line_height(PLACE_SIZE)
         y += 8

@@ -28,7 +28,7 @@ from cspdiag.network.infer.kinds import Asked, asked_kinds, check_outermost, inf
 from cspdiag.network.infer.parameter_ranges import ranges_of
 from cspdiag.network.infer.period_origins import PeriodOrigins
 from cspdiag.network.infer.periods import Rates, check_event_ports, net_rates
-from cspdiag.network.infer.waiting import Waiting
+from cspdiag.network.infer.waiting import MayWait
 from cspdiag.network.occurrences import Occurrence, Occurrences
 from cspdiag.network.relations import Relations
 from cspdiag.network.shapes import Overrides, Shape, attached_key
@@ -100,7 +100,7 @@ class Analysis:
         outermost = [self.contexts.outermost(shape, surroundings) for shape, surroundings in self._roots]
         if not self.report.has_errors:
             self._give_values()
-        waiting = Waiting()
+        waiting = MayWait()
         for placed in self._inside_out_in_context():
             waiting.process(placed)
             check_guards(placed, self.report)

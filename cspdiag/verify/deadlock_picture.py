@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from cspdiag.draw.deadlock.marks import Waiting
+from cspdiag.draw.deadlock.marks import StuckProcess
 from cspdiag.draw.deadlock.ring import Deadlock
 from cspdiag.runtime.kernel.durations import shown
 
@@ -23,10 +23,10 @@ def deadlock_of(report: DeadlockReport, network: Network) -> Deadlock:
     return Deadlock(f"deadlock at {shown(report.time)}", network.top, cycle, besides)
 
 
-def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, str]]]) -> Waiting:
+def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, str]]]) -> StuckProcess:
     ports = (port for channel in process.channels for path, port in users.get(channel, ()) if path == process.path)
     place = process.place or process.source
-    return Waiting(process.path, process.waits, place, process.channels, tuple(dict.fromkeys(ports)))
+    return StuckProcess(process.path, process.waits, place, process.channels, tuple(dict.fromkeys(ports)))
 
 
 def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
@@ -37,7 +37,7 @@ def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
     title = f"{counterexample.failure} after {steps} step{'' if steps == 1 else 's'}"
     top = counterexample.process
     waiting = {
-        each.name: Waiting(
+        each.name: StuckProcess(
             each.path or f"{top}.{each.name}",
             each.words.removeprefix("waits").strip(),
             None if each.span is None else str(each.span),

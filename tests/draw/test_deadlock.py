@@ -11,7 +11,7 @@ from cspdiag.api import load
 from cspdiag.base import SourceFile, Span
 from cspdiag.base.sources import read_source
 from cspdiag.cli.main import main
-from cspdiag.draw.deadlock.marks import Waiting, shortened, surroundings
+from cspdiag.draw.deadlock.marks import StuckProcess, shortened, surroundings
 from cspdiag.draw.deadlock.ring import Deadlock, draw_ring
 from cspdiag.draw.deadlock.steps import waiting_steps
 from cspdiag.draw.layout import engine
@@ -44,7 +44,7 @@ process Top {
 
 def ring(count: int, *, besides: int = 0) -> Scene:
     waiting = [
-        Waiting(f"Top.process[{number}]", f"to read Top.link[{number}]", "ring.csp:7") for number in range(count)
+        StuckProcess(f"Top.process[{number}]", f"to read Top.link[{number}]", "ring.csp:7") for number in range(count)
     ]
     return draw_ring(Deadlock("deadlock at 1 ms", "Top", tuple(waiting[besides:]), tuple(waiting[:besides])))
 
@@ -105,9 +105,9 @@ def test_elements_of_the_diagram_carry_the_numbers_of_the_ring() -> None:
     program = check(read_source(DINING), read_source).program
     assert program is not None
     waiting = [
-        Waiting("SymmetricTable.philosopher[0]", "…", None, ("SymmetricTable.philosopher[0].second",)),
-        Waiting("SymmetricTable.fork[1]", "…", None, ("SymmetricTable.philosopher[1].first",)),
-        Waiting("SymmetricTable.philosopher[1]", "…", None, ("SymmetricTable.philosopher[1].second",)),
+        StuckProcess("SymmetricTable.philosopher[0]", "…", None, ("SymmetricTable.philosopher[0].second",)),
+        StuckProcess("SymmetricTable.fork[1]", "…", None, ("SymmetricTable.philosopher[1].first",)),
+        StuckProcess("SymmetricTable.philosopher[1]", "…", None, ("SymmetricTable.philosopher[1].second",)),
     ]
     found = surroundings(program, "SymmetricTable", waiting)
     assert found is not None
@@ -119,7 +119,7 @@ def test_elements_of_the_diagram_carry_the_numbers_of_the_ring() -> None:
     assert {mark.kind for mark in marks.values()} == {"highlighted"}
 
 
-def marked_steps(text: str, *waiting: Waiting) -> dict[str, dict[str, tuple[int, ...]]]:
+def marked_steps(text: str, *waiting: StuckProcess) -> dict[str, dict[str, tuple[int, ...]]]:
     """By process, the texts of the steps that are marked, with the numbers that they carry."""
     program = check(SourceFile(name="steps.csp", text=text), read_source).program
     assert program is not None
@@ -146,17 +146,17 @@ process Top { in a, b : int  out c : int
 
 
 def test_the_step_at_which_a_process_waits_is_marked_where_its_line_tells_it() -> None:
-    def at(line: int, *ports: str) -> Waiting:
+    def at(line: int, *ports: str) -> StuckProcess:
         channels = tuple(f"Top.{port}" for port in ports)
-        return Waiting("Top.chooser", "to read", f"steps.csp:{line}", channels, ports)
+        return StuckProcess("Top.chooser", "to read", f"steps.csp:{line}", channels, ports)
 
     assert marked_steps(STEPS, at(5, "a")) == {"Chooser": {"a ? x": (1,)}}
     assert marked_steps(STEPS, at(5, "a", "b")) == {"Chooser": {"a ? x": (1,), "b ? x": (1,)}}
     assert marked_steps(STEPS, at(5, "b"), at(5, "b")) == {"Chooser": {"b ? x": (1, 2)}}
     assert marked_steps(STEPS, at(6, "c")) == {}, "there are two"
     assert marked_steps(STEPS, at(7, "c")) == {}
-    assert marked_steps(STEPS, Waiting("Top.nobody", "to read", "steps.csp:5")) == {}
-    assert marked_steps(STEPS, Waiting("Top.chooser", "to read")) == {}
+    assert marked_steps(STEPS, StuckProcess("Top.nobody", "to read", "steps.csp:5")) == {}
+    assert marked_steps(STEPS, StuckProcess("Top.chooser", "to read")) == {}
 
 
 def test_the_step_at_which_a_process_waits_is_marked_where_its_place_is_known() -> None:
@@ -164,7 +164,7 @@ def test_the_step_at_which_a_process_waits_is_marked_where_its_place_is_known() 
     assert program is not None
     source = program.main.span.source
     start = STEPS.index("c ! 2")
-    waiting = Waiting("Top.chooser", "to write Top.c", span=Span(source, start, start + 5))
+    waiting = StuckProcess("Top.chooser", "to write Top.c", span=Span(source, start, start + 5))
     ((diagram, marks),) = waiting_steps(program, [waiting])
     assert [element.key for element in diagram.elements() if getattr(element, "text", "") == "c ! 2"] == [*marks]
 
@@ -181,7 +181,7 @@ def test_the_diagram_is_that_of_the_innermost_process_around(
 ) -> None:
     program = check(SourceFile(name="crossed.csp", text=CROSSED), read_source).program
     assert program is not None
-    found = surroundings(program, "Top", [Waiting(path, "to read", None, (f"{path}.a",)) for path in paths])
+    found = surroundings(program, "Top", [StuckProcess(path, "to read", None, (f"{path}.a",)) for path in paths])
     assert found is not None
     assert found[0].key == diagram
     assert {key: found[1][key].numbers for key in boxes} == boxes
@@ -191,7 +191,7 @@ def test_the_diagram_is_that_of_the_innermost_process_around(
 def test_processes_that_are_not_in_the_program_have_no_surroundings(paths: list[str]) -> None:
     program = check(SourceFile(name="crossed.csp", text=CROSSED), read_source).program
     assert program is not None
-    assert surroundings(program, "Top", [Waiting(path, "to read") for path in paths]) is None
+    assert surroundings(program, "Top", [StuckProcess(path, "to read") for path in paths]) is None
 
 
 @pytest.mark.parametrize("target", ["python", "c"])

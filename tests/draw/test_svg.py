@@ -16,14 +16,14 @@ from cspdiag.draw.scene import palette
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.palette import DARK, LIGHT, Scheme
 from cspdiag.draw.scene.scene_geometry import beside, bounds, fitted, stacked
-from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Face, Group, Head, Ink, Line, Run, Scene, Text
+from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Face, Group, Head, Ink, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import text_width
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def words(text: str, face: Face = Face.SANS) -> Text:
-    return Text(Point(10, 20), (Run(text, face),))
+    return Text(Point(10, 20), (TextRun(text, face),))
 
 
 def scene(*items: Group | Text | Box | Line | Ellipse, name: str = "") -> Scene:

@@ -25,7 +25,7 @@ from cspdiag.draw.layout.elk import lay_out
 from cspdiag.draw.layout.graph import Layout, Node, Route, Side
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved
-from cspdiag.draw.scene.shapes import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene.shapes import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height
 from cspdiag.network.ir.network import Direction
 
@@ -81,12 +81,16 @@ def _with_row(layout: Layout, apart: Sequence[Node]) -> Layout:
     return replaced(layout, nodes=nodes)
 
 
-def _title(diagram: CommunicationDiagram) -> tuple[Run, ...]:
+def _title(diagram: CommunicationDiagram) -> tuple[TextRun, ...]:
     if diagram.environment_of is not None:
-        return (Run("environment ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD), Run(f" for {diagram.environment_of}"))
+        return (
+            TextRun("environment ", ink=Ink.FAINT),
+            TextRun(diagram.key, Face.BOLD),
+            TextRun(f" for {diagram.environment_of}"),
+        )
     names = ", ".join(parameter.partition(":")[0].strip() for parameter in diagram.parameters)
-    parameters = (Run(f"({names})", ink=Ink.FAINT),) if names else ()
-    return (Run("process ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD), *parameters)
+    parameters = (TextRun(f"({names})", ink=Ink.FAINT),) if names else ()
+    return (TextRun("process ", ink=Ink.FAINT), TextRun(diagram.key, Face.BOLD), *parameters)
 
 
 def _below_each_other(parts: list[Item]) -> list[Item]:
@@ -256,11 +260,11 @@ def _lines(caption: Caption, place: Rectangle, anchor: Anchor) -> list[Item]:
     ]
 
 
-def _inked(runs: tuple[Run, ...], mark: Mark | None) -> tuple[Run, ...]:
+def _inked(runs: tuple[TextRun, ...], mark: Mark | None) -> tuple[TextRun, ...]:
     if mark is None:
         return runs
     ink = INKS[mark.kind][0]
-    return tuple(Run(run.text, run.face, ink) for run in runs)
+    return tuple(TextRun(run.text, run.face, ink) for run in runs)
 
 
 def _with_note(tooltip: str, mark: Mark | None) -> str:

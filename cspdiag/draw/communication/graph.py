@@ -24,7 +24,7 @@ from cspdiag.draw.elements.marks import Mark, Marks
 from cspdiag.draw.hiding import Hidden
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layer, Node, Padding, Port, Side
 from cspdiag.draw.layout.question import HEADROOM
-from cspdiag.draw.scene.shapes import Face, Ink, Run
+from cspdiag.draw.scene.shapes import Face, Ink, TextRun
 from cspdiag.draw.scene.text_metrics import line_height, runs_width
 
 NAME_SIZE = 13.0
@@ -48,7 +48,7 @@ BADGE_HEIGHT = 2 * BADGE + HEADROOM
 class Caption:
     """A text to be set where the layout has left room for it: a line for each tuple of runs."""
 
-    lines: tuple[tuple[Run, ...], ...]
+    lines: tuple[tuple[TextRun, ...], ...]
     size: float
     mark: Mark | None = None
     """The mark whose badge stands beside the text; it takes room even where there is no text."""
@@ -169,7 +169,7 @@ class _Level:
                 caption = self._store_caption(vertex)
                 return self._small(name, caption, caption.width + 2 * STORE_GAP, STORE_HEIGHT, Layer.ANY, is_used)
             case Value():
-                text = (Run(vertex.text, Face.MONO, Ink.FAINT),)
+                text = (TextRun(vertex.text, Face.MONO, Ink.FAINT),)
                 caption = Caption((text,), PORT_SIZE, self._badged(name))
                 return self._small(
                     name, caption, caption.width + 6, max(caption.text_height + 4, caption.height), Layer.ANY, is_used
@@ -250,11 +250,11 @@ class _Level:
         return Label(name, caption.width, caption.height)
 
     def _parent_caption(self, port: ParentPort) -> Caption:
-        runs = [Run(f"{port.key}{port.size or ''}")]
+        runs = [TextRun(f"{port.key}{port.size or ''}")]
         if not self.hidden.hides("types", port.key):
-            runs.append(Run(f": {port.type}", ink=Ink.FAINT))
+            runs.append(TextRun(f": {port.type}", ink=Ink.FAINT))
         if port.period is not None and not self.hidden.hides("periods"):
-            runs.append(Run(f" @{port.period}", Face.ITALIC))
+            runs.append(TextRun(f" @{port.period}", Face.ITALIC))
         return Caption((tuple(runs),), NAME_SIZE, self._badged(self._id(port.key)))
 
     def _badged(self, name: str) -> Mark | None:
@@ -263,35 +263,35 @@ class _Level:
         return mark if mark is not None and has_badge(mark) else None
 
     def _store_caption(self, store: Store) -> Caption:
-        runs = [Run(store.key)]
+        runs = [TextRun(store.key)]
         if store.type and not self.hidden.hides("types", store.key):
-            runs.append(Run(f": {store.type}", ink=Ink.FAINT))
+            runs.append(TextRun(f": {store.type}", ink=Ink.FAINT))
         if store.initial is not None and not self.hidden.hides("types", store.key):
-            runs.append(Run(f" = {store.initial}", ink=Ink.FAINT))
+            runs.append(TextRun(f" = {store.initial}", ink=Ink.FAINT))
         if store.asked is not None and not self.hidden.hides("kinds"):
             kind = store.asked if store.capacity is None else f"{store.asked} {store.capacity}"
-            runs.append(Run(f" {kind}", Face.ITALIC, Ink.FAINT))
+            runs.append(TextRun(f" {kind}", Face.ITALIC, Ink.FAINT))
         return Caption((tuple(runs),), LABEL_SIZE)
 
     def _arrow_caption(self, arrow: Arrow) -> Caption:
         """``leftmax: double<rad> broadcast``; the type of an arrow without a label is that of the port where it begins."""
-        words: list[Run] = []
+        words: list[TextRun] = []
         if arrow.by_composition:
             return Caption((), LABEL_SIZE)
         for end in (*arrow.sources, *arrow.sinks):
             if end.port is not None and (end.element, end.port) not in self.types:
-                words.append(Run(f"{' ' if words else ''}{end.element}{end.port}"))
+                words.append(TextRun(f"{' ' if words else ''}{end.element}{end.port}"))
         if arrow.label is not None and not self.hidden.hides("labels", arrow.label):
-            words.append(Run(f"{' ' if words else ''}{arrow.label}"))
+            words.append(TextRun(f"{' ' if words else ''}{arrow.label}"))
         type_ = self._type_of(arrow)
         if type_ and not self.hidden.hides("types", arrow.label or ""):
-            words.append(Run(f": {type_}" if words else type_, ink=Ink.FAINT))
+            words.append(TextRun(f": {type_}" if words else type_, ink=Ink.FAINT))
         if arrow.asked is not None and not self.hidden.hides("kinds"):
             kind = arrow.asked if arrow.capacity is None else f"{arrow.asked} {arrow.capacity}"
-            words.append(Run(f"{' ' if words else ''}{kind}", Face.ITALIC, Ink.FAINT))
+            words.append(TextRun(f"{' ' if words else ''}{kind}", Face.ITALIC, Ink.FAINT))
         if arrow.repeated and not self.hidden.hides("labels"):
             text = ", ".join(arrow.repeated)
-            words.append(Run(f"{'   ' if words else ''}{text}", Face.ITALIC, Ink.FAINT))
+            words.append(TextRun(f"{'   ' if words else ''}{text}", Face.ITALIC, Ink.FAINT))
         return Caption((tuple(words),) if words else (), LABEL_SIZE)
 
     def _type_of(self, arrow: Arrow) -> str | None:
@@ -306,17 +306,17 @@ def box_caption(box: Box) -> Caption:
     """``cell[8]: Cell``, and the language of a hand-written body below it."""
     size = f"[{box.size}]" if box.size else ""
     if box.key == box.definition and not size:
-        lines: list[tuple[Run, ...]] = [(Run(box.key, Face.BOLD),)]
+        lines: list[tuple[TextRun, ...]] = [(TextRun(box.key, Face.BOLD),)]
     else:
-        lines = [(Run(f"{box.key}{size}", Face.BOLD), Run(f": {box.definition}"))]
+        lines = [(TextRun(f"{box.key}{size}", Face.BOLD), TextRun(f": {box.definition}"))]
     if box.language is not None:
-        lines.append((Run(f"hand-written in {box.language}", Face.ITALIC, Ink.FAINT),))
+        lines.append((TextRun(f"hand-written in {box.language}", Face.ITALIC, Ink.FAINT),))
     return Caption(tuple(lines), NAME_SIZE)
 
 
 def port_caption(port: BoxPort) -> Caption:
     """The local name of a port, with the default that it was left to."""
-    runs = [Run(port.key, ink=Ink.FAINT)]
+    runs = [TextRun(port.key, ink=Ink.FAINT)]
     if port.default is not None:
-        runs.append(Run(f" = {port.default}", Face.ITALIC, Ink.FAINT))
+        runs.append(TextRun(f" = {port.default}", Face.ITALIC, Ink.FAINT))
     return Caption((tuple(runs),), PORT_SIZE)

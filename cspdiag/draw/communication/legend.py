@@ -9,7 +9,7 @@ from cspdiag.draw.communication import symbols
 from cspdiag.draw.elements.diagram import Arrow, Box, Sink, Store, Vertex
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import moved
-from cspdiag.draw.scene.shapes import Dash, Group, Head, Ink, Item, Line, Run, Text
+from cspdiag.draw.scene.shapes import Dash, Group, Head, Ink, Item, Line, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height, text_width
 
 SIZE = 11.0
@@ -50,7 +50,7 @@ def in_rows(entries: Sequence[Entry], width: float) -> Group | None:
         if x > 0 and x + taken > width:
             x, y = 0.0, y + ROW
         text = Text(
-            Point(SAMPLE + 7, ROW / 2 + (ASCENT - line_height(1) / 2) * SIZE), (Run(words, ink=Ink.FAINT),), SIZE
+            Point(SAMPLE + 7, ROW / 2 + (ASCENT - line_height(1) / 2) * SIZE), (TextRun(words, ink=Ink.FAINT),), SIZE
         )
         items += [moved(item, x, y) for item in (*sample, text)]
         x += taken + SPACE

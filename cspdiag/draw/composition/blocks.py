@@ -10,7 +10,7 @@ from cspdiag.draw.communication.symbols import STACK, inside, outline
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import moved
-from cspdiag.draw.scene.shapes import Anchor, Box, Dash, Ellipse, Face, Group, Ink, Item, Run, Text
+from cspdiag.draw.scene.shapes import Anchor, Box, Dash, Ellipse, Face, Group, Ink, Item, Text, TextRun
 from cspdiag.draw.scene.text_metrics import CAPITAL, text_width
 
 SIZE = 13
@@ -120,7 +120,7 @@ def centred(
     """Lines of text around a point."""
     first = centre.y - (len(lines) - 1) * LINE / 2 + CAPITAL / 2 * size
     return [
-        Text(Point(centre.x, first + number * LINE), (Run(line, face, ink),), size, Anchor.MIDDLE)
+        Text(Point(centre.x, first + number * LINE), (TextRun(line, face, ink),), size, Anchor.MIDDLE)
         for number, line in enumerate(lines)
     ]
 
@@ -129,7 +129,8 @@ def above(lines: Sequence[str], at: Point, face: Face = Face.SANS, anchor: Ancho
     """Lines of text that stand on a line."""
     first = at.y - 6 - (len(lines) - 1) * LINE
     return [
-        Text(Point(at.x, first + number * LINE), (Run(line, face),), SIZE, anchor) for number, line in enumerate(lines)
+        Text(Point(at.x, first + number * LINE), (TextRun(line, face),), SIZE, anchor)
+        for number, line in enumerate(lines)
     ]
 
 

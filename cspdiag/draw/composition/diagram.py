@@ -41,7 +41,7 @@ from cspdiag.draw.elements.marks import Marks
 from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.scene.geometry import Point
 from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved
-from cspdiag.draw.scene.shapes import Face, Group, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene.shapes import Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import runs_width
 from cspdiag.syntax.parse.nesting import room_to_recurse
 
@@ -69,7 +69,7 @@ def draw_composition(
     """
     parts: list[Item] = []
     if is_headed:
-        parts.append(heading((Run("composition of ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD)), None))
+        parts.append(heading((TextRun("composition of ", ink=Ink.FAINT), TextRun(diagram.key, Face.BOLD)), None))
     if diagram.root is not None:
         drawer = _Drawer(marks or {}, links or {})
         parts.append(Group("diagram", drawer.whole(diagram.root).items))
@@ -141,9 +141,9 @@ class _Drawer:
             case Replication():
                 return self._replication(element, limit)
             case NamedGroup():
-                return self._named("group named", element, (Run(element.label, Face.BOLD),), limit)
+                return self._named("group named", element, (TextRun(element.label, Face.BOLD),), limit)
             case Inside():
-                name = (Run(element.text, Face.BOLD), Run(f": {element.definition}"))
+                name = (TextRun(element.text, Face.BOLD), TextRun(f": {element.definition}"))
                 return self._named("group inside", element, name, limit)
             case _:
                 assert_never(element)
@@ -192,7 +192,7 @@ class _Drawer:
         process = self.operand(handler.process, limit - guard.width - 100)
         return relations.Watch(guard, process, handler.guard is None, look(mark, Ink.LINE, Ink.PAPER).stroke)
 
-    def _named(self, kind: str, element: NamedGroup | Inside, name: tuple[Run, ...], limit: float) -> Block:
+    def _named(self, kind: str, element: NamedGroup | Inside, name: tuple[TextRun, ...], limit: float) -> Block:
         text = Text(Point(0, 0), name, SIZE)
         mark = self._marks.get(element.key)
         style = FrameStyle(kind, element.key, step_tooltip(element), mark, (text,), runs_width(name, SIZE))
@@ -204,7 +204,7 @@ class _Drawer:
             name.append(Line((Point(0, -5), Point(16, -5)), end=Head.OPEN_ARROW))
         else:
             name += operator_sign(element.operator, element.prioritized, Point(8, -5))[0]
-        name.append(Text(Point(24, 0), (Run(element.replicator),), SIZE))
+        name.append(Text(Point(24, 0), (TextRun(element.replicator),), SIZE))
         style = FrameStyle(
             "group replicated",
             element.key,

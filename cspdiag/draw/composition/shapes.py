@@ -17,7 +17,7 @@ from cspdiag.draw.elements.diagram import Box as InstanceBox
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import moved
-from cspdiag.draw.scene.shapes import Box, Ellipse, Face, Ink, Item, Line, Run, Text
+from cspdiag.draw.scene.shapes import Box, Ellipse, Face, Ink, Item, Line, Text, TextRun
 from cspdiag.draw.scene.text_metrics import text_width
 
 POINT = 10
@@ -124,7 +124,7 @@ _READER = _Form(_notched, (POINT, 0))
 _WRITER = _Form(_pointed, (0, POINT))
 
 
-def _shape(owner: _Owner, lines: Sequence[Run], form: _Form, shown: Look) -> Block:
+def _shape(owner: _Owner, lines: Sequence[TextRun], form: _Form, shown: Look) -> Block:
     """A block of one shape around lines of text."""
     sign, room = form.sign or ((), 0)
     widest = max(text_width(line.text, SIZE, line.face) for line in lines)
@@ -149,14 +149,14 @@ def _shape(owner: _Owner, lines: Sequence[Run], form: _Form, shown: Look) -> Blo
     return block(0)
 
 
-def _centred(lines: Sequence[Run], centre: Point) -> Iterator[Text]:
+def _centred(lines: Sequence[TextRun], centre: Point) -> Iterator[Text]:
     for number, line in enumerate(lines):
         at = centre.moved(0, (number - (len(lines) - 1) / 2) * LINE)
         yield from centred([line.text], at, line.face, line.ink)
 
 
-def _plain(text: str) -> list[Run]:
-    return [Run(line) for line in lines_of(text)]
+def _plain(text: str) -> list[TextRun]:
+    return [TextRun(line) for line in lines_of(text)]
 
 
 def activity_block(activity: Activity, mark: Mark | None, link: str = "") -> Block:
@@ -198,7 +198,7 @@ def guard_block(guard: Guard, mark: Mark | None) -> Block:
         form = _READER
     elif guard.form == "output":
         form = _WRITER
-    lines = [*(Run(line, Face.ITALIC, Ink.FAINT) for line in condition), *_plain(guard.text)]
+    lines = [*(TextRun(line, Face.ITALIC, Ink.FAINT) for line in condition), *_plain(guard.text)]
     return _shape(_Owner(f"guard {guard.form}", guard.key, step_tooltip(guard), mark), lines, form, shown)
 
 

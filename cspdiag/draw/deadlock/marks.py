@@ -22,7 +22,7 @@ MOST_NUMBERS = 10
 
 
 @record
-class Waiting:
+class StuckProcess:
     """A process that can never go on.
 
     ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits (``to read Table.philosopher[0].first``), ``place`` is the file and
@@ -46,7 +46,7 @@ def shortened(text: str, top: str) -> str:
 
 
 def surroundings(
-    program: Program, top: str, waiting: Sequence[Waiting]
+    program: Program, top: str, waiting: Sequence[StuckProcess]
 ) -> tuple[CommunicationDiagram, dict[str, Mark]] | None:
     """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None where there is none."""
     prefix = _common([tuple(each.path.split(".")) for each in waiting])
@@ -86,7 +86,7 @@ def _instance(declarations: Sequence[ast.Declaration], name: str) -> ast.Instanc
     return None
 
 
-def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[Waiting]) -> dict[str, Mark]:
+def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[StuckProcess]) -> dict[str, Mark]:
     numbers: dict[str, list[int]] = {}
     notes: dict[str, list[str]] = {}
     channels: dict[str, list[str]] = {}

@@ -9,12 +9,12 @@ from cspdiag.base.record import record
 from cspdiag.draw.annotations import NOTE_SIZE, badge, heading, wrapped
 from cspdiag.draw.communication.diagram import draw_communication
 from cspdiag.draw.composition.diagram import draw_composition
-from cspdiag.draw.deadlock.marks import Waiting, shortened, surroundings
+from cspdiag.draw.deadlock.marks import StuckProcess, shortened, surroundings
 from cspdiag.draw.deadlock.steps import waiting_steps
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved, stacked
-from cspdiag.draw.scene.shapes import Box, Face, Group, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene.shapes import Box, Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height, text_width
 from cspdiag.model.program import Program
 
@@ -41,8 +41,8 @@ class Deadlock:
 
     title: str
     top: str
-    cycle: tuple[Waiting, ...]
-    besides: tuple[Waiting, ...] = ()
+    cycle: tuple[StuckProcess, ...]
+    besides: tuple[StuckProcess, ...] = ()
 
 
 def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
@@ -65,7 +65,7 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
 
 def draw_ring(deadlock: Deadlock) -> Scene:
     """The waiting processes alone, which takes no layout engine."""
-    title = (Run(deadlock.title, Face.BOLD, Ink.ACCENT), Run(f" in {deadlock.top}"))
+    title = (TextRun(deadlock.title, Face.BOLD, Ink.ACCENT), TextRun(f" in {deadlock.top}"))
     told = (
         "each process waits for the one that its arrow leads to"
         if deadlock.cycle
@@ -87,7 +87,7 @@ def draw_ring(deadlock: Deadlock) -> Scene:
     return fitted(placed, title=deadlock.title, description=told, name="deadlock")
 
 
-def _ring(cycle: Sequence[Waiting], top: str) -> Iterator[Item]:
+def _ring(cycle: Sequence[StuckProcess], top: str) -> Iterator[Item]:
     cards = [_lines(waiting, top) for waiting in cycle]
     width, height = _size(cards)
     slots = _slots(len(cycle))
@@ -140,7 +140,7 @@ def _border(place: Rectangle, towards: Point) -> Point:
     return Point(centre.x, place.bottom if towards.y > centre.y else place.y)
 
 
-def _grid(waiting: Sequence[Waiting], top: str) -> Iterator[Item]:
+def _grid(waiting: Sequence[StuckProcess], top: str) -> Iterator[Item]:
     cards = [_lines(each, top) for each in waiting]
     width, height = _size(cards)
     columns = min(len(cards), 4)
@@ -150,15 +150,15 @@ def _grid(waiting: Sequence[Waiting], top: str) -> Iterator[Item]:
         yield _card(each, card, place, Mark("highlighted", (number + 1,)))
 
 
-_Card = list[tuple[Run, float]]
+_Card = list[tuple[TextRun, float]]
 
 
-def _lines(waiting: Waiting, top: str) -> _Card:
-    name = Run(shortened(waiting.path, top) or top, Face.BOLD)
+def _lines(waiting: StuckProcess, top: str) -> _Card:
+    name = TextRun(shortened(waiting.path, top) or top, Face.BOLD)
     words = wrapped(f"waits {shortened(waiting.words, top)}", NOTE_SIZE, _WIDEST)
-    lines = [(name, _NAME_SIZE), *((Run(line), NOTE_SIZE) for line in words)]
+    lines = [(name, _NAME_SIZE), *((TextRun(line), NOTE_SIZE) for line in words)]
     if waiting.place is not None:
-        lines.append((Run(waiting.place, Face.MONO, Ink.FAINT), _PLACE_SIZE))
+        lines.append((TextRun(waiting.place, Face.MONO, Ink.FAINT), _PLACE_SIZE))
     return lines
 
 
@@ -168,7 +168,7 @@ def _size(cards: Sequence[_Card]) -> tuple[float, float]:
     return max(width, 110) + 2 * _PADDING, height + 2 * _PADDING - 3
 
 
-def _card(waiting: Waiting, card: _Card, place: Rectangle, mark: Mark) -> Group:
+def _card(waiting: StuckProcess, card: _Card, place: Rectangle, mark: Mark) -> Group:
     items: list[Item] = [Box(place, Ink.ACCENT_FILL, Ink.ACCENT, 9, 2.2)]
     y = place.y + _PADDING
     for run, size in card:
@@ -178,14 +178,14 @@ def _card(waiting: Waiting, card: _Card, place: Rectangle, mark: Mark) -> Group:
     return Group("waiting", tuple(items), f"waiting-{waiting.path}", f"{waiting.path} waits {waiting.words}")
 
 
-def _list(title: str, waiting: Sequence[Waiting], top: str) -> Iterator[Item]:
+def _list(title: str, waiting: Sequence[StuckProcess], top: str) -> Iterator[Item]:
     y = ASCENT * NOTE_SIZE
-    yield Text(Point(0, y), (Run(title, Face.BOLD),), NOTE_SIZE)
+    yield Text(Point(0, y), (TextRun(title, Face.BOLD),), NOTE_SIZE)
     for each in waiting:
         y += line_height(NOTE_SIZE) + 4
         words = (
-            Run(shortened(each.path, top) or top, Face.BOLD),
-            Run(f" waits {shortened(each.words, top)}"),
-            *((Run(f"  {each.place}", ink=Ink.FAINT),) if each.place is not None else ()),
+            TextRun(shortened(each.path, top) or top, Face.BOLD),
+            TextRun(f" waits {shortened(each.words, top)}"),
+            *((TextRun(f"  {each.place}", ink=Ink.FAINT),) if each.place is not None else ()),
         )
         yield Text(Point(12, y), words, NOTE_SIZE)

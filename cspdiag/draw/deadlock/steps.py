@@ -7,14 +7,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import PurePath
 
 from cspdiag.base import Span
-from cspdiag.draw.deadlock.marks import MOST_NUMBERS, Waiting, definition_at
+from cspdiag.draw.deadlock.marks import MOST_NUMBERS, StuckProcess, definition_at
 from cspdiag.draw.elements.composition import Activity, CompositionDiagram, Guard, Part
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.model.program import Program
 
 
-def waiting_steps(program: Program, waiting: Sequence[Waiting]) -> list[tuple[CompositionDiagram, dict[str, Mark]]]:
+def waiting_steps(
+    program: Program, waiting: Sequence[StuckProcess]
+) -> list[tuple[CompositionDiagram, dict[str, Mark]]]:
     """The compositions of the waiting processes, each once, with marks where they wait, numbered in their order.
 
     Where it is not certain at which step a process waits, nothing is marked for it.
@@ -42,7 +44,7 @@ def waiting_steps(program: Program, waiting: Sequence[Waiting]) -> list[tuple[Co
     ]
 
 
-def _steps(diagram: CompositionDiagram, waiting: Waiting) -> list[str]:
+def _steps(diagram: CompositionDiagram, waiting: StuckProcess) -> list[str]:
     """The element at which a process waits; of an alternative the guards."""
     if waiting.span is not None:
         return _at(diagram, waiting.span)
@@ -63,7 +65,7 @@ def _at(diagram: CompositionDiagram, span: Span) -> list[str]:
     return [min(around)[1]] if around else []
 
 
-def _on_line(diagram: CompositionDiagram, waiting: Waiting) -> Iterator[Part]:
+def _on_line(diagram: CompositionDiagram, waiting: StuckProcess) -> Iterator[Part]:
     """The steps on the line of the place that do what the process waits for; of several channels the guards."""
     file, _, line = (waiting.place or "").rpartition(":")
     sort = Guard if len(waiting.channels) > 1 else Activity

@@ -15,7 +15,7 @@ from cspdiag.draw.differences.render_text import sentence, told
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, Element
 from cspdiag.draw.elements.marks import WHOLE, Mark, MarkKind
 from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved, stacked
-from cspdiag.draw.scene.shapes import Face, Group, Item, Run, Scene
+from cspdiag.draw.scene.shapes import Face, Group, Item, Scene, TextRun
 
 _MARKS: dict[Action, MarkKind] = {"added": "added", "removed": "removed", "changed": "changed", "renamed": "changed"}
 _GAP = 14.0
@@ -38,7 +38,7 @@ def pictures_of(difference: Difference) -> list[Scene]:
     drawn = {(change.kind, change.definition) for pair in pairs for change in pair.changes}
     others = [change for change in difference.changes if (change.kind, change.definition) not in drawn]
     if others or not scenes:
-        title = Run("Other definitions" if scenes else "Changes" if others else "No changes", Face.BOLD)
+        title = TextRun("Other definitions" if scenes else "Changes" if others else "No changes", Face.BOLD)
         listed = _listed(others, name_definitions=True)
         parts: list[Item] = [heading((title,), None)]
         if listed is not None:

@@ -26,9 +26,9 @@ from cspdiag.draw.scene.shapes import (
     Line,
     LineTo,
     MoveTo,
-    Run,
     Scene,
     Text,
+    TextRun,
 )
 from cspdiag.draw.scene.text_metrics import runs_width, text_width
 from cspdiag.draw.scene.typefaces import typeface
@@ -138,7 +138,7 @@ class _Page:
             self._run(run, Point(left, text.at.y), text.size)
             left += text_width(run.text, text.size, run.face)
 
-    def _run(self, run: Run, at: Point, size: float) -> None:
+    def _run(self, run: TextRun, at: Point, size: float) -> None:
         if not run.text.strip():
             return
         family = self._families[run.face]

@@ -26,10 +26,10 @@ from cspdiag.draw.scene.shapes import (
     Line,
     LineTo,
     MoveTo,
-    Run,
     Scene,
     Shape,
     Text,
+    TextRun,
 )
 from cspdiag.draw.scene.text_metrics import runs_width
 from cspdiag.network.lower.distinct_names import DistinctNames
@@ -241,7 +241,7 @@ class _Writer:
         pieces = "".join(f"<tspan {self._look(run)}>{_escaped(run.text)}</tspan>" for run in runs)
         return f'{start} xml:space="preserve">{pieces}</text>'
 
-    def _look(self, run: Run) -> str:
+    def _look(self, run: TextRun) -> str:
         look = self._paint(run.ink, None)
         match run.face:
             case Face.SANS:

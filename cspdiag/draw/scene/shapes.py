@@ -90,7 +90,7 @@ class Head(Enum):
 
 
 @record
-class Run:
+class TextRun:
     """A piece of text of one look."""
 
     text: str
@@ -103,7 +103,7 @@ class Text:
     """Words on one line; ``at`` is on the baseline."""
 
     at: Point
-    runs: tuple[Run, ...]
+    runs: tuple[TextRun, ...]
     size: float = 13
     anchor: Anchor = Anchor.START
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from functools import cache
 from unicodedata import combining, east_asian_width
 
-from cspdiag.draw.scene.shapes import Face, Run
+from cspdiag.draw.scene.shapes import Face, TextRun
 
 UNITS = 2048
 """Units of the advances to the em."""
@@ -187,7 +187,7 @@ def is_measured(text: str) -> bool:
     return all(each in _advances(False) for each in text)
 
 
-def runs_width(runs: Iterable[Run], size: float) -> float:
+def runs_width(runs: Iterable[TextRun], size: float) -> float:
     """The width in pixels of pieces of text that follow each other."""
     return sum(text_width(run.text, size, run.face) for run in runs)
 

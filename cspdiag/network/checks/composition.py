@@ -12,7 +12,7 @@ from cspdiag.network.diagnostics.composition.runs import EndlessLoop, InstanceNe
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.possible import decided_by_instance, overtaken
-from cspdiag.network.infer.waiting import Waiting, is_always_ready, is_open, is_over_at_once
+from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_open, is_over_at_once
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
@@ -76,7 +76,7 @@ def _excuse(shape: Shape, instance: InstanceShape) -> None:
             shape.channels[key].excused = True
 
 
-def check_progress(placed: Placed, waiting: Waiting, report: Report, agreement: Agreement) -> None:
+def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: Agreement) -> None:
     """Report loops in which no time can pass, and find branches that can never be chosen."""
     shape = placed.shape
     if shape.body is None or shape.incomplete:
@@ -98,7 +98,7 @@ def check_progress(placed: Placed, waiting: Waiting, report: Report, agreement: 
 
 def _check_loop(
     placed: Placed,
-    waiting: Waiting,
+    waiting: MayWait,
     loop: Repeat | WhileLoop,
     condition: Expression | None,
     report: Report,

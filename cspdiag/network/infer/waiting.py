@@ -117,7 +117,7 @@ def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
             yield attached_key(attached)
 
 
-class Waiting:
+class MayWait:
     """Whether every run of a process in a context may wait somewhere; the contexts of instances come first."""
 
     def __init__(self) -> None:

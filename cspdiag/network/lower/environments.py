@@ -23,7 +23,7 @@ from cspdiag.network.ir.network import DriverInstance, Environment, ExternalPort
 from cspdiag.network.lower.setting_paths import refuse_missing
 from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.network.submodels.inline import Inlining, external_body, nested
-from cspdiag.network.submodels.signals import Surroundings
+from cspdiag.network.submodels.signals import InlinedInto
 from cspdiag.network.submodels.system import complete, evaluation_order
 from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast
@@ -264,7 +264,7 @@ def _inlined(program: Program, draft: Draft, member: Member, report: Report) -> 
         parameter: lower_expression(program, argument, context)
         for parameter, argument in arguments_of(definition.parameters, member.declaration.arguments)
     }
-    surroundings = Surroundings(path=(), environment=True)
+    surroundings = InlinedInto(path=(), environment=True)
     return nested(program, draft, definition, report, surroundings, member.name, arguments)
 
 

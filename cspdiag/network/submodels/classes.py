@@ -14,7 +14,7 @@ from cspdiag.network.ir.network import ClassParameter, Direction, Port, Submodel
 from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.network.submodels.inline import Inlining, external_body
 from cspdiag.network.submodels.operators import PARAMETERS
-from cspdiag.network.submodels.signals import Surroundings
+from cspdiag.network.submodels.signals import InlinedInto
 from cspdiag.network.submodels.system import complete, evaluation_order
 from cspdiag.network.syntax_walk import declarations, declared_in, nodes
 from cspdiag.syntax import ast
@@ -78,7 +78,7 @@ def _inlined(
     program: Program, draft: Draft, definition: ast.SubmodelDefinition, environment: bool, report: Report
 ) -> Inlining:
     """The outermost submodel of a draft, with everything in it."""
-    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=environment))
+    inlining = Inlining(program, draft, definition, report, InlinedInto(path=(), environment=environment))
     for parameter in definition.parameters:
         name = parameter.name.text
         kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))

@@ -20,7 +20,7 @@ from cspdiag.network.ir.network import SubmodelState
 from cspdiag.network.submodels.discretize import Method
 from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.network.submodels.operators import PARAMETERS, Application, realize
-from cspdiag.network.submodels.signals import SubmodelSignals, Surroundings
+from cspdiag.network.submodels.signals import InlinedInto, SubmodelSignals
 from cspdiag.syntax import ast
 
 MOST_EQUATIONS = 20_000
@@ -35,7 +35,7 @@ class Inlining(SubmodelSignals):
         draft: Draft,
         definition: ast.SubmodelDefinition,
         report: Report,
-        surroundings: Surroundings,
+        surroundings: InlinedInto,
         prefix: str = "",
     ) -> None:
         super().__init__(program, draft, definition, report, surroundings, prefix)
@@ -199,7 +199,7 @@ class Inlining(SubmodelSignals):
         if definition in path:
             self.draft.complete = False
             return
-        surroundings = Surroundings(path=path, environment=self.surroundings.environment)
+        surroundings = InlinedInto(path=path, environment=self.surroundings.environment)
         for name, values in self._elements_of(instance):
             context = LoweringContext(values=values, lower_name=self.lower_name, lower_call=self.lower_call)
             arguments = {}
@@ -311,7 +311,7 @@ def nested(
     draft: Draft,
     definition: ast.SubmodelDefinition,
     report: Report,
-    surroundings: Surroundings,
+    surroundings: InlinedInto,
     name: str,
     arguments: Mapping[ast.Parameter, Expression],
 ) -> Inlining:

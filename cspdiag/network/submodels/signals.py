@@ -34,7 +34,7 @@ NO_VALUES: Mapping[ast.Node, Value] = {}
 
 
 @node
-class Surroundings:
+class InlinedInto:
     """Where a definition is inlined: who contains it, and what ``time`` means there."""
 
     path: tuple[ast.SubmodelDefinition, ...]
@@ -54,7 +54,7 @@ class SubmodelSignals:
         draft: Draft,
         definition: ast.SubmodelDefinition,
         report: Report,
-        surroundings: Surroundings,
+        surroundings: InlinedInto,
         prefix: str,
     ) -> None:
         self.program = program

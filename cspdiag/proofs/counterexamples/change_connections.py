@@ -14,14 +14,14 @@ from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.network import InstanceOf, Net, Network, Port, ProcessClass
-from cspdiag.proofs.counterexamples.counterexample import Waiting
+from cspdiag.proofs.counterexamples.counterexample import BlockedProcess
 from cspdiag.proofs.counterexamples.last_element import LastElement
 from cspdiag.proofs.counterexamples.suggestion import Suggestion
 from cspdiag.proofs.counterexamples.surroundings import around, covers, looks_the_same, within
 from cspdiag.syntax import ast
 
 
-def buffered(program: Program, network: Network, waiting: Sequence[Waiting]) -> Iterator[Suggestion]:
+def buffered(program: Program, network: Network, waiting: Sequence[BlockedProcess]) -> Iterator[Suggestion]:
     """A buffer in a channel that somebody waits to write to."""
     spans = {net.path: net.span for net in network.nets if net.external is None and net.kind == "sync"}
     known: set[int] = set()
@@ -66,7 +66,9 @@ class _Pair:
     ports: tuple[str, str]
 
 
-def exchanged_connections(program: Program, network: Network, waiting: Sequence[Waiting]) -> Iterator[Suggestion]:
+def exchanged_connections(
+    program: Program, network: Network, waiting: Sequence[BlockedProcess]
+) -> Iterator[Suggestion]:
     """What somebody takes first connected where it takes something later, if both lead to processes for which they play the same part."""
     tried: set[tuple[str, str, tuple[str, str]]] = set()
     for pair in _pairs(program, network, waiting):
@@ -81,7 +83,7 @@ def exchanged_connections(program: Program, network: Network, waiting: Sequence[
                 yield suggestion
 
 
-def _pairs(program: Program, network: Network, waiting: Sequence[Waiting]) -> Iterator[_Pair]:
+def _pairs(program: Program, network: Network, waiting: Sequence[BlockedProcess]) -> Iterator[_Pair]:
     """The ports at which somebody waits, each with every other one like it."""
     places = _Places(program, network)
     for entry in waiting:

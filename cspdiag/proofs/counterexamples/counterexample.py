@@ -51,7 +51,7 @@ class Step:
 
 
 @record
-class Waiting:
+class BlockedProcess:
     """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come.
 
     ``ended`` are those of them that have ended.
@@ -79,7 +79,7 @@ class Counterexample:
     failure: Failure
     steps: tuple[Step, ...]
     cycle: tuple[Step, ...] = ()
-    waiting: tuple[Waiting, ...] = ()
+    waiting: tuple[BlockedProcess, ...] = ()
     ring: tuple[str, ...] = ()
     process: str = ""
     """The outermost process, with which the names of channels begin."""
@@ -129,7 +129,7 @@ class _Teller:
         place = component.places.get(state, Place(""))
         return Party(self._name(index), place.path or component.path, place.words, place.span)
 
-    def waiting(self, state: tuple[int, ...], stuck: Iterable[int]) -> Iterator[Waiting]:
+    def waiting(self, state: tuple[int, ...], stuck: Iterable[int]) -> Iterator[BlockedProcess]:
         """The processes among ``stuck`` that have not ended."""
         components = self._system.components
         offered = [{event for event, _ in component.edges[at]} for component, at in zip(components, state, strict=True)]
@@ -150,7 +150,9 @@ class _Teller:
             words = party.words or "waits"
             partners = tuple(dict.fromkeys(map(self._name, absent)))
             ended = tuple(self._name(other) for other in absent if self._has_ended(other, state[other]))
-            yield Waiting(party.name, components[index].path, words, party.span, tuple(channels), partners, ended)
+            yield BlockedProcess(
+                party.name, components[index].path, words, party.span, tuple(channels), partners, ended
+            )
 
     def _has_ended(self, index: int, state: int) -> bool:
         """Whether a process is at its end, and does not wait for branches of its own or to be started."""
@@ -175,7 +177,7 @@ def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
     )
 
 
-def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:
+def ring(waiting: tuple[BlockedProcess, ...]) -> tuple[str, ...]:
     """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for nobody."""
     by_name = {entry.name: entry for entry in waiting}
     branches: dict[str, list[str]] = {}
@@ -200,7 +202,7 @@ def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:
 
 
 def _meant(
-    partners: Iterable[str], by_name: Mapping[str, Waiting], branches: Mapping[str, Iterable[str]]
+    partners: Iterable[str], by_name: Mapping[str, BlockedProcess], branches: Mapping[str, Iterable[str]]
 ) -> Iterator[str]:
     """The partners that wait; where a process waits for its parallel branches, those of them that wait."""
     for partner in partners:

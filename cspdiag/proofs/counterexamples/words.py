@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step, Waiting
+from cspdiag.proofs.counterexamples.counterexample import BlockedProcess, Counterexample, Step
 from cspdiag.proofs.counterexamples.table import event_text
 
 MOST_OTHERS = 8
@@ -51,7 +51,7 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _told(entry: Waiting) -> str:
+def _told(entry: BlockedProcess) -> str:
     place = "" if entry.span is None else f" ({entry.span})"
     return f"`{entry.name}` {entry.words}{place}"
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.proofs.rules import forms as rules_forms
-from cspdiag.proofs.rules.runs import Run, at_rest, moves_of, the_run, unsteady
+from cspdiag.proofs.rules.runs import PeriodicRun, at_rest, moves_of, the_run, unsteady
 from cspdiag.proofs.search.stuck_sets import Offers
 from cspdiag.proofs.structure.question import Question
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
@@ -53,7 +53,7 @@ def is_settled(question: Question) -> bool:
     return not any(shape.process and not states <= shape.terminal for shape, states in zip(shapes, left, strict=True))
 
 
-def _judged(question: Question, run: Run) -> Verdict:
+def _judged(question: Question, run: PeriodicRun) -> Verdict:
     components = question.system.components
     stuck: Sequence[int] = ()
     if question.together:

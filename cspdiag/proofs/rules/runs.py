@@ -18,7 +18,7 @@ from cspdiag.proofs.verdict import Limits, Move
 
 
 @record
-class Run:
+class PeriodicRun:
     """The run until it comes round or ends: what was taken, to where it has been ``period`` steps before, or to where nothing is possible.
 
     An event is taken by all its parties; the complement ``~i`` stands for an internal step of component ``i``. ``period`` is 0 if the run ends.
@@ -59,7 +59,7 @@ def unsteady(structure: Structure) -> int | None:
     return None
 
 
-def the_run(structure: Structure, limits: Limits, most_moves: int) -> Run | None:
+def the_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRun | None:
     """The run of a network of steady components, in rounds in which everything happens that can; None if it takes more than ``most_moves``.
 
     Raises LimitError when the time is up.
@@ -70,17 +70,17 @@ def the_run(structure: Structure, limits: Limits, most_moves: int) -> Run | None
         limits.check()
         run.step()
         if run.differing == 0:
-            return Run(run.taken, tuple(run.state), len(run.taken) - marked_at)
+            return PeriodicRun(run.taken, tuple(run.state), len(run.taken) - marked_at)
         if len(run.taken) > most_moves:
             return None
         # The comparison point of Brent ("An improved Monte Carlo factorization algorithm", 1980) moves on in doubling distances.
         if len(run.taken) - marked_at >= distance:
             marked_at, distance = len(run.taken), 2 * distance
             run.mark()
-    return Run(run.taken, tuple(run.state), 0)
+    return PeriodicRun(run.taken, tuple(run.state), 0)
 
 
-def at_rest(structure: Structure, run: Run) -> set[int]:
+def at_rest(structure: Structure, run: PeriodicRun) -> set[int]:
     """The components that take no part in the round which a run repeats."""
     rest = set(range(len(structure.shapes)))
     for taken in run.taken[len(run.taken) - run.period :]:
@@ -88,7 +88,7 @@ def at_rest(structure: Structure, run: Run) -> set[int]:
     return rest
 
 
-def moves_of(structure: Structure, run: Run) -> tuple[Move, ...]:
+def moves_of(structure: Structure, run: PeriodicRun) -> tuple[Move, ...]:
     """The moves of a run, with the events of the system: one that all parties offer, of those that need not be told apart."""
     system = structure.system
     state = list(system.initial)

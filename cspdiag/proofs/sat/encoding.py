@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable
 
 from cspdiag.proofs.sat.solver import Clause
 from cspdiag.proofs.structure.pairs import Neighbour, Structure
-from cspdiag.proofs.structure.waiting import Waiting
+from cspdiag.proofs.structure.waiting import WaitingOrder
 
 LARGEST_PAIRWISE = 6
 """Up to so many variables are made exclusive two by two, more through a chain of others."""
@@ -24,7 +24,7 @@ class Encoding:
     literals to assume: for knots, that a component (its number is given too) asks and is stuck. One that is refuted often excludes many others.
     """
 
-    def __init__(self, structure: Structure, waiting: Waiting, *, together: bool) -> None:
+    def __init__(self, structure: Structure, waiting: WaitingOrder, *, together: bool) -> None:
         self.structure, self.left, self.together = structure, waiting.left, together
         self.clauses: list[Clause] = []
         self.variables: list[dict[int, int]] = []

@@ -7,7 +7,7 @@ from functools import cached_property
 from cspdiag.base.record import record
 from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.structure.traps import Traps
-from cspdiag.proofs.structure.waiting import Waiting, waiting_states
+from cspdiag.proofs.structure.waiting import WaitingOrder, waiting_states
 from cspdiag.proofs.transitions.systems.system import System
 
 
@@ -25,7 +25,7 @@ class Question:
         return self.known or Structure(self.system)
 
     @cached_property
-    def waiting(self) -> Waiting:
+    def waiting(self) -> WaitingOrder:
         """The waiting states that are not excluded by orders of waiting."""
         return waiting_states(self.structure, together=self.together)
 

@@ -14,7 +14,7 @@ from collections import deque
 from cspdiag.proofs.structure.pairs import Structure
 
 
-class Waiting:
+class WaitingOrder:
     """What is left of the waiting states: ``left[i]`` of component ``i``; ``order`` are the components in the order in which they lost their last one."""
 
     def __init__(self, structure: Structure, *, together: bool) -> None:
@@ -41,9 +41,9 @@ class Waiting:
         return self._striking.order[before:]
 
 
-def waiting_states(structure: Structure, *, together: bool) -> Waiting:
+def waiting_states(structure: Structure, *, together: bool) -> WaitingOrder:
     """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the whole network. Raises LimitError."""
-    return Waiting(structure, together=together)
+    return WaitingOrder(structure, together=together)
 
 
 class _Meeting:

@@ -8,7 +8,7 @@ from typing import Literal, assert_never
 from cspdiag.base.record import record
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.meetings import Meetings, Use
-from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.occurrences import MediumFacts
 from cspdiag.proofs.transitions.places import Places
 from cspdiag.proofs.transitions.specifications import taken_for_more
 from cspdiag.proofs.transitions.systems.labels import (
@@ -76,7 +76,7 @@ class Assembly(Meetings):
         super().__init__(strands)
         self.strands = strands
         self._shapes: dict[tuple[int, bool, frozenset[Label]], Shape] = {}
-        self._uses: dict[Medium, list[Use]] = defaultdict(list)
+        self._uses: dict[MediumFacts, list[Use]] = defaultdict(list)
         self._forks: dict[ParallelKey, list[Strand]] = {}
 
     def system(self) -> System:

@@ -9,7 +9,7 @@ from math import prod
 from typing import Any, TypeAlias, assert_never
 
 from cspdiag.network.dump.expression import value_text
-from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.occurrences import MediumFacts
 from cspdiag.proofs.transitions.ranges import Range
 from cspdiag.proofs.transitions.ranges import text as range_text
 from cspdiag.proofs.transitions.systems import media
@@ -60,7 +60,7 @@ class Meetings:
         """Events by which a thread shows what it offers, without taking part."""
         self._of_the_unsteady: set[int] = set()
         """Those of them that are shown only where the offer may be withdrawn."""
-        self._alarms: dict[Medium, list[tuple[Strand, Alarm]]] = defaultdict(list)
+        self._alarms: dict[MediumFacts, list[tuple[Strand, Alarm]]] = defaultdict(list)
         self._nobody: int | None = None
 
     def _event(
@@ -100,7 +100,7 @@ class Meetings:
             self._alarms[medium].append((strand, label))
 
     def _ring(
-        self, medium: Medium, watcher: tuple[Strand, Alarm], others: Iterable[Use], latch: tuple[int, ...] = ()
+        self, medium: MediumFacts, watcher: tuple[Strand, Alarm], others: Iterable[Use], latch: tuple[int, ...] = ()
     ) -> int:
         """The event that a guard of an interrupt is seen to be ready: those who would communicate stay as they are."""
         strand, alarm = watcher
@@ -111,7 +111,7 @@ class Meetings:
             self._echoes[other.number].setdefault(offered, []).append(event)
         return event
 
-    def _ring_rendezvous(self, medium: Medium, uses: list[Use]) -> None:
+    def _ring_rendezvous(self, medium: MediumFacts, uses: list[Use]) -> None:
         for strand, alarm in self._alarms.get(medium, ()):
             for use in uses:
                 if use[0] is not strand and isinstance(use[1], Offer) and side_of(use[1]) == alarm.side:
@@ -119,7 +119,7 @@ class Meetings:
                     if not medium.is_contended:
                         self._of_the_unsteady.add(event)
 
-    def meet(self, medium: Medium, uses: list[Use]) -> None:
+    def meet(self, medium: MediumFacts, uses: list[Use]) -> None:
         """The events of a channel with all that threads may do there."""
         match medium.kind:
             case "sync" | "any":
@@ -138,11 +138,11 @@ class Meetings:
             case _:
                 assert_never(medium.kind)
 
-    def _value(self, medium: Medium, label: Valued) -> Known:
+    def _value(self, medium: MediumFacts, label: Valued) -> Known:
         """The value of a label, if the medium's values are told apart."""
         return medium.told_apart(label.value) if medium.relevant and medium.values is not None else UNKNOWN
 
-    def _rendezvous(self, medium: Medium, uses: list[Use]) -> None:
+    def _rendezvous(self, medium: MediumFacts, uses: list[Use]) -> None:
         writing: dict[Known, list[tuple[Strand, Write | Guarded]]] = defaultdict(list)
         reading: dict[Known, list[tuple[Strand, Read]]] = defaultdict(list)
         for strand, label in uses:
@@ -165,24 +165,24 @@ class Meetings:
                 if use not in met and not (isinstance(use[1], Read) and use[1].late):
                     self._alone(medium, use, value)
 
-    def _bind(self, medium: Medium, uses: list[Use]) -> None:
+    def _bind(self, medium: MediumFacts, uses: list[Use]) -> None:
         for (writer, binds), (reader, bound) in bindings(uses):
             event = self._event(medium.name, (writer.number, reader.number), "ready")
             self._for(writer, binds, event)
             self._for(reader, bound, event)
 
-    def _limit(self, medium: Medium, meetings: int) -> None:
+    def _limit(self, medium: MediumFacts, meetings: int) -> None:
         if meetings > MOST_MEETINGS:
             raise TransitionError(f"on `{medium.name}` {meetings} ways to communicate would have to be told apart")
 
-    def _alone(self, medium: Medium, use: Use, value: Known) -> None:
+    def _alone(self, medium: MediumFacts, use: Use, value: Known) -> None:
         strand, label = use
         parties = (strand.number, self._nobody_number())
         roles = "?." if isinstance(label, Read) else "!."
         self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type, roles=roles))
 
     def _with(
-        self, medium: Medium, uses: Iterable[Use], number: int, kinds: tuple[type[Valued], ...], kind: EventKind
+        self, medium: MediumFacts, uses: Iterable[Use], number: int, kinds: tuple[type[Valued], ...], kind: EventKind
     ) -> dict[Known, list[int]]:
         """The events of labels of some kinds with the component of a medium, by value."""
         found: dict[Known, list[int]] = {}
@@ -195,7 +195,7 @@ class Meetings:
                 found.setdefault(value, []).append(event)
         return found
 
-    def _queue(self, medium: Medium, uses: list[Use]) -> None:
+    def _queue(self, medium: MediumFacts, uses: list[Use]) -> None:
         number = len(self.threads) + len(self.extra)
         writes = self._with(medium, uses, number, (Write, Guarded), "communication")
         reads = self._with(medium, uses, number, (Read,), "take")
@@ -203,13 +203,13 @@ class Meetings:
             self.abstractions[Abstraction(f"the values in `{medium.name}` are not told apart", medium.span)] = None
         self._add(media.queue(medium, writes, reads))
 
-    def _variable(self, medium: Medium, uses: list[Use]) -> None:
+    def _variable(self, medium: MediumFacts, uses: list[Use]) -> None:
         number = len(self.threads) + len(self.extra)
         loads = self._with(medium, uses, number, (Load,), "variable")
         stores = self._with(medium, uses, number, (Store,), "variable")
         self._add(media.variable(medium, loads, stores))
 
-    def _broadcast(self, medium: Medium, uses: list[Use]) -> None:
+    def _broadcast(self, medium: MediumFacts, uses: list[Use]) -> None:
         readers: dict[object, list[Reader]] = {}
         for strand, label in uses:
             if isinstance(label, Read):
@@ -233,14 +233,14 @@ class Meetings:
             name = f"{medium.name} to {ends[0][0].name}"
             self._add(media.latch(name, writes, takes, delivered, withdrawn, seen))
 
-    def _ring_latch(self, medium: Medium, ends: list[Reader], number: int) -> list[int]:
+    def _ring_latch(self, medium: MediumFacts, ends: list[Reader], number: int) -> list[int]:
         """The events that the guards of interrupts see a value at their end of a broadcast, which may be taken back."""
         where = {(strand, label.end) for strand, label in ends}
         watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1].end) in where]
         return [self._ring(medium, watcher, (), (number,)) for watcher in watchers]
 
     def _broadcast_writes(
-        self, medium: Medium, uses: list[Use], latches: tuple[int, ...], absent: tuple[int, ...]
+        self, medium: MediumFacts, uses: list[Use], latches: tuple[int, ...], absent: tuple[int, ...]
     ) -> tuple[dict[Known, list[int]], list[int], list[int]]:
         writes: dict[Known, list[int]] = {}
         delivered: list[int] = []
@@ -264,7 +264,7 @@ class Meetings:
         return writes, delivered, withdrawn
 
     def _guarded_broadcasts(
-        self, medium: Medium, uses: list[Use], readers: list[list[Reader]], absent: tuple[int, ...]
+        self, medium: MediumFacts, uses: list[Use], readers: list[list[Reader]], absent: tuple[int, ...]
     ) -> None:
         """An output guard on a broadcast is ready when all readers wait, and all get the value at once."""
         for strand, label in uses:
@@ -282,7 +282,7 @@ class Meetings:
                     self._for(reader, read, event)
                 self._ring_all(medium, ((strand, label), *chosen))
 
-    def _ring_all(self, medium: Medium, parties: Sequence[tuple[Strand, Read | Guarded]]) -> None:
+    def _ring_all(self, medium: MediumFacts, parties: Sequence[tuple[Strand, Read | Guarded]]) -> None:
         """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt, sees the others."""
         for strand, label in parties:
             for watcher, alarm in self._alarms.get(medium, ()):

@@ -39,7 +39,7 @@ PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 """Kinds at which a reader may have to wait."""
 
 
-class Medium:
+class MediumFacts:
     """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
 
     ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. Numbers of which there are too many are told apart
@@ -119,7 +119,7 @@ class Medium:
 _MOST_GROWTHS = 8
 """A medium to which values are added more often takes them from a circle that goes on counting."""
 
-DISCARD = Medium("_", "discard", None)
+DISCARD = MediumFacts("_", "discard", None)
 
 
 class Occurrence:
@@ -131,7 +131,7 @@ class Occurrence:
         path: str,
         definition: Class,
         arguments: dict[str, Known] | None,
-        ports: dict[tuple[str, int | None], Medium],
+        ports: dict[tuple[str, int | None], MediumFacts],
         parent: Occurrence | None = None,
         name: str = "",
     ) -> None:
@@ -143,7 +143,7 @@ class Occurrence:
         self.name = name
         self._arguments = arguments
         self._children: dict[str, Occurrence] = {}
-        self._channels: dict[str, Medium] = {}
+        self._channels: dict[str, MediumFacts] = {}
 
     @cached_property
     def arguments(self) -> dict[str, Known]:
@@ -172,7 +172,7 @@ class Occurrence:
             self._children[name] = known
         return known
 
-    def attached(self, end: Attachment) -> Medium:
+    def attached(self, end: Attachment) -> MediumFacts:
         """What an end, in terms of this class, is an end of."""
         match end:
             case PortEnd():
@@ -180,12 +180,12 @@ class Occurrence:
             case ChannelEnd():
                 return self.channel(end.channel)
             case ConstantEnd():
-                medium = Medium("", "constant", end.value.type)
+                medium = MediumFacts("", "constant", end.value.type)
                 medium.initial = self.constant(end.value)
                 return medium
         return DISCARD
 
-    def channel(self, name: str) -> Medium:
+    def channel(self, name: str) -> MediumFacts:
         """A channel of this instance."""
         known = self._channels.get(name)
         if known is None:
@@ -193,7 +193,7 @@ class Occurrence:
             assert isinstance(definition, ProcessClass)
             channel = definition.channels[self.definition.channels[name]]
             item: Item = ("channel", self.definition.name, name)
-            known = self._channels[name] = Medium(
+            known = self._channels[name] = MediumFacts(
                 f"{self.path}.{name}",
                 channel.kind,
                 channel.type,
@@ -222,7 +222,7 @@ class World:
         self.program = program
         self.facts = facts
         network = program.network
-        media: dict[tuple[str, int | None], Medium] = {}
+        media: dict[tuple[str, int | None], MediumFacts] = {}
         self.inputs: dict[str, Apart] = {}
         """How the values of inputs that matter are told apart."""
         for port in network.external_ports:
@@ -236,7 +236,7 @@ class World:
             if port.direction == "in" and relevant:
                 self.inputs[port.name] = apart
                 given = _given(port.type, apart, free=facts.is_free(port.name))
-            medium = Medium(
+            medium = MediumFacts(
                 name, kind, port.type, relevant=relevant, boundaries=apart.cuts, span=port.span, given=given
             )
             medium.period = port.period

@@ -60,7 +60,7 @@ Waits: TypeAlias = "tuple[tuple[str, Any], ...]"
 """What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is enough, or all."""
 
 
-class Waiting(Protocol):
+class Waitable(Protocol):
     """What a task can wait for."""
 
     def withdraw(self, party: Party) -> bool:
@@ -102,7 +102,7 @@ class Task:
         self.priority: Priority
         self.ready_queue: list[Party] | deque[Party]
         self.received: Any = None
-        self.waiting: Waiting | None = None
+        self.waiting: Waitable | None = None
         self.cancelled = False
         self.ended = False
         if parent is None:

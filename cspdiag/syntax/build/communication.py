@@ -13,7 +13,7 @@ from cspdiag.syntax.parse.lexer import Token
 
 
 @record
-class Medium:
+class ArrowMiddle:
     """What stands between the arrow heads of a communication relationship."""
 
     label: ast.Identifier | None
@@ -123,20 +123,20 @@ class CommunicationBuilder(ExpressionBuilder):
         sinks: tuple[ast.Reference | ast.Discard, ...],
     ) -> ast.Connection:
         """``sources -> sinks``."""
-        return self._connection(span, sources, Medium(None, None, None), sinks)
+        return self._connection(span, sources, ArrowMiddle(None, None, None), sinks)
 
     def connection_through(
         self,
         span: Span,
         sources: tuple[ast.Reference | ast.Discard, ...],
-        medium: Medium,
+        medium: ArrowMiddle,
         sinks: tuple[ast.Reference | ast.Discard, ...],
     ) -> ast.Connection:
         """``sources -> label : type kind -> sinks``."""
         return self._connection(span, sources, medium, sinks)
 
     def connection_to_label(
-        self, span: Span, sources: tuple[ast.Reference | ast.Discard, ...], medium: Medium
+        self, span: Span, sources: tuple[ast.Reference | ast.Discard, ...], medium: ArrowMiddle
     ) -> ast.Connection:
         """``sources -> label : type``."""
         return self._connection(span, sources, medium, ())
@@ -145,7 +145,7 @@ class CommunicationBuilder(ExpressionBuilder):
         self,
         span: Span,
         sources: tuple[ast.Reference | ast.Discard, ...],
-        medium: Medium,
+        medium: ArrowMiddle,
         sinks: tuple[ast.Reference | ast.Discard, ...],
     ) -> ast.Connection:
         for source in sources:
@@ -171,25 +171,27 @@ class CommunicationBuilder(ExpressionBuilder):
         """``_``."""
         return ast.Discard(span=span)
 
-    def medium(self, span: Span, label: ast.Reference, kind: ast.Kind | None) -> Medium:
+    def medium(self, span: Span, label: ast.Reference, kind: ast.Kind | None) -> ArrowMiddle:
         """``label kind``."""
-        return Medium(self._label(label), None, kind)
+        return ArrowMiddle(self._label(label), None, kind)
 
-    def medium_kind(self, span: Span, kind: ast.Kind) -> Medium:
+    def medium_kind(self, span: Span, kind: ast.Kind) -> ArrowMiddle:
         """``kind``."""
-        return Medium(None, None, kind)
+        return ArrowMiddle(None, None, kind)
 
-    def medium_typed(self, span: Span, medium: Medium) -> Medium:
+    def medium_typed(self, span: Span, medium: ArrowMiddle) -> ArrowMiddle:
         """``label : type kind``."""
         return medium
 
-    def medium_type(self, span: Span, channel_type: ast.TypeName, kind: ast.Kind | None) -> Medium:
+    def medium_type(self, span: Span, channel_type: ast.TypeName, kind: ast.Kind | None) -> ArrowMiddle:
         """``: type kind``."""
-        return Medium(None, channel_type, kind)
+        return ArrowMiddle(None, channel_type, kind)
 
-    def end_label(self, span: Span, label: ast.Reference, channel_type: ast.TypeName, kind: ast.Kind | None) -> Medium:
+    def end_label(
+        self, span: Span, label: ast.Reference, channel_type: ast.TypeName, kind: ast.Kind | None
+    ) -> ArrowMiddle:
         """``label : type kind``."""
-        return Medium(self._label(label), channel_type, kind)
+        return ArrowMiddle(self._label(label), channel_type, kind)
 
     def _label(self, reference: ast.Reference) -> ast.Identifier:
         if reference.member is not None or reference.indexes:

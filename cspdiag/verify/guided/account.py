@@ -10,10 +10,10 @@ from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType,
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.counterexamples.counterexample import (
     SILENT,
+    BlockedProcess,
     Counterexample,
     Party,
     Step,
-    Waiting,
     ring,
     who_could_come,
 )
@@ -80,7 +80,7 @@ class _Teller:
     def _untold(self, happened: Happened) -> tuple[Party, ...]:
         return tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
 
-    def waiting(self, stands: Standing) -> Waiting:
+    def waiting(self, stands: Standing) -> BlockedProcess:
         """A process that never goes on."""
         actor = stands.actor
         candidates = [
@@ -92,7 +92,7 @@ class _Teller:
         ]
         if not candidates:
             name = actor.path.removeprefix(self._prefix)
-            return Waiting(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
+            return BlockedProcess(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
         _, number, state = min(candidates, key=lambda candidate: candidate[0])
         component, events = (
             self._system.components[number],
@@ -108,7 +108,7 @@ class _Teller:
         )
         channels = dict.fromkeys(event.channel for event in events)
         name = component.name.removeprefix(self._prefix)
-        return Waiting(name, component.path, place.words, place.span, tuple(channels), tuple(others))
+        return BlockedProcess(name, component.path, place.words, place.span, tuple(channels), tuple(others))
 
     def _waits(self, component: int, state: int) -> Sequence[int]:
         """The events for which a component waits in a state, but for the end of all that runs beside it."""

@@ -12,7 +12,7 @@ from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.pictures import Pictures
 from cspdiag.draw.scene.geometry import Point
 from cspdiag.draw.scene.scene_geometry import fitted
-from cspdiag.draw.scene.shapes import Group, Line, Run, Text
+from cspdiag.draw.scene.shapes import Group, Line, Text, TextRun
 from cspdiag.pipeline import check
 from tests.draw.geometry.browser import BROWSER, answer
 
@@ -63,7 +63,7 @@ def test_nothing_lies_on_anything_in_a_browser(tmp_path: Path) -> None:
 
 def test_the_measurement_sees_what_lies_on_words(tmp_path: Path) -> None:
     def drawing(height: float) -> str:
-        words = Text(Point(50, 50), (Run("words"),))
+        words = Text(Point(50, 50), (TextRun("words"),))
         return render_svg(fitted((Group("line", (words, Line((Point(0, height), Point(200, height))))),)))
 
     measured = answer(tmp_path, page({"through": drawing(46), "beside": drawing(56)}))

@@ -13,7 +13,7 @@ from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.pictures import Pictures, Wish
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import fitted
-from cspdiag.draw.scene.shapes import Box, Line, Run, Scene, Text
+from cspdiag.draw.scene.shapes import Box, Line, Scene, Text, TextRun
 from cspdiag.pipeline import check
 from tests.draw.geometry.rules import faults
 from tests.properties.programs import programs
@@ -47,7 +47,7 @@ def test_nothing_lies_on_anything_inside_boxes(depth: int) -> None:
     assert faults(pictures.scene(jiwy, Wish(which="communication", depth=depth))) == []
 
 
-WORDS = Text(Point(50, 50), (Run("words"),))
+WORDS = Text(Point(50, 50), (TextRun("words"),))
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ WORDS = Text(Point(50, 50), (Run("words"),))
         (Line((Point(0, 46), Point(200, 46))), "runs through 'words'"),
         (Line((Point(60, 0), Point(60, 200))), "runs through 'words'"),
         (Box(Rectangle(60, 0, 100, 100), fill=None), "runs through 'words'"),
-        (Text(Point(70, 55), (Run("others"),)), "'words' lies on 'others'"),
+        (Text(Point(70, 55), (TextRun("others"),)), "'words' lies on 'others'"),
         (Box(Rectangle(0, 0, 100, 100), stroke=None), "'words' is covered"),
     ],
 )

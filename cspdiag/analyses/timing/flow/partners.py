@@ -9,7 +9,7 @@ from cspdiag.analyses.timing.flow.demands import Demands
 from cspdiag.analyses.timing.flow.jobs import cycles
 from cspdiag.analyses.timing.flow.meeting import may_get_stuck
 from cspdiag.analyses.timing.flow.paths import End, Path
-from cspdiag.analyses.timing.flow.surroundings import Surroundings
+from cspdiag.analyses.timing.flow.surroundings import Contention
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 from cspdiag.base import Span
@@ -39,7 +39,7 @@ class Partners:
     def __init__(
         self,
         demands: Demands,
-        surroundings: Surroundings,
+        surroundings: Contention,
         owner: Behaviour,
         period: int,
         span: Span,

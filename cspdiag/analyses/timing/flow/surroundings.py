@@ -11,7 +11,7 @@ Key = tuple[int, int, int]
 """Demands by thread, period and origin."""
 
 
-class Surroundings:
+class Contention:
     """The demands of threads, and of those that run beside them. Threads are numbered as ``with_forks`` of the outermost one lists them; ``own``
     has the demands of each.
     """

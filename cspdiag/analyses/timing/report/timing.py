@@ -13,7 +13,7 @@ from cspdiag.analyses.timing.flow.passing import Passing, Stage
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.flow.spinning import Spinning
 from cspdiag.analyses.timing.flow.starts import again
-from cspdiag.analyses.timing.flow.surroundings import Surroundings
+from cspdiag.analyses.timing.flow.surroundings import Contention
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
 from cspdiag.analyses.timing.report.outputs import Outputs, port_names
@@ -105,7 +105,7 @@ def _analysis(
     """The loops of a program and what they ask of each other, with the priorities that its threads have."""
     grid = min((environment.step for environment in network.environments), default=None)
     demands = Demands(behaviours, grid, capacities(network), again(every, behaviours, grid), refusals)
-    surroundings = Surroundings(every, demands.own)
+    surroundings = Contention(every, demands.own)
     order = {instance.path: k for k, instance in enumerate(network.instances)}
     loops = sorted(
         (loop for one in behaviours for loop in _loops(one, demands, surroundings, refusals)),
@@ -144,7 +144,7 @@ def _level(thread: Thread) -> tuple[int, ...]:
 
 
 def _waited_between(
-    one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]
+    one: Behaviour, demands: Demands, surroundings: Contention, refusals: list[Refusal]
 ) -> tuple[int, int]:
     """How much partners compute at most for what a thread does between its samples, and the level of the least urgent of them."""
     longest, level = 0, one.level
@@ -156,7 +156,7 @@ def _waited_between(
     return longest, level
 
 
-def _loops(one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]) -> Iterator[_Loop]:
+def _loops(one: Behaviour, demands: Demands, surroundings: Contention, refusals: list[Refusal]) -> Iterator[_Loop]:
     """The sampled loops of a thread: those waits for samples that it comes back to, or after which it follows their inputs further."""
     grouped: dict[tuple[str, int], list[Job]] = {}
     for job in one.jobs:
@@ -192,7 +192,7 @@ def _loops(one: Behaviour, demands: Demands, surroundings: Surroundings, refusal
 class _Analysis:
     def __init__(
         self,
-        surroundings: Surroundings,
+        surroundings: Contention,
         behaviours: Sequence[Behaviour],
         demands: Demands,
         loops: Sequence[_Loop],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import product
 
-from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.occurrences import MediumFacts
 from cspdiag.proofs.transitions.systems.system import Component, Edge, Place
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
@@ -18,7 +18,7 @@ def nobody() -> Component:
 
 
 def queue(
-    medium: Medium,
+    medium: MediumFacts,
     writes: Mapping[Known, Sequence[int]],
     reads: Mapping[Known, Sequence[int]],
 ) -> Component:
@@ -50,7 +50,7 @@ def queue(
     return Component(medium.name, tuple(edges), places=places, process=False, path=medium.name)
 
 
-def counts_only(medium: Medium, values: Sequence[Known]) -> bool:
+def counts_only(medium: MediumFacts, values: Sequence[Known]) -> bool:
     """Whether a queue has too many contents for its values to be told apart when they are read."""
     return _contents(list(values), medium.capacity) is None
 
@@ -64,7 +64,9 @@ def _contents(values: list[Known], capacity: int) -> list[tuple[Known, ...]] | N
     return [content for length in range(capacity + 1) for content in product(values, repeat=length)]
 
 
-def _counting(medium: Medium, writes: Mapping[Known, Sequence[int]], reads: Mapping[Known, Sequence[int]]) -> Component:
+def _counting(
+    medium: MediumFacts, writes: Mapping[Known, Sequence[int]], reads: Mapping[Known, Sequence[int]]
+) -> Component:
     written = [event for events in writes.values() for event in events]
     read = [event for events in reads.values() for event in events]
     edges: list[tuple[Edge, ...]] = []
@@ -98,7 +100,9 @@ def latch(
     return Component(name, tuple(edges), process=False, path=name)
 
 
-def variable(medium: Medium, loads: Mapping[Known, Sequence[int]], stores: Mapping[Known, Sequence[int]]) -> Component:
+def variable(
+    medium: MediumFacts, loads: Mapping[Known, Sequence[int]], stores: Mapping[Known, Sequence[int]]
+) -> Component:
     """A variable that several components access: its state is its value."""
     domain = medium.domain
     values = [UNKNOWN] if domain is None else list(domain)

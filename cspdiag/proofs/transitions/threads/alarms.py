@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import product
 from typing import TypeAlias, assert_never
 
-from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.occurrences import MediumFacts
 from cspdiag.proofs.transitions.systems.labels import (
     Alarm,
     Bind,
@@ -39,8 +39,8 @@ class Alarms:
 
     def __init__(self, threads: Iterable[Strand]) -> None:
         watching: list[tuple[Strand, Special]] = []
-        rung: defaultdict[Medium, set[Side]] = defaultdict(set)
-        choosing: defaultdict[type[Special], set[Medium]] = defaultdict(set)
+        rung: defaultdict[MediumFacts, set[Side]] = defaultdict(set)
+        choosing: defaultdict[type[Special], set[MediumFacts]] = defaultdict(set)
         labels_of: dict[int, tuple[set[Special], set[Offer]]] = {}
         for strand in threads:
             template = strand.template

@@ -11,7 +11,7 @@ from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, Interrupt
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.occurrences import MediumFacts
 from cspdiag.proofs.transitions.ranges import Range, bounds
 from cspdiag.proofs.transitions.systems.labels import Time
 from cspdiag.proofs.transitions.systems.references import Constant, Discard, Reference
@@ -195,7 +195,7 @@ class Computing:
             return configuration.at((frames.Store(reference, value), configuration.stack))
         return self.thread.with_slot(configuration, reference, value)
 
-    def _shown(self, c: Configuration, context: Context, medium: Medium, expression: Expression) -> Known:
+    def _shown(self, c: Configuration, context: Context, medium: MediumFacts, expression: Expression) -> Known:
         """What a specification, or who is held against one, writes to an output. What is computed from numbers that are not told apart may be any number."""
         value = UNKNOWN if isinstance(expression, PresentTime) else self.evaluate(c, context, expression)
         if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):
@@ -206,7 +206,7 @@ class Computing:
         self.not_shown(context, medium, what, expression.span)
         return UNKNOWN
 
-    def not_shown(self, context: Context, medium: Medium, of: str, span: Span | None) -> None:
+    def not_shown(self, context: Context, medium: MediumFacts, of: str, span: Span | None) -> None:
         """A value that a specification writes is not followed, and so is not any value."""
         if self.thread.facts.specification is not None:
             output = medium.name.rpartition(".")[2]

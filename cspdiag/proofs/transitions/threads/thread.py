@@ -10,7 +10,7 @@ from cspdiag.network.ir.actions import End
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import Medium, Occurrence
+from cspdiag.proofs.transitions.occurrences import MediumFacts, Occurrence
 from cspdiag.proofs.transitions.systems.references import (
     Constant,
     Discard,
@@ -89,7 +89,7 @@ class Thread:
         self.dropped: set[Reference] = set()
         self.unfused: set[Node] = set()
         self.template = Template()
-        self._media: dict[Reference, Medium] = {}
+        self._media: dict[Reference, MediumFacts] = {}
         first: dict[int, Reference] = {}
         ports: dict[tuple[str, int | None], Reference] = {}
         for (name, index), medium in occurrence.ports.items():
@@ -121,23 +121,23 @@ class Thread:
         definition = self.facts.program.classes[outer.definition.instances[name].class_name].definition
         return definition if isinstance(definition, SubmodelClass) else None
 
-    def medium(self, reference: Reference) -> Medium:
+    def medium(self, reference: Reference) -> MediumFacts:
         """What a reference stands for; ``constant`` and ``discard`` have media of their own."""
         known = self._media.get(reference)
         if known is None:
             known = self._media[reference] = self._medium(reference)
         return known
 
-    def _medium(self, reference: Reference) -> Medium:
+    def _medium(self, reference: Reference) -> MediumFacts:
         match reference:
             case OwnPort() | InnerChannel():
                 return resolve(self.root.occurrence, reference)
             case Constant():
-                medium = Medium("_", "constant", None)
+                medium = MediumFacts("_", "constant", None)
                 medium.initial = reference.value
                 return medium
             case Discard():
-                return Medium("_", "discard", None)
+                return MediumFacts("_", "discard", None)
             case _:
                 assert_never(reference)
 
@@ -299,7 +299,7 @@ class Thread:
         self.template.abstractions[Abstraction(what, span)] = None
 
 
-def resolve(occurrence: Occurrence, reference: Reference) -> Medium:
+def resolve(occurrence: Occurrence, reference: Reference) -> MediumFacts:
     """The medium of a reference of a thread whose own instance is ``occurrence``."""
     match reference:
         case OwnPort():

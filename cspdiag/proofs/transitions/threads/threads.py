@@ -13,7 +13,7 @@ from cspdiag.network.ir.actions import Group, RunInstance
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import instances_run
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import CHANNELS, Medium, Occurrence, World
+from cspdiag.proofs.transitions.occurrences import CHANNELS, MediumFacts, Occurrence, World
 from cspdiag.proofs.transitions.systems.references import ParallelId, Reference
 from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.explore import explore
@@ -55,7 +55,7 @@ class Strands:
         self.world = world
         self.branches: dict[ParallelKey, list[Strand]] = {}
         self._cache: dict[Hashable, list[Template]] = defaultdict(list)
-        self._asking: defaultdict[Medium, set[Strand]] = defaultdict(set)
+        self._asking: defaultdict[MediumFacts, set[Strand]] = defaultdict(set)
         self._pending: deque[Strand] = deque()
         self._waiting: set[Strand] = set()
         self._names: dict[str, int] = {world.top.path: 1}
@@ -114,7 +114,7 @@ class Strands:
                     branch.once, branch.cancellable, branch.caught = once, cancellable, caught
                     self._again(branch)
 
-    def _news(self, medium: Medium) -> None:
+    def _news(self, medium: MediumFacts) -> None:
         for strand in sorted(self._asking[medium], key=lambda strand: strand.name):
             self._again(strand)
 
@@ -152,7 +152,7 @@ class Strands:
         """What a template depends on besides what it asks."""
         occurrence = strand.occurrence
         definition = occurrence.definition
-        first: dict[Medium, int] = {}
+        first: dict[MediumFacts, int] = {}
         ports = []
         for position, medium in enumerate(occurrence.ports.values()):
             initial = repr(medium.initial) if medium.relevant or medium.kind == "constant" else None
