@@ -52,7 +52,7 @@ from .compiled.arithmetic import (
 )
 from .compiled.rendezvous import Alternated, Rendezvous
 from .compiled.routine import Inlined, Part, Routine, Steps, end_group, push, start_group
-from .composition import Rounds, begin_delay, group, parallel, prioritized_parallel, stop, wait
+from .composition import Rounds, begin_delay, group, now, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
 from .kernel.exceptions import (
@@ -157,6 +157,7 @@ __all__ = [
     "ms",
     "nanoseconds",
     "nearest",
+    "now",
     "ns",
     "parallel",
     "power",

@@ -257,6 +257,11 @@ class _Delay:
         return ((f"until {shown(self._instant)}", None),)
 
 
+def now() -> int:
+    """The present instant, in nanoseconds from the start."""
+    return scheduler.now
+
+
 @coroutine
 def wait(duration: int) -> Generator[None, None, None]:
     """A delay in nanoseconds; none or a negative one ends at once."""

@@ -162,7 +162,7 @@ class ProcessInstance:
 
         «Expressions»
         """
-        return value_of(expression, self.parameters, self._variable, self.laws.values.__getitem__)
+        return value_of(expression, self.parameters, self._variable, self.laws.values.__getitem__, self.world.now)
 
     def _variable(self, name: str) -> Any:
         variable = self.channels[name]

@@ -238,6 +238,13 @@ FUSED = {
         PAIR,
         "s || r",
     ),
+    "the present instant, at which a value is offered and not when it passes": program(
+        "process Sender {\n  out o : time\n  composition { mu (o ! now ; wait 1 ms) }\n}\n"
+        "process Receiver {\n  in i : time\n  communication { var v : time = 0 ms }\n"
+        "  composition { wait 300 us ; mu (i ? v ; v := now - v) }\n}\n",
+        "    s : Sender\n    r : Receiver\n    s.o -> c : time -> r.i",
+        "s || r",
+    ),
     "two rates": program(
         "process Fast {\n  in x : double @ 1 ms\n  out o : double\n  communication { var v : double  var w : double }\n"
         "  composition { mu (x ? v ; x ? w ; o ! v + w) }\n}\n"

@@ -37,7 +37,8 @@ from cspdiag.syntax import ast
 
 SECONDS = RealType(unit=SECOND)
 PI, SAMPLE, TIME_VALUE = BuiltinSymbol(name="pi"), BuiltinSymbol(name="sample"), BuiltinSymbol(name="time")
-_VALUES = {"pi": PI, "sample": SAMPLE, "time": TIME_VALUE}
+NOW = BuiltinSymbol(name="now")
+_VALUES = {"pi": PI, "sample": SAMPLE, "time": TIME_VALUE, "now": NOW}
 
 
 _SAMPLE_PERIODS = frozenset(["T", "Ts", "Tsample", "dt", "Δt"])
@@ -218,16 +219,19 @@ class Typer:
         if symbol is PI:
             return DOUBLE
         place = self.surroundings.place
-        if place == "submodel" and (symbol is SAMPLE or not self.surroundings.constant):
+        if symbol is NOW and place == "process" and not self.surroundings.constant:
+            return TIME
+        if symbol is not NOW and place == "submodel" and (symbol is SAMPLE or not self.surroundings.constant):
             if symbol is TIME_VALUE:
                 self.context.program.time_uses.setdefault(self.surroundings.owner, node.span)
             return SECONDS
-        where = "a constant expression" if self.surroundings.constant else f"the composition of a {place}"
-        advice = (
-            "`sample` belongs to the equations of a submodel"
-            if symbol is SAMPLE
-            else "`time` belongs to the equations of submodels in an environment"
-        )
+        running = "the equations of a submodel" if place == "submodel" else f"the composition of a {place}"
+        where = "a constant expression" if self.surroundings.constant else running
+        advice = {
+            "sample": "`sample` belongs to the equations of a submodel",
+            "time": "`time` belongs to the equations of submodels in an environment; in the composition of a process it is `now`",
+            "now": "`now` belongs to the composition of a process; in the equations of submodels in an environment it is `time`",
+        }[symbol.name]
         self.context.refuse(NotAvailableHere(node.span, what=symbol.name, where=where, advice=advice), node)
         return UNKNOWN
 

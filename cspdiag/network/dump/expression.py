@@ -68,7 +68,7 @@ def _text(expression: Expression) -> tuple[str, int]:
         case VariableValue():
             return expression.channel, _TOP
         case PresentTime():
-            return "time", _TOP
+            return "now" if isinstance(expression.type, TimeType) else "time", _TOP
         case UnaryOperation():
             level = _UNARY_LEVEL[expression.operator]
             space = " " if expression.operator == "not" else ""

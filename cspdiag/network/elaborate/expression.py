@@ -40,6 +40,7 @@ from cspdiag.network.ir.expressions import (
     FunctionCall,
     LiteralValue,
     ParameterValue,
+    PresentTime,
     StructValue,
     UnaryOperation,
     Value,
@@ -139,6 +140,8 @@ class _Lowering:
                 return LiteralValue(type=declared, value=value, name=symbol.name.text, span=span)
             case BuiltinSymbol(name="pi"):
                 return LiteralValue(type=wanted, value=math.pi, name="pi", span=span)
+            case BuiltinSymbol(name="now"):
+                return PresentTime(type=TIME, span=span)
             case EnumLiteralSymbol():
                 return LiteralValue(type=wanted, value=symbol.index, span=span)
             case _ if isinstance(symbol, ast.Node) and symbol in self.context.values:

@@ -61,7 +61,7 @@ class SignalValue(Typed):
 
 @record(kw_only=True)
 class PresentTime(Typed):
-    """In an environment: the present instant in seconds."""
+    """The present instant: in an environment a double in seconds, in a composition a ``time``."""
 
 
 @record(kw_only=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from cspdiag.base.record import field_names, is_record
 from cspdiag.network.ir.actions import Action, RunInstance
-from cspdiag.network.ir.expressions import Expression, VariableValue
+from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValue
 
 
 def parts(item: object) -> Iterator[object]:
@@ -52,5 +52,5 @@ def instances_run(action: Action) -> list[str]:
 
 
 def mentions_variable(expression: Expression) -> bool:
-    """Whether an expression depends on a variable of the process."""
-    return any(isinstance(part, VariableValue) for part in parts(expression))
+    """Whether an expression depends on a variable of the process, or on the present instant."""
+    return any(isinstance(part, VariableValue | PresentTime) for part in parts(expression))

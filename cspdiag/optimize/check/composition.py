@@ -70,6 +70,7 @@ class Composition:
             parameters={parameter.name: parameter.type for parameter in process.parameters},
             variables={channel.name: channel.type for channel in process.channels if channel.kind == "var"},
             signals=_signals(process),
+            time=TIME,
         )
 
     def wrong(self) -> Iterator[str]:

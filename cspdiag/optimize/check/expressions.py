@@ -52,7 +52,8 @@ class Names:
     parameters: Mapping[str, Type]
     variables: Mapping[str, Type]
     signals: Mapping[str, Type]
-    has_time: bool = False
+    time: Type | None = None
+    """The type of the present instant, where that is known."""
 
 
 def agrees(one: Type, other: Type) -> bool:
@@ -87,8 +88,7 @@ def _wrong(part: Expression, names: Names) -> Iterator[str]:
         case SignalValue():
             yield from _wrong_name(part, part.name, names.signals, "signal")
         case PresentTime():
-            if not names.has_time:
-                yield "stands outside an environment"
+            yield from _differing(names.time, part.type) if names.time is not None else ("stands in a control law",)
         case UnaryOperation():
             wanted = BOOL if part.operator == "not" else part.type
             yield from _differing(part.type, wanted, part.operand.type)

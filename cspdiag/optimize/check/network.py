@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from cspdiag.base.errors import CspdiagError
-from cspdiag.model.types import Type
+from cspdiag.model.types import DOUBLE, Type
 from cspdiag.network.ir.actions import (
     Choice,
     OptimizedStep,
@@ -175,7 +175,7 @@ def _wrong_in_submodel(entry: SubmodelClass, has_time: bool = False) -> Iterator
         else:
             signals[equation.name] = equation.type
     parameters = {parameter.name: parameter.type for parameter in entry.parameters}
-    names = Names(parameters=parameters, variables={}, signals=signals, has_time=has_time)
+    names = Names(parameters=parameters, variables={}, signals=signals, time=DOUBLE if has_time else None)
     states = {state.name: state.type for state in entry.states}
     for item in (*entry.constants, *entry.equations, *entry.derivative_equations):
         if not isinstance(item, ExternalCall):

@@ -15,7 +15,7 @@ from tests.properties.vocabulary import DEFINITIONS, FORMS, INITIAL, LITERALS
 
 KINDS = ("sync",) * 6 + ("any",) * 4 + ("buffer 1", "buffer 2", "overwrite 1", "overwrite 2", "broadcast", "broadcast")
 TYPES = ("int",) * 8 + tuple(sorted(INITIAL))
-DELAYS = ("1 ms", "1 ms", "2 ms", "2 ms", "3 ms", "0 ms", "500 us")
+DELAYS = ("1 ms", "1 ms", "2 ms", "2 ms", "3 ms", "0 ms", "500 us", "3 ms - now", "now % 2 ms")
 
 PLANT = """exception Overheated
 exception Jammed
@@ -116,7 +116,7 @@ class Part:
         indexes = self.leaf.indexes if kind == "int" else []
         if indexes and self.draw.random() < 0.7:
             return f"({' + 10 * '.join(indexes)})"
-        return self.draw.choice([*LITERALS[kind], variable, variable])
+        return self.draw.choice([*LITERALS[kind], variable, variable, *(["now"] if kind == "time" else [])])
 
     def value(self, kind: str, depth: int = 1) -> str:
         """An expression."""

@@ -175,6 +175,8 @@ class Printer:
                 return self._variable(channel)
             case SignalValue(name=name):
                 return self.signal(name)
+            case PresentTime(type=TimeType()):
+                return Atom("csp.now")
             case PresentTime():
                 assert self.time is not None, "time is known in environments only"
                 return Atom(self.time)

@@ -97,6 +97,8 @@ class Printer:
                 return self.variable(channel)
             case SignalValue(name=name):
                 return self.signal(name)
+            case PresentTime(type=TimeType()):
+                return call(self.imports.runtime("now"))
             case PresentTime():
                 assert self.time is not None, "time is known in environments only"
                 return self.time
