@@ -246,7 +246,8 @@ class LawFiles:
             found.append(store(steps, sub_steps(sample, float(class_.step or 1))))
             found.append(store(own(_SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
         for called in self._calls:
-            given = [printer.plain(value) for _, value in called.arguments]
+            setup, given = printer.arguments([value for _, value in called.arguments])
+            found += setup
             body = address(own(self.members[called.name]))
             found.append(run(call(f"{body_name(called)}_initialize", body, *given)))
         found.append(run(f"{self.name}_reset(self)"))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import EquationWriter, Target, Variable, noted_at
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
+from cspdiag.codegen.c.network.external_ports import is_event, port_groups, port_key
 from cspdiag.codegen.c.text.code import (
     EQUALITY,
     PRODUCT,
@@ -144,7 +145,7 @@ class EnvironmentFiles:
         ports = {port_key(port): port for port in self.network.external_ports}
         for key, port in ports.items():
             name, kind = self._members[key], self.types.type_name(port.type)
-            if _is_event(port):
+            if is_event(port):
                 found.append(define(kind, f"{name}[2]", remark="present and last"))
             else:
                 found.append(define(kind, name))
@@ -161,7 +162,7 @@ class EnvironmentFiles:
         """The place of a port's value, a state or a constant."""
         ports = {port_key(port): port for port in self.network.external_ports}
         place = _plant(self._members[name])
-        return place.at(0) if name in ports and _is_event(ports[name]) else place
+        return place.at(0) if name in ports and is_event(ports[name]) else place
 
     def _printer(self, local: Iterable[str], time: str = "time") -> Printer:
         known = set(local)
@@ -212,7 +213,8 @@ class EnvironmentFiles:
             for constant in constants_needed(system):
                 found += writer.assign(self._signal(constant.name), constant.value, self._place(constant))
             for item in self._calls:
-                given = [printer.plain(value) for _, value in item.arguments]
+                setup, given = printer.arguments([value for _, value in item.arguments])
+                found += setup
                 body = address(_plant(self._members[item.name]))
                 found.append(run(call(f"{body_name(item)}_initialize", body, *given)))
             for state in system.states:
@@ -220,7 +222,7 @@ class EnvironmentFiles:
         if self._results:
             found.append(run(ignored(code(f"{self.name}_evaluate()"))))
         for port in self.network.external_ports:
-            if _is_event(port):
+            if is_event(port):
                 member = _plant(self._members[port_key(port)])
                 found.append(store(member.at(1), member.at(0)))
         found.append(give(negated(code("csp_faulted()"))))
@@ -336,7 +338,7 @@ class EnvironmentFiles:
             if port.direction == "out":
                 copied = store(f"*({kind} *)device", f"*(const {kind} *)value")
                 found.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
-            elif not _is_event(port):
+            elif not is_event(port):
                 copied = store(f"*({kind} *)value", f"*(const {kind} *)device")
                 found.append(Function(f"static bool {name}", ("void *device", "void *value"), (copied, give("true"))))
             else:
@@ -360,7 +362,7 @@ class EnvironmentFiles:
         return Function(f"static bool {name}", ("void *device", "void *value"), body)
 
     def _transfer(self, port: ExternalPort) -> str:
-        verb = "write" if port.direction == "out" else "poll" if _is_event(port) else "read"
+        verb = "write" if port.direction == "out" else "poll" if is_event(port) else "read"
         return f"{verb}_{self.types.suffix(port.type)}"
 
     def _drivers(self) -> Statement:
@@ -374,7 +376,7 @@ class EnvironmentFiles:
 
     def _driver(self, port: ExternalPort) -> Aggregate:
         member, function = _plant(self._members[port_key(port)]), code(self._transfer(port))
-        device, nothing = member if _is_event(port) else address(member), code("NULL")
+        device, nothing = member if is_event(port) else address(member), code("NULL")
         parts = (device, nothing, function) if port.direction == "out" else (device, function, nothing)
         return Aggregate(tuple((None, part) for part in parts))
 
@@ -386,25 +388,6 @@ class EnvironmentFiles:
 
 def _plant(member: str) -> Code:
     return code("plant").field(member)
-
-
-def port_key(port: ExternalPort) -> str:
-    """The name of an external port, with its index."""
-    if port.index is None or port.name.endswith("]"):
-        return port.name
-    return f"{port.name}[{port.index}]"
-
-
-def _is_event(port: ExternalPort) -> bool:
-    return port.direction == "in" and port.period is None
-
-
-def port_groups(ports: Sequence[ExternalPort]) -> list[tuple[str, list[ExternalPort]]]:
-    """The ports by member of `struct network_drivers`: elements of an array together."""
-    groups: dict[str, list[ExternalPort]] = {}
-    for port in ports:
-        groups.setdefault(port.name.partition("[")[0], []).append(port)
-    return list(groups.items())
 
 
 def environment_files(environment: Environment, network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.network.environments import port_groups, port_key
+from cspdiag.codegen.c.network.external_ports import port_groups, port_key
 from cspdiag.codegen.c.network.network_names import names_file
 from cspdiag.codegen.c.process.leaves import ports_header
 from cspdiag.codegen.c.process.levels import Levels

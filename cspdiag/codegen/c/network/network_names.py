@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cspdiag.codegen.c.network.environments import port_key
+from cspdiag.codegen.c.network.external_ports import port_key
 from cspdiag.codegen.c.process.processes import ProcessFiles
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import access_of_channel

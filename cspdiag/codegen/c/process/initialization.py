@@ -76,6 +76,7 @@ class _Initialization:
         self.process = writer.members.process
         self.printer = writer.members.initial_printer
         self.layouts: dict[str, PortLayout] = {}
+        self.setup: list[Plain] = []
 
     def statements(self) -> list[Statement]:
         members, number = self.members, code("numbers->process")
@@ -129,7 +130,12 @@ class _Initialization:
 
     def _channels(self) -> list[Statement]:
         channels, outlines = self.process.channels, Outlines(self.members)
-        return list(rolled_from([outlines.channel(item) for item in channels], lambda at: self._channel(channels[at])))
+        return list(
+            rolled_from(
+                [outlines.channel(item) for item in channels],
+                lambda at: self._behind_setup(self._channel(channels[at])),
+            )
+        )
 
     def _channel(self, channel: LocalChannel) -> list[Plain]:
         access, lvalue = access_of_channel(channel), own(self.members.member(channel.name))
@@ -164,7 +170,15 @@ class _Initialization:
         match value:
             case LiteralValue(type=IntType(), value=int(number), name=None) if number >= 0:
                 return marked(number)
-        return self.printer.plain(value)
+        found = self.printer.evaluate(value)
+        self.setup += [statement for statement in found.setup if isinstance(statement, Plain)]
+        return found.code
+
+    def _behind_setup(self, made: list[Plain]) -> list[Plain]:
+        """Statements behind what has to be done for the expressions that were printed in them."""
+        found = [*self.setup, *made]
+        self.setup.clear()
+        return found
 
     def _created(self) -> list[Statement]:
         """Reading ends, instances and alternatives, in the order in which they come to be."""
@@ -173,7 +187,9 @@ class _Initialization:
         outlines = Outlines(self.members)
 
         def made() -> list[Plain | Block]:
-            return rolled_from([outlines.created(item) for item in pending], lambda at: self._made(pending[at]))
+            return rolled_from(
+                [outlines.created(item) for item in pending], lambda at: self._behind_setup(self._made(pending[at]))
+            )
 
         for item in self.process.creation:
             if isinstance(item, CreatedChoice):

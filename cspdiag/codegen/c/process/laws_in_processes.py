@@ -35,7 +35,7 @@ from cspdiag.network.ir.actions import (
     WriteOutputs,
 )
 from cspdiag.network.ir.declared import Declared
-from cspdiag.network.ir.expressions import SignalValue
+from cspdiag.network.ir.expressions import Expression, SignalValue
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, SubmodelClass
 
 EXTERNAL = ("latched", "direct")
@@ -46,7 +46,7 @@ class _Read:
     source: Spelling | None
     """None where ``constant`` is read."""
     into: Code
-    constant: Code | None = None
+    constant: Expression | None = None
 
 
 @record
@@ -94,7 +94,7 @@ def _port(connection: Connection) -> str:
 def _law_read(writer: Writer, connection: Connection, into: Code) -> _Read:
     end = connection.attachment
     if isinstance(end, ConstantEnd):
-        return _Read(None, into, writer.printed(end.value))
+        return _Read(None, into, end.value)
     assert not isinstance(end, DiscardEnd)
     return _Read(writer.members.source(end), into)
 
@@ -189,7 +189,7 @@ def _had(writer: Writer, step: Step, read: _Read, offers: _Offers | None = None)
     """What never waits; a variable may turn out not to have been written."""
     if read.source is None:
         assert read.constant is not None
-        return [store(read.into, read.constant)]
+        return writer.evaluated(read.into, read.constant, writer.where(step))
     looked = required(writer, read.source, writer.where(step))
     return [*(offers.given_up(looked) if offers is not None else looked), store(read.into, read.source.pointer)]
 

@@ -158,6 +158,12 @@ class Printer:
         assert not evaluation.setup, "it stands where no statement can be put in front"
         return evaluation.code
 
+    def arguments(self, expressions: Sequence[Expression]) -> tuple[list[Statement], list[Code]]:
+        """Several expressions in one statement, and what has to be done before it."""
+        self.progress.setup.clear()
+        codes = self._in_order(expressions)
+        return list(self.progress.setup), codes
+
     def faults(self, expression: Expression) -> bool:
         """Whether the evaluation of an expression can note a fault."""
         if may_fault(expression):
