@@ -40,7 +40,7 @@ def reads(instruction: Instruction) -> Iterator[VariableValue | ir.End]:
     match instruction:
         case Compute():
             step = instruction.step
-            yield from _variables((step.value, step.target) if isinstance(step, ir.AssignValue) else step)
+            yield from _variables((step.value, step.target.indexes) if isinstance(step, ir.AssignValue) else step)
         case Communicate():
             yield from _of_communication(instruction.step)
         case Delay():
@@ -88,7 +88,7 @@ def _of_communication(step: Communication | ir.Event) -> Iterator[VariableValue 
     match step:
         case ir.ReadValue() | ir.InputEvent():
             yield step.source
-            yield from _variables(step.target)
+            yield from _variables(step.target.indexes)
         case ir.WriteValue() | ir.OutputEvent() | ir.WriteOutputs() | ir.AfterEvent() | ir.SkipEvent():
             yield from _variables(step)
         case ir.ReadInputs():
@@ -100,4 +100,4 @@ def _of_communication(step: Communication | ir.Event) -> Iterator[VariableValue 
 
 
 def _variables(item: object) -> Iterator[VariableValue]:
-    return (part for part in parts(item) if isinstance(part, VariableValue))
+    return (part for part in parts(item) if isinstance(part, VariableValue)) if item else iter(())
