@@ -133,6 +133,13 @@ def _binary(operator: str, left: Any, right: Any) -> Any:
             return left * right
         case "^":
             return _power(left, right)
+        case "/" | "%":
+            return _divided(operator, left, right)
+        case _:
+            raise AssertionError(operator)
+
+
+def _divided(operator: str, left: Any, right: Any) -> Any:
     if right == 0:
         raise FaultError("division by zero")
     if isinstance(left, float):
@@ -194,7 +201,8 @@ def _function(function: str, arguments: list[Any]) -> Any:
             return -math.inf if x == 0 else math.nan if x < 0 else math.log(x)
         case _, [x]:
             return _of_one_number(function, x)
-    raise AssertionError(function)
+        case _:
+            raise AssertionError(function)
 
 
 def _of_one_number(function: str, x: float) -> float:

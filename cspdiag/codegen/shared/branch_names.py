@@ -37,6 +37,8 @@ def branch_name(action: Action) -> str:
                 return "wait"
             case RunLaw(law=law):
                 return f"run_{law.rpartition('.')[2]}"
+            case _:
+                pass  # The next part may say more.
     return "branch"
 
 

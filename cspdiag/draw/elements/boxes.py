@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.base.record import replaced
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.diagram import Box, BoxKind, BoxPort, End
@@ -47,6 +49,10 @@ class Boxes:
                 sizes.append(texts.replicator(instance.size))
             case ast.Node():
                 sizes.append(texts.written(instance.size))
+            case None:
+                pass
+            case _:
+                assert_never(instance.size)
         box = Box(
             key=key,
             doc=instance.doc,

@@ -118,6 +118,8 @@ class Definitions:
                     yield from self._parameters_in((*part.indexes, *part.member_indexes))
                 case ast.Replicator():
                     yield from self._parameters_in((part.count,))
+                case _:
+                    pass  # Nothing else has a size.
 
     def _with_defaults(self, definition: Instantiable, found: Iterable[str]) -> frozenset[str]:
         """With the parameters that the defaults of those use, which stand before them."""

@@ -7,6 +7,7 @@ outside their domain fault where they stand; a division by zero does so by itsel
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.model.types import RealType
@@ -18,11 +19,17 @@ from cspdiag.network.ir.expressions import (
     BinaryOperation,
     ConditionalValue,
     Conversion,
+    ElementValue,
     Expression,
+    FieldValue,
     FunctionCall,
     LiteralValue,
+    ParameterValue,
+    PresentTime,
     SignalValue,
     StructValue,
+    UnaryOperation,
+    VariableValue,
 )
 
 _HAS_DOMAIN = frozenset({"sqrt", "exp", "log", "asin", "acos"})
@@ -75,7 +82,14 @@ def _has_domain(expression: Expression) -> bool:
             return not (isinstance(step, LiteralValue) and step.value != 0)
         case FunctionCall(function=function):
             return function in _HAS_DOMAIN
-    return False
+        case (
+            LiteralValue() | ParameterValue() | VariableValue() | SignalValue() | PresentTime() | UnaryOperation()
+            | BinaryOperation() | ConditionalValue() | Conversion() | FieldValue() | ElementValue() | StructValue()
+            | ArrayElements()
+        ):  # fmt: skip
+            return False
+        case _:
+            assert_never(expression)
 
 
 def _tested(expression: Expression) -> Expression:
@@ -110,4 +124,10 @@ def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) ->
         case Conversion(operand=operand):
             narrowed = expression.type.bits == 32 and isinstance(operand.type, RealType) and operand.type.bits == 64
             return narrowed or _may_be_none(operand, untested)
-    return any(_may_be_none(part, untested) for part in operands(expression))
+        case (
+            LiteralValue() | ParameterValue() | VariableValue() | PresentTime() | UnaryOperation() | FunctionCall()
+            | FieldValue() | ElementValue() | StructValue() | ArrayElements()
+        ):  # fmt: skip
+            return any(_may_be_none(part, untested) for part in operands(expression))
+        case _:
+            assert_never(expression)

@@ -103,6 +103,8 @@ class Places:
             case ast.Variable() | ast.Channel() | EndLabelSymbol():
                 channel = self.channel(reference, symbol, values)
                 found = ([channel], False) if channel is not None else None
+            case _:
+                pass  # Nothing of the diagram: what is wrong with it was reported where it was bound.
         if found is None:
             self._excuse(reference)
         return found

@@ -72,11 +72,14 @@ class UnaryOperation(Typed):
     operand: Expression
 
 
+BinaryOperator: TypeAlias = Literal["+", "-", "*", "/", "%", "^", "==", "!=", "<", "<=", ">", ">=", "and", "or"]
+
+
 @record(kw_only=True)
 class BinaryOperation(Typed):
     """Arithmetic on two operands of the same type (``time`` may be multiplied by ``int``), comparison, or logic."""
 
-    operator: Literal["+", "-", "*", "/", "%", "^", "==", "!=", "<", "<=", ">", ">=", "and", "or"]
+    operator: BinaryOperator
     left: Expression
     right: Expression
 

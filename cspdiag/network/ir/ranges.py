@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
-from cspdiag.model.types import EnumType, IntType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
+    BinaryOperator,
     ConditionalValue,
+    Conversion,
+    ElementValue,
     Expression,
     FieldValue,
     FunctionCall,
     LiteralValue,
     ParameterValue,
+    PresentTime,
+    SignalValue,
     StructValue,
     UnaryOperation,
     VariableValue,
@@ -73,7 +89,12 @@ def limits_of(type_: Type) -> Range:
             return type_.minimum, type_.maximum
         case EnumType(literals=literals):
             return 0, len(literals) - 1
-    return _WORD.minimum, _WORD.maximum
+        case (
+            BoolType() | RealType() | TimeType() | TextType() | StructType() | ArrayType() | UnknownType()
+        ):  # fmt: skip
+            return _WORD.minimum, _WORD.maximum
+        case _:
+            assert_never(type_)
 
 
 def joined(several: Iterable[Range]) -> Range:
@@ -103,10 +124,16 @@ def _result(expression: Expression, known: Lookup = of_instances) -> Range:
             choose = min if function == "min" else max
             lows, highs = zip(*(value_range(argument, known) for argument in arguments), strict=True)
             return choose(lows), choose(highs)
-    return limits_of(expression.type)
+        case (
+            LiteralValue() | SignalValue() | PresentTime() | UnaryOperation() | FunctionCall() | Conversion()
+            | FieldValue() | ElementValue() | StructValue() | ArrayElements()
+        ):  # fmt: skip
+            return limits_of(expression.type)
+        case _:
+            assert_never(expression)
 
 
-def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range:
+def _operation(operator: BinaryOperator, left: Range, right: Range, bounds: Range) -> Range:
     match operator:
         case "+":
             return left[0] + right[0], left[1] + right[1]
@@ -124,7 +151,10 @@ def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range
             return left[0] ** right[0], left[0] ** right[0]
         case "^":
             return bounds[0] - 1, bounds[1] + 1
-    return bounds
+        case "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
+            return bounds
+        case _:
+            assert_never(operator)
 
 
 def _quotient(left: Range, right: Range) -> Range:

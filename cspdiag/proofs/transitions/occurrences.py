@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.network.ir.network import Attachment, ConstantEnd, ProcessClass
+from cspdiag.network.ir.network import Attachment, ConstantEnd, DiscardEnd, ProcessClass
 from cspdiag.proofs.transitions.classes.facts import Facts
 from cspdiag.proofs.transitions.classes.items import Item
 from cspdiag.proofs.transitions.classes.program import Class, Program
@@ -183,7 +183,10 @@ class Occurrence:
                 medium = MediumFacts("", "constant", end.value.type)
                 medium.initial = self.constant(end.value)
                 return medium
-        return DISCARD
+            case DiscardEnd():
+                return DISCARD
+            case _:
+                assert_never(end)
 
     def channel(self, name: str) -> MediumFacts:
         """A channel of this instance."""

@@ -8,10 +8,21 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.model.types import IntType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.dump.expression import value_text
 
 
@@ -48,7 +59,12 @@ def limits_of(kind: Type | None) -> tuple[int, int] | None:
             return minimum, maximum
         case TimeType():
             return IntType().minimum, IntType().maximum
-    return None
+        case (
+            BoolType() | RealType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType() | None
+        ):  # fmt: skip
+            return None
+        case _:
+            assert_never(kind)
 
 
 def cells(kind: Type | None, boundaries: Iterable[int]) -> tuple[Cell, ...]:
@@ -116,9 +132,12 @@ def compared(operator: str, left: Cell, right: Cell) -> bool | None:
             return compared("<", right, left)
         case ">=":
             return compared("<=", right, left)
-    separate = high < least or most < low
-    alike = True if low == high == least == most else False if separate else None
-    return alike if operator == "==" or alike is None else not alike
+        case "==" | "!=":
+            separate = high < least or most < low
+            alike = True if low == high == least == most else False if separate else None
+            return alike if operator == "==" or alike is None else not alike
+        case _:
+            raise AssertionError(f"`{operator}` is no comparison")
 
 
 def computed(operator: str, left: Cell, right: Cell, kind: Type) -> Cell | None:

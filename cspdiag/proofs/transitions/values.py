@@ -8,11 +8,22 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator
 from itertools import product
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias, assert_never
 
 from cspdiag.base.record import record
 from cspdiag.model.constants import arithmetic
-from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -25,6 +36,8 @@ from cspdiag.network.ir.expressions import (
     FunctionCall,
     LiteralValue,
     ParameterValue,
+    PresentTime,
+    SignalValue,
     StructValue,
     UnaryOperation,
     Value,
@@ -128,7 +141,10 @@ class _Evaluation:
             case StructValue() | ArrayElements():
                 parts = tuple(map(self.value, expression.values))
                 return parts if all(map(_is_exact, parts)) else UNKNOWN
-        return UNKNOWN
+            case SignalValue() | PresentTime():
+                return UNKNOWN
+            case _:
+                assert_never(expression)
 
     def _converted(self, operand: Known, kind: IntType | RealType) -> Known:
         if not _is_exact(operand):
@@ -225,7 +241,11 @@ def values_of_type(kind: Type) -> tuple[Value, ...] | None:
             if all(part is not None for part in parts):
                 combined = list(product(*(part for part in parts if part is not None)))
                 return tuple(combined) if len(combined) <= _FEW else None
-    return None
+            return None
+        case EnumType() | IntType() | RealType() | TimeType() | TextType() | ArrayType() | UnknownType():
+            return None
+        case _:
+            assert_never(kind)
 
 
 MOST_VALUES = 64

@@ -5,11 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, pairwise, product
 from types import ModuleType
-from typing import Any
+from typing import Any, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import field_names, is_record
-from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.expressions import BinaryOperation, LiteralValue
 from cspdiag.network.ir.network import Network, ProcessClass
@@ -57,7 +68,10 @@ class Values:
                 return [_number(type_, told)]
             case RealType():
                 return [float(told)]
-        return []
+            case BoolType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType():
+                return []
+            case _:
+                assert_never(type_)
 
     def _all(self, type_: Type) -> Iterable[Any]:
         match type_:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.base.record import record
@@ -21,19 +21,40 @@ from cspdiag.network.ir.actions import (
     InputEvent,
     InterruptOn,
     ParallelSteps,
+    ProcessScope,
     RaiseException,
+    ReadInputs,
     ReadValue,
     Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
     SequentialSteps,
+    SkipStep,
     StopStep,
     Target,
+    WaitStep,
     WhileLoop,
+    WriteOutputs,
+    WriteValue,
 )
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import (
+    ArrayElements,
     BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
     Expression,
+    FieldValue,
+    FunctionCall,
     LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    StructValue,
     UnaryOperation,
     Value,
     VariableValue,
@@ -195,7 +216,14 @@ class Counting:
                 is_less = (operator if holds else _NEGATED[operator]) in ("<", "<=")
                 low, high = (left, right) if is_less else (right, left)
                 return self._rise(loop, low, 1) + self._rise(loop, high, -1) > 0
-        return False
+            case (
+                LiteralValue() | ParameterValue() | VariableValue() | SignalValue() | PresentTime()
+                | UnaryOperation() | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion()
+                | FieldValue() | ElementValue() | StructValue() | ArrayElements()
+            ):  # fmt: skip
+                return False
+            case _:
+                assert_never(condition)
 
     def _rise(self, loop: Loop, expression: Expression, sign: int) -> float:
         """By how much at least ``sign`` times the expression is greater after each round."""
@@ -208,9 +236,16 @@ class Counting:
                 return self._rise(loop, operand, -sign)
             case BinaryOperation(operator="+" | "-" as operator, left=left, right=right):
                 return self._rise(loop, left, sign) + self._rise(loop, right, sign if operator == "+" else -sign)
-        names = {part.channel for part in parts(expression) if isinstance(part, VariableValue)}
-        changed = names & written(loop.action.body) or any(not self._ends.is_own(loop.path, name) for name in names)
-        return -inf if changed else 0
+            case (
+                LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
+                | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion() | FieldValue()
+                | ElementValue() | StructValue() | ArrayElements()
+            ):  # fmt: skip
+                names = {part.channel for part in parts(expression) if isinstance(part, VariableValue)}
+                others = any(not self._ends.is_own(loop.path, name) for name in names)
+                return -inf if names & written(loop.action.body) or others else 0
+            case _:
+                assert_never(expression)
 
     def _rise_of(self, path: str, action: Action, name: str, sign: int) -> float:
         """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where it never does."""
@@ -246,7 +281,13 @@ class Counting:
                 if name in written(branch.event):
                     return -inf
                 return min(of(body), self._least_on_the_way(path, body, name, sign) + of(branch.body))
-        return -inf if name in written(action) else 0
+            case (
+                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | WaitStep() | ResetInstance()
+                | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication()
+            ):  # fmt: skip
+                return -inf if name in written(action) else 0
+            case _:
+                assert_never(action)
 
     def _least_on_the_way(self, path: str, action: Action, name: str, sign: int) -> float:
         """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps lets it fall."""
@@ -258,6 +299,8 @@ class Counting:
                 case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
                     if target.channel == name:
                         return -inf
+                case _:
+                    pass  # Nothing else gives a variable a value.
         return 0
 
     def _added(self, path: str, value: Expression, name: str, sign: int) -> float:

@@ -183,7 +183,11 @@ def taken(writer: Writer, guard: Guard) -> list[Statement]:
                 return [remark, store(end.pointer, value), *mark_written(end)]
             if end.access in ("latched", "direct"):
                 return [remark, *finite_checked(writer, end, value, where), hand_over(end, value)]
-    return [remark]
+            return [remark]
+        case ReadyEvent() | AfterEvent() | SkipEvent():
+            return [remark]
+        case _:
+            assert_never(event)
 
 
 def _chosen(

@@ -217,7 +217,10 @@ class _Initialization:
             case "event", PortEnd():
                 latch = address(own(members.latch(end)))
                 return [store(member, call("csp_event_reader", latch, self._medium(end)))]
-        return [run(call("csp_broadcast_end_init", address(member), self._medium(end)))]
+            case "broadcast", _:
+                return [run(call("csp_broadcast_end_init", address(member), self._medium(end)))]
+            case _:
+                raise AssertionError(f"no end of its own reads a {access}")
 
     def _medium(self, end: End) -> Code:
         if isinstance(end, ChannelEnd):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from typing import assert_never
 
 from cspdiag.codegen.c.process.members import Members
 from cspdiag.codegen.c.text.rolling import Outline
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.expressions import Expression, LiteralValue
-from cspdiag.network.ir.network import Attachment, Connection, ConstantEnd, CreatedInstance, LocalChannel
+from cspdiag.network.ir.network import Attachment, Connection, ConstantEnd, CreatedInstance, DiscardEnd, LocalChannel
 
 _Part = tuple[Hashable, tuple[int, ...]]
 
@@ -71,7 +72,10 @@ class Outlines:
                 return ("element", port, index if flagged else None), (index,)
             case PortEnd(port=port, index=index):
                 return ("port", port, index), ()
-        return "nothing", ()
+            case DiscardEnd():
+                return "nothing", ()
+            case _:
+                assert_never(attachment)
 
     def _place(self, name: str) -> _Part:
         array, index = self._members.arrays.place(name)

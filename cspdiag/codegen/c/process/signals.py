@@ -21,6 +21,8 @@ def made_signals(body: Action | None) -> dict[str, Type]:
                 found.update((read.name, read.type) for read in reads)
             case RunLaw():
                 found.update(run_law_signals(part))
+            case _:
+                pass  # Nothing else makes signals.
     return found
 
 

@@ -333,7 +333,8 @@ def negated(condition: Code) -> Code:
             return Atom("false" if text == "true" else "true")
         case Parenthesized(operand=operand):
             return negated(operand)
-    return Prefix("!", at_least(condition, UNARY))
+        case _:
+            return Prefix("!", at_least(condition, UNARY))
 
 
 def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:

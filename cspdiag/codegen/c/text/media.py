@@ -117,7 +117,10 @@ def channel_type(access: Access, type_name: str) -> str:
             return "csp_broadcast"
         case "buffer":
             return "csp_buffer"
-    raise ValueError(f"no class owns a {access}")
+        case "constant" | "discard" | "sampled" | "event" | "latched" | "direct":
+            raise ValueError(f"no class owns a {access}")
+        case _:
+            assert_never(access)
 
 
 READING_ENDS: dict[Access, str] = {

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import assert_never
 
 from cspdiag.codegen.c.text.code import Code, call, cast
 from cspdiag.model.types import IntType, TimeType, Type
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
+    ConditionalValue,
+    Conversion,
     ElementValue,
     Expression,
     FieldValue,
+    FunctionCall,
     LiteralValue,
     ParameterValue,
+    PresentTime,
     SignalValue,
     StructValue,
     UnaryOperation,
@@ -99,4 +104,11 @@ def is_lvalue(expression: Expression) -> bool:
             return is_lvalue(operand) and not may_fault(expression)
         case StructValue() | ArrayElements():
             return not may_fault(expression)
-    return isinstance(expression, LiteralValue | ParameterValue | VariableValue | SignalValue)
+        case LiteralValue() | ParameterValue() | VariableValue() | SignalValue():
+            return True
+        case (
+            PresentTime() | UnaryOperation() | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion()
+        ):  # fmt: skip
+            return False
+        case _:
+            assert_never(expression)

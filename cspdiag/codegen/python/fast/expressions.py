@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, assert_never
 
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.expressions import ROUNDED_FUNCTIONS, Printer, integer_function
@@ -33,7 +33,18 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.types import literal, number, real
-from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -46,10 +57,13 @@ from cspdiag.network.ir.expressions import (
     FunctionCall,
     LiteralValue,
     ParameterValue,
+    PresentTime,
     SignalValue,
     StructValue,
+    Typed,
     UnaryOperation,
     Value,
+    VariableValue,
 )
 from cspdiag.network.ir.faults import index_fits, may_fault
 from cspdiag.network.ir.ranges import exceeds, needs_check, value_range
@@ -104,9 +118,8 @@ class FastPrinter(Printer):
                 return True
             case SignalValue(name=name):
                 return name in self.known
-        if isinstance(expression.type, RealType) and expression.type.bits == 32:
-            return False  # the compiler rounds more often than the runtime
-        match expression:
+            case Typed(type=RealType(bits=32)):
+                return False  # the compiler rounds more often than the runtime
             case Conversion(type=TimeType()):
                 return False
             case UnaryOperation(operand=operand) | Conversion(operand=operand) | FieldValue(operand=operand):
@@ -119,7 +132,10 @@ class FastPrinter(Printer):
                 return function not in _UNFOLDED and all(self._sound(argument) for argument in arguments)
             case StructValue(values=values) | ArrayElements(values=values):
                 return all(self._sound(value) for value in values)
-        return False
+            case ParameterValue() | VariableValue() | PresentTime():
+                return False
+            case _:
+                assert_never(expression)
 
     def _sound(self, part: Expression) -> bool:
         """Whether a part of a constant expression is one without a fault."""
@@ -135,7 +151,12 @@ class FastPrinter(Printer):
                     name = self._math("nan" if value != value else "inf")
                     return Prefix("-", Atom(name)) if value < 0 else Atom(name)
                 return real(float(value), expression.span if isinstance(expression, LiteralValue) else None)
-        return literal(value, type_, self.imports)
+            case (
+                BoolType() | IntType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType()
+            ):  # fmt: skip
+                return literal(value, type_, self.imports)
+            case _:
+                assert_never(type_)
 
     def _math(self, name: str) -> str:
         return self.imports.standard("math", name)
@@ -188,6 +209,10 @@ class FastPrinter(Printer):
                 compared = self._compared_magnitude(expression)
                 if compared is not None:
                     return compared
+            case "+" | "-" | "*" | "/" | "%" | "^" | "==" | "!=" | "and" | "or":
+                pass  # As in readable Python.
+            case _:
+                assert_never(expression.operator)
         return super()._operation(expression)
 
     def _ordinal(self, expression: Expression) -> Code:
@@ -217,7 +242,8 @@ class FastPrinter(Printer):
                 exceeded = low < word.minimum, high > word.maximum
                 code = self.print(operand)
                 return self._in_range(code, word, exceeded) if any(exceeded) else code
-        return super()._conversion(type_, operand)
+            case _:
+                return super()._conversion(type_, operand)
 
     def _element(self, operand: Expression, index: Expression) -> Code:
         array = self.print(operand)
@@ -249,7 +275,8 @@ class FastPrinter(Printer):
                 if expression.operator in ("<", "<="):
                     return infix("and", AND, upper, lower)
                 return infix("or", OR, upper, lower)
-        return None
+            case _:
+                return None
 
     def _function(self, expression: FunctionCall) -> Code:
         kind = expression.type
@@ -285,7 +312,13 @@ class FastPrinter(Printer):
                 first, again = self._reused(self.print(given[0]), given[0].type)
                 root = call(self._math("sqrt"), again)
                 return Conditional(root, infix(">=", COMPARISON, first, _ZERO), Atom(self._math("nan")))
-        return None
+            case (
+                "abs" | "min" | "max" | "exp" | "log" | "asin" | "acos" | "atan" | "floor" | "ceil" | "round"
+                | "quantize" | "seconds"
+            ):  # fmt: skip
+                return None
+            case _:
+                assert_never(expression.function)
 
     def _limit(self, value: Expression, low: Expression, high: Expression) -> Code | None:
         """The bounds are evaluated when they are asked for: the upper one must have no fault that would be missed."""
@@ -343,7 +376,8 @@ def _is_simple(code: Any) -> bool:
             return "." not in text or text[0].isdigit() or text[0] == "-"
         case Prefix(text="-", operand=operand):
             return _is_simple(operand)
-    return False
+        case _:
+            return False
 
 
 def _negative(code: Code) -> Code:
@@ -354,4 +388,5 @@ def _negative(code: Code) -> Code:
             return Atom(f"-{text}", SIGN)
         case Prefix(text="-", operand=operand):
             return operand
-    return Prefix("-", at_least(code, SIGN))
+        case _:
+            return Prefix("-", at_least(code, SIGN))

@@ -47,12 +47,17 @@ from cspdiag.network.ir.actions import (
     OptimizedStep,
     OutputEvent,
     ParallelSteps,
+    ProcessScope,
     RaiseException,
+    ReadInputs,
     ReadValue,
     ReadyEvent,
     Repeat,
+    ReportCommunication,
     ResetInstance,
+    ResetStates,
     RunInstance,
+    RunLaw,
     SequentialSteps,
     SkipEvent,
     SkipStep,
@@ -61,6 +66,7 @@ from cspdiag.network.ir.actions import (
     Target,
     WaitStep,
     WhileLoop,
+    WriteOutputs,
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Expression
@@ -184,7 +190,15 @@ class Composition:
                 return self._coroutine(action, hint or branch_name(action))
             case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | InterruptOn() | Group():
                 return self.awaitable(action)
-        return self._coroutine(action, hint or branch_name(action))
+            case (
+                ReadValue() | AssignValue() | SkipStep() | ResetInstance() | RaiseException()
+                | SequentialSteps() | Choice() | Repeat() | WhileLoop() | CountedLoop() | IfElse()
+                | CatchException() | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope()
+                | ReportCommunication()
+            ):  # fmt: skip
+                return self._coroutine(action, hint or branch_name(action))
+            case _:
+                assert_never(action)
 
     def _is_known(self, value: Expression) -> bool:
         """Whether a value may be computed before its place is reached."""
@@ -285,7 +299,10 @@ class Composition:
                 return (run(Prefix("await ", waited), self._place(event)),)
             case SkipEvent():
                 return ()
-        raise AssertionError("a ready guard needs an alternative")
+            case ReadyEvent():
+                raise AssertionError("a ready guard needs an alternative")
+            case _:
+                assert_never(event)
 
     def _alone_suffices(self, choice: Choice) -> bool:
         return (

@@ -323,4 +323,5 @@ def _type_of(value: object) -> Type:
             return INT
         case float():
             return DOUBLE
-    return TEXT
+        case _:
+            return TEXT

@@ -31,7 +31,18 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.types import field_names, literal
-from cspdiag.model.types import BoolType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -192,7 +203,10 @@ class Printer:
             case RealType():
                 widened = isinstance(operand.type, RealType)
                 return code if widened else call("float", code)
-        return code
+            case BoolType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType():
+                return code
+            case _:
+                assert_never(type_)
 
 
 _COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}

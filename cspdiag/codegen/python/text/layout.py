@@ -7,6 +7,7 @@ the real formatter.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import assert_never
 
 from cspdiag.codegen.python.text.code import (
     CONDITIONAL,
@@ -93,6 +94,10 @@ def _operators(code: Code) -> Iterator[int]:
                 yield from _operators(operand)
         case Prefix():
             yield from _operators(code.operand)
+        case Atom() | Call() | Postfix() | Parenthesized() | Items() | Entry() | Comprehension() | Starred() | Named():
+            pass
+        case _:
+            assert_never(code)
 
 
 def _last(code: Code) -> Code:
@@ -103,7 +108,10 @@ def _last(code: Code) -> Code:
             return _last(code.otherwise)
         case Prefix():
             return _last(code.operand)
-    return code
+        case Atom() | Call() | Postfix() | Parenthesized() | Items() | Entry() | Comprehension() | Starred() | Named():
+            return code
+        case _:
+            assert_never(code)
 
 
 def _has_brackets(code: Code) -> bool:
@@ -114,7 +122,10 @@ def _has_brackets(code: Code) -> bool:
             return bool(code.items)
         case Parenthesized() | Comprehension():
             return True
-    return False
+        case Atom() | Postfix() | Prefix() | Chain() | Conditional() | Entry() | Starred() | Named():
+            return False
+        case _:
+            assert_never(code)
 
 
 def _has_brackets_first(code: Code) -> bool:
@@ -123,7 +134,10 @@ def _has_brackets_first(code: Code) -> bool:
             return _has_brackets_first(code.first)
         case Items() | Parenthesized():
             return _has_brackets(code)
-    return False
+        case Atom() | Call() | Postfix() | Prefix() | Conditional() | Entry() | Comprehension() | Starred() | Named():
+            return False
+        case _:
+            assert_never(code)
 
 
 def _inside(code: Code) -> Document:
@@ -138,7 +152,10 @@ def _inside(code: Code) -> Document:
             return (code.text, _inside(code.operand))
         case Named():
             return (f"{code.name} := ", _inside(code.value))
-    return _at_brackets(code)
+        case Atom() | Call() | Postfix() | Parenthesized() | Items() | Entry() | Comprehension() | Starred():
+            return _at_brackets(code)
+        case _:
+            assert_never(code)
 
 
 def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:

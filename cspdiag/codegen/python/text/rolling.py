@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import TypeVar, assert_never
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import (
@@ -23,6 +23,7 @@ from cspdiag.codegen.python.text.code import (
     Conditional,
     Entry,
     Items,
+    Named,
     Parenthesized,
     Postfix,
     Prefix,
@@ -232,7 +233,11 @@ def _code(elements: Sequence[Code], counting: Counting) -> Code:
         case Comprehension() | Starred():
             if all(element == first for element in elements):
                 return first
-    raise _IrregularError
+            raise _IrregularError
+        case Named():
+            raise _IrregularError
+        case _:
+            assert_never(first)
 
 
 def _operand(elements: Sequence[Code], counting: Counting) -> Code:

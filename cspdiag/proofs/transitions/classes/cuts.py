@@ -7,11 +7,27 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.network.ir.actions import AssignValue, InputEvent, OutputEvent, ReadValue, WriteValue
 from cspdiag.network.ir.expression_walk import walk
-from cspdiag.network.ir.expressions import BinaryOperation, ConditionalValue, Expression, ParameterValue, VariableValue
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    VariableValue,
+)
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.items import Item, items_of
@@ -103,6 +119,14 @@ def _differences(
             for more in arguments.constants(right, one.name):
                 shifted = [constant - sign * more for constant in constants]
                 yield from _differences(left, shifted, one, arguments)
+        case (
+            LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
+            | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion() | FieldValue()
+            | ElementValue() | StructValue() | ArrayElements()
+        ):  # fmt: skip
+            pass
+        case _:
+            assert_never(side)
 
 
 def _cut(operator: str, constant: int) -> set[int]:
@@ -111,7 +135,10 @@ def _cut(operator: str, constant: int) -> set[int]:
             return {constant}
         case "<=" | ">":
             return {constant + 1}
-    return {constant, constant + 1}
+        case "==" | "!=":
+            return {constant, constant + 1}
+        case _:
+            raise AssertionError(f"`{operator}` is no comparison")
 
 
 def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
@@ -159,4 +186,10 @@ def _copied(expression: Expression, one: Class) -> set[Item]:
             return {("channel", one.name, expression.channel)}
         case ConditionalValue():
             return _copied(expression.then, one) | _copied(expression.otherwise, one)
-    return set()
+        case (
+            LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation() | BinaryOperation()
+            | FunctionCall() | Conversion() | FieldValue() | ElementValue() | StructValue() | ArrayElements()
+        ):  # fmt: skip
+            return set()
+        case _:
+            assert_never(expression)

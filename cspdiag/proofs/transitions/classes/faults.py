@@ -7,6 +7,7 @@ overflow: a counter of milliseconds would need 292 million years. Those of param
 from __future__ import annotations
 
 from functools import cached_property
+from typing import assert_never
 
 from cspdiag.model.types import ArrayType, IntType, TimeType, Type, UnknownType
 from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
@@ -14,19 +15,32 @@ from cspdiag.network.ir.actions import ChannelEnd, PortEnd, Target
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
+    ArrayElements,
     BinaryOperation,
+    ConditionalValue,
     Conversion,
     ElementValue,
     Expression,
+    FieldValue,
     FunctionCall,
     LiteralValue,
+    ParameterValue,
     PresentTime,
     SignalValue,
+    StructValue,
     UnaryOperation,
     VariableValue,
 )
 from cspdiag.network.ir.faults import conversion_fits, index_fits, is_index_of
-from cspdiag.network.ir.network import Attachment, InstanceOf, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import (
+    Attachment,
+    ConstantEnd,
+    DiscardEnd,
+    InstanceOf,
+    Network,
+    ProcessClass,
+    SubmodelClass,
+)
 from cspdiag.network.ir.ranges import needs_check
 
 _MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite"})
@@ -84,7 +98,10 @@ class Faults:
                 return end.channel in self._variables.get(class_name, ())
             case PortEnd():
                 return (end.port, end.index) in self._ports.get(class_name, ())
-        return False
+            case ConstantEnd() | DiscardEnd():
+                return False
+            case _:
+                assert_never(end)
 
     def of_inputs(self, instance: InstanceOf, class_name: str) -> bool:
         """Whether an instance of a submodel may read a variable that was not written."""
@@ -119,9 +136,13 @@ class Faults:
                 return not conversion_fits(part)
             case ElementValue():
                 return not index_fits(part)
-            case PresentTime():
+            case (
+                LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
+                | ConditionalValue() | FieldValue() | StructValue() | ArrayElements()
+            ):  # fmt: skip
                 return False
-        return False
+            case _:
+                assert_never(part)
 
 
 def _is_wide(kind: Type) -> bool:
@@ -143,4 +164,7 @@ def _operation(part: BinaryOperation) -> bool:
             return not (isinstance(part.right, LiteralValue) and part.right.value not in (0, -1))
         case "^":
             return True
-    return False
+        case "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
+            return False
+        case _:
+            assert_never(part.operator)

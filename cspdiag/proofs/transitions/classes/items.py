@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, ParameterValue, VariableValue
-from cspdiag.network.ir.network import Attachment, ConstantEnd
+from cspdiag.network.ir.network import Attachment, ConstantEnd, DiscardEnd
 from cspdiag.proofs.transitions.classes.program import Class
 
 Item: TypeAlias = tuple[Literal["port", "channel", "parameter"], str, str]
@@ -24,7 +24,10 @@ def items_of(end: Attachment, one: Class) -> set[Item]:
             return {("channel", one.name, end.channel)}
         case ConstantEnd():
             return items_in(end.value, one)
-    return set()
+        case DiscardEnd():
+            return set()
+        case _:
+            assert_never(end)
 
 
 def all_items_in(expressions: Iterable[Expression], one: Class) -> set[Item]:

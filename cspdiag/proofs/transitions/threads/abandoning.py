@@ -113,7 +113,24 @@ class Abandoning(Communications):
             case frames.Delivering():
                 ended = self.follower.abandoned(c)
                 return [(label, ended.at((frames.Withdrawing(frame.reference), ended.stack)))]
-        return [(label, self.follower.abandoned(c) if is_point(frame) else c._replace(doomed=True))]
+            case (
+                frames.Run() | frames.Put() | frames.Choosing() | frames.Reading() | frames.Writing()
+                | frames.Foreign() | frames.ForeignPort() | frames.Pass() | frames.GuardOnly()
+            ):  # fmt: skip
+                return [(label, self.follower.abandoned(c))]
+            case (
+                frames.Withdrawing() | frames.Picking() | frames.Join() | frames.Either() | frames.Open()
+                | frames.Split() | frames.Load() | frames.Store() | frames.Diverges()
+            ):  # fmt: skip
+                return [(label, c._replace(doomed=True))]
+            case (
+                frames.Deciding() | frames.Offering() | frames.Compute() | frames.Interrupting()
+                | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again()
+                | frames.Turns() | frames.Catch() | frames.Leave()
+            ):  # fmt: skip
+                raise AssertionError(f"{frame} is done in silence")
+            case _:
+                assert_never(frame)
 
     def is_always_ready(self, context: Context, branch: Branch) -> bool:
         """Whether a guard never has to wait for anybody."""

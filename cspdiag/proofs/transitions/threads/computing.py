@@ -3,9 +3,21 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import assert_never
 
 from cspdiag.base import Span
-from cspdiag.model.types import ArrayType, RealType, StructType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, Target
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
@@ -291,4 +303,9 @@ def _has_real(kind: Type) -> bool:
             return any(_has_real(field) for _, field in fields)
         case ArrayType(element=element):
             return _has_real(element)
-    return isinstance(kind, RealType)
+        case RealType():
+            return True
+        case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
+            return False
+        case _:
+            assert_never(kind)

@@ -169,7 +169,8 @@ class Offers(Abandoning):
                 return []
             case ParallelSteps():
                 return fork_edges(self.thread, self.follower, c, node, context, rest)
-        raise AssertionError(f"{type(action).__name__} is done in silence")
+            case _:
+                raise AssertionError(f"{type(action).__name__} is done in silence")
 
     def _choice(self, c: Configuration, frame: frames.Choosing, rest: Stack) -> list[Move]:
         node, context = frame.node, frame.context

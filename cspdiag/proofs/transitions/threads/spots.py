@@ -125,7 +125,8 @@ def _action(frame: frames.Run) -> Spot:
             return Spot("waits for ever, at stop", None, node.span)
         case ParallelSteps():
             return Spot("starts its parallel branches", None, node.span)
-    raise AssertionError(f"{type(action).__name__} is done in silence")
+        case _:
+            raise AssertionError(f"{type(action).__name__} is done in silence")
 
 
 def _choice(frame: frames.Choosing) -> Spot:

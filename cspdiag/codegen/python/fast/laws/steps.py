@@ -37,6 +37,8 @@ class LawSteps(Values):
                     inline = self._inline_law(step)
                     self.prologue += inline.prologue()
                     inner += inline.statements()
+                case _:
+                    raise AssertionError(f"{type(step).__name__} is no part of a step of a law")
         if not inner:
             return
         yield text(f"{me}.process = {part}")
