@@ -9,6 +9,8 @@ from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party,
 
 LONGEST = 24
 """A round of more steps is not found."""
+FEWEST = 8
+"""Rounds of the trace itself are told one by one where they are fewer; the first and the last one always are."""
 
 
 @record
@@ -58,6 +60,81 @@ def repeated(steps: Sequence[Step]) -> Iterator[Repeated]:
         found = _round(steps[position:end])
         yield found or Repeated(1, (steps[position],))
         position += 1 if found is None else found.times * len(found.steps)
+
+
+def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
+    """The steps in order, for people: of those of the trace itself, too, the rounds of a loop between the first and the last only once.
+
+    Values may go up or down by the same from round to round: those of the steps then say which there are.
+    """
+    own: list[Step] = []
+    for part in repeated(steps):
+        if part.times == 1 and not part.steps[0].added:
+            own += part.steps
+            continue
+        yield from _own_rounds(own)
+        own = []
+        yield part
+    yield from _own_rounds(own)
+
+
+def _own_rounds(steps: Sequence[Step]) -> Iterator[Repeated]:
+    position = 0
+    while position < len(steps):
+        length, times = _alike(steps, position)
+        inner = position + length, position + (times - 1) * length
+        if times - 2 >= FEWEST:
+            yield from (Repeated(1, (step,)) for step in steps[position : inner[0]])
+            rounds = steps[slice(*inner)]
+            yield Repeated(times - 2, tuple(_summed_up(rounds[at::length]) for at in range(length)))
+            yield from (Repeated(1, (step,)) for step in steps[inner[1] : inner[1] + length])
+            position = inner[1] + length
+        else:
+            yield Repeated(1, (steps[position],))
+            position += 1
+
+
+def _alike(steps: Sequence[Step], start: int) -> tuple[int, int]:
+    """The shortest round that follows on itself often enough from a step on, but for values that count, and how often; (1, 1) without one."""
+    for length in range(1, LONGEST + 1):
+        end = start + length
+        while end < len(steps) and _follows(steps, end, start, length):
+            end += 1
+        times = (end - start) // length
+        if times - 2 >= FEWEST:
+            return length, times
+    return 1, 1
+
+
+def _follows(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
+    """Whether a step is the one of the round before, and its value as much more as that was more than in the round before that."""
+    one, other = steps[at], steps[at - length]
+    if (one.kind, one.channel, one.parties) != (other.kind, other.channel, other.parties):
+        return False
+    more = _more(one, other)
+    return more is not None and (at - 2 * length < start or more == _more(other, steps[at - 2 * length]))
+
+
+def _more(one: Step, other: Step) -> int | None:
+    """How much more the value of a step is; None where they are others that are no whole numbers."""
+    if one.value == other.value:
+        return 0
+    try:
+        return int(one.value or "") - int(other.value or "")
+    except ValueError:
+        return None
+
+
+def _summed_up(steps: Sequence[Step]) -> Step:
+    """What is the same step in each round, with all its values: ``7``, ``1 … 480`` or ``0, 5 … 495``."""
+    first, second, last = steps[0], steps[1], steps[-1]
+    match _more(second, first):
+        case 0:
+            return first
+        case 1 | -1:
+            return replaced(first, value=f"{first.value} … {last.value}")
+        case _:
+            return replaced(first, value=f"{first.value}, {second.value} … {last.value}")
 
 
 def _round(steps: Sequence[Step]) -> Repeated | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
-from cspdiag.proofs.counterexamples.rounds import Repeated, repeated
+from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
 
 _MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
@@ -53,7 +53,7 @@ def _key(cells: Iterable[str]) -> str:
 def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, told_files: bool) -> Iterator[list[str]]:
     """A row for each step, or for all rounds of a loop; steps are counted one by one."""
     number = 1
-    for part in repeated(steps):
+    for part in shortened(steps):
         last = number + part.times * len(part.steps) - 1
         if part.times > 1:
             at = {party.name: _place(party, told_files) for step in reversed(part.steps) for party in step.parties}
@@ -65,7 +65,7 @@ def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, told_fil
 
 
 def _given(part: Repeated, process: str) -> str:
-    """What the environment gives in each round."""
+    """What is communicated in each round."""
     return "".join(f", {step.channel.removeprefix(f'{process}.')} {step.value}" for step in part.steps if step.value)
 
 

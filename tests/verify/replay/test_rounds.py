@@ -168,3 +168,16 @@ def test_specification_judges_the_run_with_its_rounds(change: str, hidden: str, 
     assert answer.counterexample is not None
     assert answer.counterexample.reason.startswith(reason)
     assert sum(step.channel == "Follows.speed" for step in answer.counterexample.steps) == 25
+
+
+def test_rounds_of_the_trace_itself_have_a_row(cspdiag: Command, tmp_path: Path) -> None:  # noqa: F811
+    text = """
+process Counter { out a : int composition { (seq i < 60 : a ! i) ; stop } }
+process Reader { in a : int communication { var v : int } composition { mu (a ? v) } }
+process Main { communication { c : Counter r : Reader c.a -> a : int -> r.a } composition { c || r } }
+assert Main deadlock free
+"""
+    (tmp_path / "case.csp").write_text(text)
+    told = cspdiag("verify", str(tmp_path / "case.csp")).err
+    assert "after 60 steps" in told
+    assert "  2-59  58 more rounds, a 1 … 58  *2  *3" in told

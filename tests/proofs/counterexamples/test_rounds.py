@@ -1,0 +1,79 @@
+"""Rounds of counted loops in the table of a counterexample: the first, the last, and one row for those between."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag.proofs.counterexamples.counterexample import Party, Step
+from cspdiag.proofs.counterexamples.rounds import FEWEST, shortened
+
+Row = tuple[int, str, str | None]
+
+
+def step(channel: str, value: object = None, *, added: bool = False) -> Step:
+    kind = "time" if channel.startswith("wait") else "communication"
+    return Step(kind, channel, None if value is None else str(value), (Party("p", "Main.p"),), added)  # type: ignore[arg-type]
+
+
+def told(steps: list[Step]) -> list[Row]:
+    return [(part.times, one.channel, one.value) for part in shortened(steps) for one in part.steps]
+
+
+@pytest.mark.parametrize(
+    ("values", "middle"),
+    [
+        (range(1000), "1 … 998"),
+        (range(1000, 0, -1), "999 … 2"),
+        (range(0, 500, 5), "5, 10 … 490"),
+        ([7] * 40, "7"),
+        ([None] * 40, None),
+        (["1.5"] * 40, "1.5"),
+    ],
+)
+def test_values_that_count_are_summed_up(values: list[object], middle: str | None) -> None:
+    rows = told([step("a", value) for value in values])
+    first, *_, last = (None if value is None else str(value) for value in values)
+    assert rows == [(1, "a", first), (len(values) - 2, "a", middle), (1, "a", last)]
+
+
+def test_a_round_of_several_steps() -> None:
+    rounds = [one for n in range(30) for one in (step("a", n), step("wait 1 ms"), step("b", 3))]
+    assert told([step("c", 1), *rounds, step("c", 2)]) == [
+        (1, "c", "1"),
+        *[(1, "a", "0"), (1, "wait 1 ms", None), (1, "b", "3")],
+        *[(28, "a", "1 … 28"), (28, "wait 1 ms", None), (28, "b", "3")],
+        *[(1, "a", "29"), (1, "wait 1 ms", None), (1, "b", "3")],
+        (1, "c", "2"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        range(FEWEST + 1),
+        [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048],
+        ["0.5", "1.5", "2.5", "3.5", "4.5", "5.5", "6.5", "7.5", "8.5", "9.5", "10.5"],
+        [True, False, False, True, False, True, True, False, True, True, True, False],
+    ],
+)
+def test_few_rounds_and_values_of_no_rule_are_told_one_by_one(values: list[object]) -> None:
+    assert told([step("a", value) for value in values]) == [(1, "a", str(value)) for value in values]
+
+
+def test_a_value_out_of_turn_is_told() -> None:
+    rows = told([step("a", value) for value in [*range(20), -1, *range(20, 40)]])
+    assert rows == [
+        *[(1, "a", "0"), (18, "a", "1 … 18"), (1, "a", "19")],
+        (1, "a", "-1"),
+        *[(1, "a", "20"), (18, "a", "21 … 38"), (1, "a", "39")],
+    ]
+
+
+def test_rounds_of_the_program_keep_their_row() -> None:
+    added = [step("f", "0.0", added=True)] * 458
+    assert told([step("a", 1), *added, step("a", 2)]) == [(1, "a", "1"), (458, "f", "0.0"), (1, "a", "2")]
+
+
+def test_all_steps_are_counted() -> None:
+    steps = [step("a" if n % 7 else "b", n // 3 if n % 50 else None) for n in range(2000)]
+    assert sum(times for times, _, _ in told(steps)) == len(steps)
