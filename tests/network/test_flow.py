@@ -8,7 +8,7 @@ from cspdiag.network.checks.endless import never_ends
 from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
-from cspdiag.network.flow.ends import may_end
+from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, exceptions_of
 from cspdiag.network.ir.actions import Action
 from cspdiag.network.ir.network import Network
@@ -52,6 +52,7 @@ def places(code: Code, kind: type) -> list[int]:
         ("mu u ? x", False),
         ("mu u ? x until x > 3", True),
         ("mu (u ? x ; stop) until x > 3", False),
+        ("mu (if x > 3 then stop else u ? x) until x > 2", True),
         ("while x < 3 do stop", True),
         ("u ? x || stop", False),
         ("u ? x || y ! 1", True),
@@ -165,3 +166,10 @@ process Main {
 }
 """)
     assert classes_run_again(network) == {"Both", "Leaf"}
+
+
+def test_a_loop_at_the_very_beginning_is_entered() -> None:
+    looping = body("mu u ? x until x > 3")
+    assert flow_of(looping).before[0] != (), "the only edge to the first instruction is that of the loop"
+    assert may_end(looping)
+    assert every_step_is_reached(body("mu (u ? x ; y ! x)"))

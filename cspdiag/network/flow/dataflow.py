@@ -32,7 +32,7 @@ def solve(
 
     def before(index: int) -> State | None:
         instruction = code.instructions[index]
-        if len(code.before[index]) == 1 and index not in abandoning:
+        if index > 0 and len(code.before[index]) == 1 and index not in abandoning:
             return leaving[code.before[index][0]]
         ways = [leaving[earlier] for earlier in code.before[index]]
         if isinstance(instruction, Join) and None in ways:
