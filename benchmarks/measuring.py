@@ -1,6 +1,8 @@
-"""What is measured, and how: each sample in a process of its own, the contestants in turn, so that a busy machine harms all alike.
+"""What is measured, and how: each sample in a process of its own, the contestants in turn, so that a busy machine harms
+all alike.
 
-A program under ``programs/`` takes the name of a benchmark and prints one number a line, or nothing if it lacks what it needs.
+A program under ``programs/`` takes the name of a benchmark and prints one number a line, or nothing if it lacks what it
+needs.
 """
 
 from __future__ import annotations
@@ -133,7 +135,9 @@ def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:
 
 
 def run_program(program: str, benchmark: str) -> list[float]:
-    """The figures that one run of a program prints; ``program`` is its name, and what it is given after that of the benchmark."""
+    """The figures that one run of a program prints; ``program`` is its name, and what it is given after that of the
+    benchmark.
+    """
     program, *given = program.split()
     root = str(PROGRAMS.parents[1])
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}

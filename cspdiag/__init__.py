@@ -1,7 +1,7 @@
 """cspdiag: communication and composition diagrams in text, checked and turned into control software that runs.
 
-``load`` gives a program, ``parse`` that of a text; ``check`` and ``compile`` are short cuts. Importing this package loads nothing else:
-classes come when they are named.
+``load`` gives a program, ``parse`` that of a text; ``check`` and ``compile`` are short cuts. Importing this package
+loads nothing else: classes come when they are named.
 """
 
 from __future__ import annotations
@@ -110,7 +110,8 @@ def load(path: str | PathLike[str]) -> LoadedProgram:
 
 
 def parse(text: str, name: str = "program.csp") -> LoadedProgram:
-    """The program that a text is; nothing of it is checked yet. ``name`` is what messages call it, and imports are relative to its folder.
+    """The program that a text is; nothing of it is checked yet. ``name`` is what messages call it, and imports are
+    relative to its folder.
 
     Raises TypeError for what is no ``str``, ArgumentError for one with zero bytes or halves of characters.
     """
@@ -125,5 +126,7 @@ def check(path: str | PathLike[str]) -> list[Diagnostic]:
 
 
 def compile(path: str | PathLike[str], target: str = "python") -> dict[str, str]:
-    """The generated package of the program in a file: texts by path. Raises what ``load`` and ``LoadedProgram.compile`` raise."""
+    """The generated package of the program in a file: texts by path. Raises what ``load`` and ``LoadedProgram.compile``
+    raise.
+    """
     return load(path).compile(target)

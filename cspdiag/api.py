@@ -70,7 +70,9 @@ class LoadedProgram:
         return f"LoadedProgram({self.source.name!r})"
 
     def _repr_html_(self) -> str | None:
-        """The diagrams of all processes and environments, the outermost process unfolded, or what is wrong; None where nothing can be drawn."""
+        """The diagrams of all processes and environments, the outermost process unfolded, or what is wrong; None where
+        nothing can be drawn.
+        """
         from cspdiag.draw.book.notebook import notebook
         from cspdiag.draw.layout.graph import LayoutError
         from cspdiag.draw.missing import MissingToolError
@@ -126,7 +128,8 @@ class LoadedProgram:
     ) -> networkx.MultiDiGraph:
         """The network as a graph: instances, external ports and environments, and the channels between them.
 
-        Nodes are paths; an edge leads from each writer of a channel to each reader. Periods are in nanoseconds; ``docs/drawing.md`` lists all attributes. Arguments and errors are those of ``build``.
+        Nodes are paths; an edge leads from each writer of a channel to each reader. Periods are in nanoseconds;
+        ``docs/drawing.md`` lists all attributes. Arguments and errors are those of ``build``.
         """
         from cspdiag.draw.exchange.network_graph import network_graph
 
@@ -135,8 +138,8 @@ class LoadedProgram:
     def compile(self, target: str = "python", *, level: int = 0) -> dict[str, str]:
         """The generated package: texts by path; ``level`` is 1 for fast code.
 
-        Raises what ``build`` raises, ArgumentError for an unknown target or level, ``TargetError`` for a program that the target cannot express, and
-        FileError for a module of the program that cannot be read.
+        Raises what ``build`` raises, ArgumentError for an unknown target or level, ``TargetError`` for a program that
+        the target cannot express, and FileError for a module of the program that cannot be read.
         """
         from cspdiag.codegen import TARGETS
 
@@ -156,9 +159,10 @@ class LoadedProgram:
     ) -> Drawing:
         """The diagrams of a process or an environment, by default of the outermost process, as a notebook shows them.
 
-        ``hide_labels`` hides all labels, or those named, or sorts of them (``"types"``); ``depth`` 2 shows the inside of instances. With ``check`` a program with errors
-        is drawn as far as it can be read, with its errors and warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError where there is
-        nothing of that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
+        ``hide_labels`` hides all labels, or those named, or sorts of them (``"types"``); ``depth`` 2 shows the inside
+        of instances. With ``check`` a program with errors is drawn as far as it can be read, with its errors and
+        warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError where there is nothing
+        of that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
         from cspdiag.draw.pictures import Pictures, Wish
 
@@ -174,7 +178,8 @@ class LoadedProgram:
         return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
 
     def draw_deadlock(self, run: Run) -> Drawing:
-        """Who waits for whom in a run of this program that ended in a deadlock, as ``cspdiag run --draw-deadlock`` draws it.
+        """Who waits for whom in a run of this program that ended in a deadlock, as ``cspdiag run --draw-deadlock``
+        draws it.
 
         Raises ArgumentError where it ended otherwise, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
@@ -194,8 +199,8 @@ class LoadedProgram:
     ) -> TimingReport:
         """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` tells them.
 
-        ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what ``build`` raises, and
-        ArgumentError for a path that there is not, or a negative time.
+        ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what
+        ``build`` raises, and ArgumentError for a path that there is not, or a negative time.
         """
         from cspdiag.analyses.timing.report.timing import timing_report
 
@@ -209,10 +214,12 @@ class LoadedProgram:
         set: Mapping[str, Setting] | None = None,
         at: Mapping[str, float] | None = None,
     ) -> LoopReport:
-        """Stability and margins of the loops through the plant of an environment (the first one by default), as ``cspdiag margins`` tells them.
+        """Stability and margins of the loops through the plant of an environment (the first one by default), as
+        ``cspdiag margins`` tells them.
 
-        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises, ``NoEnvironmentError``, ArgumentError for a
-        state that the plant does not have, and ``NotLinearError`` where it cannot be looked into.
+        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises,
+        ``NoEnvironmentError``, ArgumentError for a state that the plant does not have, and ``NotLinearError`` where it
+        cannot be looked into.
         """
         from cspdiag.analyses.margins.loops import analyse_loops
         from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
@@ -235,14 +242,17 @@ class LoadedProgram:
         target: str = "python",
         level: int | Literal["reference"] = 1,
     ) -> Run:
-        """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number of seconds.
+        """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number
+        of seconds.
 
-        ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native program; with ``level=0`` the readable
-        code runs instead of the fast one. The results are the same. With ``level="reference"`` the program runs on the meaning of the language, slowly, which
-        shares nothing with the code.
+        ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native
+        program; with ``level=0`` the readable code runs instead of the fast one. The results are the same. With
+        ``level="reference"`` the program runs on the meaning of the language, slowly, which shares nothing with the
+        code.
 
-        Raises what ``build`` raises, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and ``TargetError``, for the reference
-        ``NoMeaningError``, and ArgumentError for a level or target that there is not.
+        Raises what ``build`` raises, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and
+        ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for a level or target that there is
+        not.
         """
         from cspdiag.simulate.native import run as native
         from cspdiag.simulate.run import execute
@@ -292,8 +302,9 @@ class LoadedProgram:
     ) -> list[Answer]:
         """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
 
-        Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises,
-        ``VerificationError`` where nothing can be answered, and ArgumentError for a time limit that is no time.
+        Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for
+        each. Raises what ``build`` raises, ``VerificationError`` where nothing can be answered, and ArgumentError for a
+        time limit that is no time.
         """
         from cspdiag.proofs.verdict import Limits
         from cspdiag.verify.confirm import Verifier

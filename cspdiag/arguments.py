@@ -20,7 +20,9 @@ Setting = str | int | float
 
 
 def source_of(text: str, name: str) -> SourceFile:
-    """A text as if it had been read from a file. Raises TypeError for what is no text, ArgumentError for what no file can hold."""
+    """A text as if it had been read from a file. Raises TypeError for what is no text, ArgumentError for what no file
+    can hold.
+    """
     if not isinstance(text, str):
         raise TypeError(f"a program is text, a str, and not {type(text).__name__}: `load` reads a file")
     zero = text.find("\0")
@@ -62,7 +64,9 @@ def require_seconds(what: str, seconds: float) -> None:
 
 
 def measured_times(network: Network, measured: Mapping[str, float] | None) -> dict[str, int]:
-    """Execution times in nanoseconds, from seconds by path. Raises ArgumentError for a path or a time that there is not."""
+    """Execution times in nanoseconds, from seconds by path. Raises ArgumentError for a path or a time that there is
+    not.
+    """
     from cspdiag.network.lower.program import suggestion
 
     paths = {instance.path for instance in network.instances}

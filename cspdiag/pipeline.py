@@ -48,7 +48,9 @@ class Checked:
 
 @node
 class Built:
-    """A program on its way to code, with its settings as values; ``network`` is None where errors, in ``checked.report``, prevent it."""
+    """A program on its way to code, with its settings as values; ``network`` is None where errors, in
+    ``checked.report``, prevent it.
+    """
 
     checked: Checked
     network: Network | None
@@ -57,7 +59,9 @@ class Built:
 
 @node
 class Asked:
-    """A program and what is to be proved of it; ``networks`` are those of its processes, by name, as far as they were lowered."""
+    """A program and what is to be proved of it; ``networks`` are those of its processes, by name, as far as they were
+    lowered.
+    """
 
     checked: Checked
     questions: tuple[Question, ...]
@@ -148,8 +152,9 @@ def compile_network(
     """Lower a program that has no errors to its network; None where that reports an error.
 
     ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of
-    the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet. ``alone``: other environments
-    are not wanted. Raises ``cspdiag.settings.SettingError`` for an override of an element that an array does not have.
+    the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet.
+    ``alone``: other environments are not wanted. Raises ``cspdiag.settings.SettingError`` for an override of an element
+    that an array does not have.
     """
     from cspdiag.network.lower.program import lower
     from cspdiag.network.lower.setting_paths import NoSuchElementError
@@ -271,11 +276,13 @@ def generate(
 ) -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 
-    ``level`` is that of optimization, 0 or 1; at level 0 code tells and keeps everything. ``traced`` code tells an observer of every communication, other code of
-    those of external ports only; ``observed`` code tells it as well when each process starts and ends, and who communicates; ``probed`` code keeps
-    variables that have a unit as objects that can be watched. Hand-written modules that the program names are read relative to the file that
-    names them. ``templates`` take the places of those of the target, by name. Raises KeyError for an unknown target, OSError for a module that
-    cannot be read, TargetError for a program that the target cannot express and for a mistake in one of the templates.
+    ``level`` is that of optimization, 0 or 1; at level 0 code tells and keeps everything. ``traced`` code tells an
+    observer of every communication, other code of those of external ports only; ``observed`` code tells it as well when
+    each process starts and ends, and who communicates; ``probed`` code keeps variables that have a unit as objects that
+    can be watched. Hand-written modules that the program names are read relative to the file that names them.
+    ``templates`` take the places of those of the target, by name. Raises KeyError for an unknown target, OSError for a
+    module that cannot be read, TargetError for a program that the target cannot express and for a mistake in one of the
+    templates.
     """
     from cspdiag.codegen import TARGETS, external_modules
     from cspdiag.codegen.options import Options

@@ -105,10 +105,10 @@ class _Target:
 def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequence[Root]) -> Overrides:
     """The settings with their values read by the types of what they set.
 
-    A name is that of a constant, with a path to a field or an element where the constant is a struct or an array; or a parameter of one
-    of the ``roots``, or of an instance below one, by its path. The roots are what is compiled: outermost processes and environments.
-    ``const.T`` is the constant, ``Main.T`` the parameter of the root `Main`, where ``T`` alone could be either.
-    Raises SettingError.
+    A name is that of a constant, with a path to a field or an element where the constant is a struct or an array; or a
+    parameter of one of the ``roots``, or of an instance below one, by its path. The roots are what is compiled:
+    outermost processes and environments. ``const.T`` is the constant, ``Main.T`` the parameter of the root `Main`,
+    where ``T`` alone could be either. Raises SettingError.
     """
     from cspdiag.base.diagnostic import Label
     from cspdiag.network.lower.setting_paths import in_root
@@ -161,7 +161,9 @@ def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
 
 
 def _no_parameter_either(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
-    """Why a name that begins like a constant means nothing in the instances and parameters that are called the same; empty where none are."""
+    """Why a name that begins like a constant means nothing in the instances and parameters that are called the same;
+    empty where none are.
+    """
     from cspdiag.network.lower.setting_paths import Dead, parameter_at, paths_of
 
     ways = []
@@ -289,7 +291,8 @@ def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
 _MOST_NAMED = 8
 
 _MOST_PATHS = 1000
-"""A program may have more instances than anybody wants to wait for; a name that was meant is looked for among so many."""
+"""A program may have more instances than anybody wants to wait for; a name that was meant is looked for among so many.
+"""
 
 
 def _meant(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:

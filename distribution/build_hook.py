@@ -1,4 +1,6 @@
-"""Puts what ``third_party`` fetches into wheels; where it cannot be fetched, a wheel is built that cannot draw, and the build says so."""
+"""Puts what ``third_party`` fetches into wheels; where it cannot be fetched, a wheel is built that cannot draw, and the
+build says so.
+"""
 
 from __future__ import annotations
 

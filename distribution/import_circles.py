@@ -1,7 +1,7 @@
 """A contract for import-linter: no module imports itself by way of others.
 
-Imports under TYPE_CHECKING and inside functions count as well, and so do those of a package by the modules inside it, which the contract
-``acyclic_siblings`` does not see.
+Imports under TYPE_CHECKING and inside functions count as well, and so do those of a package by the modules inside it,
+which the contract ``acyclic_siblings`` does not see.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Makes the pictures of docs/notation.md from the compositions that stand above them; ``--check`` only says which are not current.
+"""Makes the pictures of docs/notation.md from the compositions that stand above them; ``--check`` only says which are
+not current.
 
 python distribution/notation_pictures.py [--check]
 """

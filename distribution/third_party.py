@@ -2,8 +2,9 @@
 
     python distribution/third_party.py
 
-puts them into ``third-party/``, each with its licence, unless they are there. They come through npm, in fixed versions whose checksums are
-verified; wheels carry them, so that users of a wheel need neither npm nor a network. Standard library only.
+puts them into ``third-party/``, each with its licence, unless they are there. They come through npm, in fixed versions
+whose checksums are verified; wheels carry them, so that users of a wheel need neither npm nor a network. Standard
+library only.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ class FetchError(Exception):
 
 @dataclass(frozen=True)
 class Package:
-    """A package in one version; ``integrity`` is the Base64 of its archive's SHA-512, ``files`` maps files in it to places in the folder."""
+    """A package in one version; ``integrity`` is the Base64 of its archive's SHA-512, ``files`` maps files in it to
+    places in the folder.
+    """
 
     name: str
     version: str
@@ -71,7 +74,9 @@ PACKAGES = (
 
 
 def fetch(folder: Path = FOLDER) -> None:
-    """Put everything into ``folder``, or leave it alone where it is complete. Raises FetchError, having changed nothing."""
+    """Put everything into ``folder``, or leave it alone where it is complete. Raises FetchError, having changed
+    nothing.
+    """
     versions = "".join(f"{package.name} {package.version} {package.integrity}\n" for package in PACKAGES)
     stamp = folder / STAMP
     places = [folder / place for package in PACKAGES for place in package.files.values()]

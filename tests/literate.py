@@ -1,8 +1,8 @@
 """Literate cases: Markdown files whose sections hold a program and what the compiler says about it.
 
-Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the files it imports,
-then a ``diagnostics`` block, a ``network`` block or both, or a ``composition`` block: the elements of the composition
-diagrams. ``network -O1`` is the network after all passes of the optimizer,
+Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the
+files it imports, then a ``diagnostics`` block, a ``network`` block or both, or a ``composition`` block: the elements of
+the composition diagrams. ``network -O1`` is the network after all passes of the optimizer,
 ``network specialize,variables`` after those, ``network flatten.Main`` the class ``Main`` of it alone.
 """
 

@@ -1,6 +1,7 @@
 """The networks of ``benchmarks/networks``, compiled: ``networks.py commstime python-O1``.
 
-Targets: ``python-O0``, ``python-O1``, ``c``; the last two keep the processes as they are, and with ``-fused`` at the end they are fused where that is possible.
+Targets: ``python-O0``, ``python-O1``, ``c``; the last two keep the processes as they are, and with ``-fused`` at the
+end they are fused where that is possible.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""SPIN on the same philosophers: processes and rendezvous channels, as its users write them, or with ``states`` the model that cspdiag exports.
+"""SPIN on the same philosophers: processes and rendezvous channels, as its users write them, or with ``states`` the
+model that cspdiag exports.
 
-Proofs take spin, gcc and pan together; states a second of the processor are those of pan alone. Prints nothing where SPIN is missing.
+Proofs take spin, gcc and pan together; states a second of the processor are those of pan alone. Prints nothing where
+SPIN is missing.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""What the response times of 100 tasks take, in milliseconds: a level each, or five levels in which who comes first is served first."""
+"""What the response times of 100 tasks take, in milliseconds: a level each, or five levels in which who comes first is
+served first.
+"""
 
 from __future__ import annotations
 

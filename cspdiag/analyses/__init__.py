@@ -19,7 +19,8 @@ ANALYSES: dict[str, Analysis] = {"load": LOAD}
 
 
 def analyse(program: Program, checked: Checked, report: Report) -> Network | None:
-    """Run every analysis that a program without errors gives rise to; only then is it lowered for them, and the network returned.
+    """Run every analysis that a program without errors gives rise to; only then is it lowered for them, and the network
+    returned.
 
     ``checked`` is what the checks of its processes have found out, with the same report.
     """

@@ -1,7 +1,7 @@
 """The share of the processor that the control laws need, from their worst-case execution times.
 
-A lower bound: laws without ``wcet`` or without a period count nothing, of parts in sequence only the most demanding counts, and of
-branches of an alternative too. Laws that follow one another on the same sample add up.
+A lower bound: laws without ``wcet`` or without a period count nothing, of parts in sequence only the most demanding
+counts, and of branches of an alternative too. Laws that follow one another on the same sample add up.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Where cspdiag keeps what it would otherwise make again: parse tables, proofs, built programs.
 
-What is found there is believed and, as programs, executed. So the folder is one that nobody but its user may write into, or it is not used.
+What is found there is believed and, as programs, executed. So the folder is one that nobody but its user may write
+into, or it is not used.
 """
 
 from __future__ import annotations

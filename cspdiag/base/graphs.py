@@ -15,8 +15,8 @@ T = TypeVar("T", bound=Hashable)
 def strong_components(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[list[T]]:
     """The strongly connected components that can be reached, ``after`` gives where edges lead.
 
-    Those that are led to come first; of the members of one, those reached last. Tarjan, "Depth-first search and linear graph
-    algorithms", 1972, without recursion.
+    Those that are led to come first; of the members of one, those reached last. Tarjan, "Depth-first search and linear
+    graph algorithms", 1972, without recursion.
     """
     order: dict[T, int] = {}
     low: dict[T, int] = {}

@@ -1,4 +1,5 @@
-"""Finds what ships beside the code: the grammar, the templates, the manual pages, the benchmarks and the bundled library.
+"""Finds what ships beside the code: the grammar, the templates, the manual pages, the benchmarks and the bundled
+library.
 
 A checkout (and an editable install) has ``grammars/`` and its kin at its top level; a wheel has them under
 ``cspdiag/_resources/``. ``pathlib`` is imported only where a path is asked for: ``check`` starts without it.
@@ -42,7 +43,9 @@ def template_folder(target: str) -> Path:
 
 
 def third_party(*parts: str) -> str | None:
-    """The path of a file that others have written, such as ``third_party("elkjs", "elk-worker.min.js")``; None where it was not fetched."""
+    """The path of a file that others have written, such as ``third_party("elkjs", "elk-worker.min.js")``; None where it
+    was not fetched.
+    """
     path = _place("third-party", *parts)
     return path if os.path.isfile(path) else None
 

@@ -28,7 +28,8 @@ _KINDS = (
 def read_source(path: str) -> SourceFile:
     """The text of a file, or of standard input for ``-``, with line ends as ``\\n``.
 
-    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is none, is not UTF-8 text or is too large.
+    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is none, is not UTF-8 text or is too
+    large.
     """
     try:
         if path == STANDARD_INPUT:
@@ -45,7 +46,8 @@ def read_source(path: str) -> SourceFile:
 def require_ordinary_file(path: str) -> None:
     """Raise OSError for what is there and is no file: from a pipe or a device nothing may ever come.
 
-    Standard input by its name, and what the process was started with, are read as they are. What is not there is left to who opens it.
+    Standard input by its name, and what the process was started with, are read as they are. What is not there is left
+    to who opens it.
     """
     place = os.path.abspath(path)
     if place == "/dev/stdin" or os.path.dirname(place) in _OPEN_ALREADY:

@@ -8,7 +8,9 @@ _LONGEST = 60
 
 
 class Speller:
-    """Finds near names as long as that is quick: a text full of unknown names gets no more help than a person would read."""
+    """Finds near names as long as that is quick: a text full of unknown names gets no more help than a person would
+    read.
+    """
 
     def __init__(self, comparisons: int = 100_000, measurements: int = 5_000) -> None:
         self._comparisons = comparisons

@@ -1,6 +1,7 @@
 """Finds the verb, runs it, and turns whatever happens into an exit code.
 
-Only the module of the verb at hand is imported, and only its options are built: ``cspdiag check`` has 120 ms for everything.
+Only the module of the verb at hand is imported, and only its options are built: ``cspdiag check`` has 120 ms for
+everything.
 """
 
 from __future__ import annotations
@@ -174,7 +175,9 @@ def _dispatch(given: list[str], *, whole_process: bool) -> int:
 
 
 def _run(verb: str, options: list[str], whole_process: bool) -> int:
-    """Carries out a verb; all but a simulation do without garbage collection, as a compiler makes no cycles worth looking for."""
+    """Carries out a verb; all but a simulation do without garbage collection, as a compiler makes no cycles worth
+    looking for.
+    """
     collects = gc.isenabled()
     if verb != "run":
         gc.disable()
@@ -219,7 +222,9 @@ def _refuse(message: str, *, lines: bool = False) -> int:
 
 
 def _unwritten(problem: OSError, code: int) -> int:
-    """The exit code where something cannot be read or written; of a verb that has done its work with ``code`` that is what it prints."""
+    """The exit code where something cannot be read or written; of a verb that has done its work with ``code`` that is
+    what it prints.
+    """
     _drop_broken_output()
     if isinstance(problem, BrokenPipeError):
         return code or BROKEN_PIPE

@@ -51,7 +51,9 @@ def target_errors() -> type[ValueError]:
 
 
 def external_modules(network: Network, target: str = "python") -> tuple[str, ...]:
-    """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names them."""
+    """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names
+    them.
+    """
     if target in {"promela", "cspm"}:
         return ()
     if target == "c":

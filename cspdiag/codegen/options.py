@@ -13,9 +13,10 @@ from cspdiag.network.ir.network import Network
 class Options:
     """How a target generates: ``level`` of optimization, 0 or 1.
 
-    ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of those of external ports only.
-    ``observed`` code tells it as well when each process starts and ends, and who communicates. ``probed`` code keeps variables that have a unit as
-    objects that can be watched. ``templates`` take the places of those of the target, by name.
+    ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of those of external
+    ports only. ``observed`` code tells it as well when each process starts and ends, and who communicates. ``probed``
+    code keeps variables that have a unit as objects that can be watched. ``templates`` take the places of those of the
+    target, by name.
     """
 
     level: int = 0

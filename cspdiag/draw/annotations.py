@@ -40,7 +40,9 @@ _SIGNS: dict[MarkKind, str] = {
 
 
 def heading(runs: Sequence[TextRun], doc: str | None, mark: Mark | None = None) -> Group:
-    """The name of what is drawn, at the origin, with the mark of the whole, and below it the first sentence of its doc comment."""
+    """The name of what is drawn, at the origin, with the mark of the whole, and below it the first sentence of its doc
+    comment.
+    """
     items: list[Item] = [Text(Point(0, ASCENT * HEADING_SIZE), tuple(runs), HEADING_SIZE)]
     if mark is not None:
         right = runs_width(runs, HEADING_SIZE) + BADGE + badge_width(mark) / 2
@@ -72,7 +74,9 @@ def wrapped(text: str, size: float, width: float, face: Face = Face.SANS) -> lis
 
 
 def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[tuple[TextRun, ...]]:
-    """Lines no wider than ``width`` pixels, but for single words; what stands between backticks is set as code, without them."""
+    """Lines no wider than ``width`` pixels, but for single words; what stands between backticks is set as code, without
+    them.
+    """
     words: list[list[TextRun]] = []
     is_apart = True
     for position, piece in enumerate(text.split("`")):

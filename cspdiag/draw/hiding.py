@@ -7,7 +7,9 @@ from collections.abc import Iterable
 from cspdiag.base.record import record
 
 KINDS_OF_LABELS = ("labels", "types", "ports", "periods", "kinds", "legend")
-"""Words that hide all labels of a sort: names of arrows, types, local names of ports, sample periods, kinds of channels; and the legend."""
+"""Words that hide all labels of a sort: names of arrows, types, local names of ports, sample periods, kinds of
+channels; and the legend.
+"""
 
 
 @record

@@ -59,7 +59,9 @@ class Pictures:
         return Facts(self.program, self.analysis)
 
     def drawn(self, *, imported: bool = False) -> list[Drawn]:
-        """The processes and environments of the main file in text order; also those of imported files where that is wished."""
+        """The processes and environments of the main file in text order; also those of imported files where that is
+        wished.
+        """
         own = set(self.program.main.items)
         return [
             definition
@@ -74,7 +76,9 @@ class Pictures:
         return found if isinstance(found, Drawn) else None
 
     def outermost(self) -> Drawn | None:
-        """What is drawn when nothing is named: the process of the first environment, or else what the other commands take for the outermost."""
+        """What is drawn when nothing is named: the process of the first environment, or else what the other commands
+        take for the outermost.
+        """
         drawn = self.drawn()
         for definition in drawn:
             if isinstance(definition, ast.EnvironmentDefinition):

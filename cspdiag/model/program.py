@@ -84,13 +84,12 @@ class Scope:
 class Program:
     """A program after names and types were resolved.
 
-    ``bindings``: ast.Name, ast.Reference (its first name), ast.Identifier (of definitions used, members, callees) to what they mean.
-    ``members``: ast.Reference or ast.Member with a member, to the port, literal or field meant.
-    ``types``: of expressions, parameters, variables, channels, states, lets, constants, fields and type names; sizes that
-    depend on parameters are None.
-    ``time_uses``: submodels whose own equations use ``time``, and where.
-    ``poisoned``: nodes about which something was reported; later passes are silent about them.
-    ``overrides``: values of constants given from outside (``--set``).
+    ``bindings``: ast.Name, ast.Reference (its first name), ast.Identifier (of definitions used, members, callees) to
+    what they mean. ``members``: ast.Reference or ast.Member with a member, to the port, literal or field meant.
+    ``types``: of expressions, parameters, variables, channels, states, lets, constants, fields and type names; sizes
+    that depend on parameters are None. ``time_uses``: submodels whose own equations use ``time``, and where.
+    ``poisoned``: nodes about which something was reported; later passes are silent about them. ``overrides``: values of
+    constants given from outside (``--set``).
     """
 
     def __init__(self, main: ast.SourceTree, trees: tuple[ast.SourceTree, ...], overrides: dict[str, Value]) -> None:

@@ -1,7 +1,7 @@
 """Units of measurement: dimension, scale and spelling.
 
-A unit is the product of powers of the SI base units with a factor. ``rad`` is dimensionless with factor 1 in expressions, but stays
-visible in the types of ports. (BIPM, The International System of Units, 9th edition.)
+A unit is the product of powers of the SI base units with a factor. ``rad`` is dimensionless with factor 1 in
+expressions, but stays visible in the types of ports. (BIPM, The International System of Units, 9th edition.)
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from cspdiag.base.record import record
 class Unit:
     """A unit, compared by dimension, scale and whether it is an angle spelled out.
 
-    ``exponents`` are the powers of m, kg, s, A, K, mol, cd, in this order; the scale is ``numerator / denominator * pi**pi_power``
-    times the coherent SI unit, exactly; ``angle`` is the power of the angle that was spelled out (1 for ``rad/s``); ``text`` is how
-    it was written and takes no part in comparison.
+    ``exponents`` are the powers of m, kg, s, A, K, mol, cd, in this order; the scale is
+    ``numerator / denominator * pi**pi_power`` times the coherent SI unit, exactly; ``angle`` is the power of the angle
+    that was spelled out (1 for ``rad/s``); ``text`` is how it was written and takes no part in comparison.
     """
 
     exponents: tuple[int, ...] = (0, 0, 0, 0, 0, 0, 0)

@@ -58,7 +58,9 @@ class Analysis:
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
         self._root_values: list[tuple[Shape, Surroundings, Mapping[str, Value]]] = []
         self.laws: list[LawUse] = []
-        """The submodel instances, with the values of their parameters as far as known; none where something was reported before."""
+        """The submodel instances, with the values of their parameters as far as known; none where something was
+        reported before.
+        """
         self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
         self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
 
@@ -70,7 +72,9 @@ class Analysis:
         overrides: Overrides,
         surroundings: Surroundings = "environment",
     ) -> Shape:
-        """An outermost process with the arguments of its environment and the values that they, defaults and overrides give."""
+        """An outermost process with the arguments of its environment and the values that they, defaults and overrides
+        give.
+        """
         shape = self.elaboration.root(definition, values, overrides)
         self._root_arguments.append((shape, arguments))
         self._root_values.append((shape, surroundings, values))
@@ -121,7 +125,9 @@ class Analysis:
         return outermost
 
     def _give_values(self) -> None:
-        """What the parameters are given, down to the innermost instances; nothing is known of those of a library's outermost processes."""
+        """What the parameters are given, down to the innermost instances; nothing is known of those of a library's
+        outermost processes.
+        """
         laws: list[LawUse] = []
         by_context: dict[Placed, list[Occurrence]] = {}
         for shape, surroundings, given in self._root_values:

@@ -43,7 +43,8 @@ class Occurrence:
 class LawOccurrence:
     """A submodel instance: the values of its parameters and, once ``Occurrences.flatten`` has made it, its class.
 
-    ``sample`` is its period in nanoseconds, if known; ``overrides`` are values of parameters inside it from outside, by path.
+    ``sample`` is its period in nanoseconds, if known; ``overrides`` are values of parameters inside it from outside, by
+    path.
     """
 
     __slots__ = ("definition", "flattened", "overrides", "sample", "values")
@@ -167,7 +168,9 @@ class Occurrences:
 
 
 def instance_names(outermost: Occurrence) -> Iterator[str]:
-    """The paths of all instances in a process and of those in its submodels, in text order; names of other things in submodels are among them."""
+    """The paths of all instances in a process and of those in its submodels, in text order; names of other things in
+    submodels are among them.
+    """
     pending: list[tuple[str, Occurrence | LawOccurrence]] = [("", outermost)]
     while pending:
         prefix, occurrence = pending.pop()

@@ -1,8 +1,8 @@
 """Who uses a channel, and whether in sequence or in parallel.
 
 One walk up the composition gives, for every port and channel of a shape, one witness pair of each relation that occurs.
-Branches of a parallel are in parallel with each other; everything else (``;``, loops, branches of an alternative) is in sequence.
-An instance brings the pairs inside it along, so that the relations of a net are those of its leaves.
+Branches of a parallel are in parallel with each other; everything else (``;``, loops, branches of an alternative) is in
+sequence. An instance brings the pairs inside it along, so that the relations of a net are those of its leaves.
 """
 
 from __future__ import annotations
@@ -93,7 +93,9 @@ class Uses:
         self.writer = writer
         self.reader = reader
         self.looker = looker
-        """An expression of the process itself with the label of an arrow: no communication, it decides nothing about the kind."""
+        """An expression of the process itself with the label of an arrow: no communication, it decides nothing about
+        the kind.
+        """
         self.parallel_look: Pair | None = None
         """A writer and such an expression in parallel."""
         self.parallel: Pair | None = None

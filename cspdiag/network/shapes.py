@@ -23,7 +23,9 @@ Key: TypeAlias = str
 """A port element (``request[3]``) or a channel of a shape, by its name; both live in one space of names."""
 
 UNKNOWN_PERIOD = 0
-"""The period of a port or net that has one which is not known: it was refused, or depends on a parameter without a value."""
+"""The period of a port or net that has one which is not known: it was refused, or depends on a parameter without a
+value.
+"""
 
 PortElement: TypeAlias = "tuple[str, int | None]"
 

@@ -1,11 +1,13 @@
 """Drops the books that fairness and priority keep, where they cannot make a difference.
 
-A fair alternative (``[]``) chooses among the guards that are ready the first after the one that it chose last, and before it has chosen any, the first in
-text order. One that chooses at most once, or has one branch, is served as well by taking the first (``[]>``), and needs no memory.
+A fair alternative (``[]``) chooses among the guards that are ready the first after the one that it chose last, and
+before it has chosen any, the first in text order. One that chooses at most once, or has one branch, is served as well
+by taking the first (``[]>``), and needs no memory.
 
-A prioritized parallel (``||>``) differs from a plain one only where processes of different priority are ready together. Branches enter the
-ready queue in text order, which is the order of their priorities. If at most one of them can ever wait, and nothing else runs beside the parallel, the
-others run once, in that order, and then there is nobody left to have a higher priority than.
+A prioritized parallel (``||>``) differs from a plain one only where processes of different priority are ready together.
+Branches enter the ready queue in text order, which is the order of their priorities. If at most one of them can ever
+wait, and nothing else runs beside the parallel, the others run once, in that order, and then there is nobody left to
+have a higher priority than.
 """
 
 from __future__ import annotations

@@ -82,7 +82,9 @@ def _branch(branch: Branch, change: Callable[[Action], Action]) -> Branch:
 
 
 def rebuilt(action: Action, change: Callable[[Action], Action]) -> Action:
-    """The action with every action in it changed, those inside first; sequences that come to stand in sequences are opened."""
+    """The action with every action in it changed, those inside first; sequences that come to stand in sequences are
+    opened.
+    """
     inside = with_inner_actions(action, lambda inner: rebuilt(inner, change))
     if inside is not action and isinstance(inside, SequentialSteps):
         inside = in_sequence(inside.steps, inside)
@@ -103,7 +105,9 @@ def in_sequence(steps: Iterable[Action], like: Action) -> Action:
 
 
 def with_parts(item: T, change: Callable[[object], object | None]) -> T:
-    """A record, or a tuple of them, with the parts replaced for which ``change`` gives something; those are not looked into."""
+    """A record, or a tuple of them, with the parts replaced for which ``change`` gives something; those are not looked
+    into.
+    """
 
     def inner(part: object) -> object:
         if isinstance(part, tuple):

@@ -1,6 +1,8 @@
-"""Constants at the places where they are used: parameters that all instances of a class agree on, variables that nobody writes, and what follows.
+"""Constants at the places where they are used: parameters that all instances of a class agree on, variables that nobody
+writes, and what follows.
 
-Only process classes are looked into; the names of the parameters of bodies in other languages, and of control laws, are theirs.
+Only process classes are looked into; the names of the parameters of bodies in other languages, and of control laws, are
+theirs.
 """
 
 from __future__ import annotations
@@ -53,7 +55,9 @@ Outputs: TypeAlias = "Mapping[str, set[str]]"
 
 
 def fold_constants(network: Network) -> Network:
-    """The network with constants in place of what is constant, parameters that have become needless removed, and decided conditions gone."""
+    """The network with constants in place of what is constant, parameters that have become needless removed, and
+    decided conditions gone.
+    """
     classes = {entry.name: entry for entry in network.classes}
     given: dict[str, Literals | None] = {network.top: _arguments_of_top(network)}
     outputs = {name: {port.name for port in entry.ports if port.direction == "out"} for name, entry in classes.items()}
@@ -128,7 +132,8 @@ def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> Proce
 
 
 def _known_signals(entry: ProcessClass) -> dict[str, Known]:
-    """Constants of the class with a literal value, and signals of laws that are always one literal, or always another signal.
+    """Constants of the class with a literal value, and signals of laws that are always one literal, or always another
+    signal.
 
     A signal that is the present value of a state is not one of them: the state changes before the outputs are written.
     """
@@ -148,7 +153,9 @@ def _known_signals(entry: ProcessClass) -> dict[str, Known]:
 
 
 def _behind(value: Known, known: Mapping[str, Known]) -> Known:
-    """What a signal that stands for another one stands for in the end: the one between may be gone before it is looked at again."""
+    """What a signal that stands for another one stands for in the end: the one between may be gone before it is looked
+    at again.
+    """
     while isinstance(value, SignalValue) and value.name in known:
         value = known[value.name]
     return value
@@ -256,7 +263,8 @@ def _opens(step: Action) -> bool:
 def _choice(choice: Choice) -> Choice:
     """Without branches that can never be chosen.
 
-    One branch that stays keeps a condition: an alternative without one would be a plain reader or writer, which is served before alternatives.
+    One branch that stays keeps a condition: an alternative without one would be a plain reader or writer, which is
+    served before alternatives.
     """
     branches = [branch for branch in choice.branches if not is_literal(branch.condition, False)]
     if not branches:
@@ -270,7 +278,9 @@ def _choice(choice: Choice) -> Choice:
 
 
 def _broadcast_places(entry: ProcessClass) -> frozenset[str]:
-    """Ports and channels whose writer waits for every reading end, read or not; a class that is not specialized may have any port connected so."""
+    """Ports and channels whose writer waits for every reading end, read or not; a class that is not specialized may
+    have any port connected so.
+    """
     ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
     return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
 

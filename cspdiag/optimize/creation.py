@@ -1,4 +1,6 @@
-"""The order in which the parts of a process come to be: it decides who is served first where several wait for one event."""
+"""The order in which the parts of a process come to be: it decides who is served first where several wait for one
+event.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ def creation_order(
 ) -> tuple[End | CreatedInstance | CreatedChoice, ...]:
     """Reading ends of ports, then of channels, then instances in text order, then alternatives in text order.
 
-    Only ends that keep something for their reader count. Each stands where it is met first: in the composition, then at the inputs of the
-    instances of ``submodels``; the elements of an array of ports stand together.
+    Only ends that keep something for their reader count. Each stands where it is met first: in the composition, then at
+    the inputs of the instances of ``submodels``; the elements of an array of ports stand together.
     """
     ends = _reading_ends(entry, submodels)
     choices = [part.name for part in parts(entry.body) if isinstance(part, Choice)]

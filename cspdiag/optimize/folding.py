@@ -59,7 +59,8 @@ def folded_with(expression: Expression, variables: Mapping[str, LiteralValue]) -
 def folded(expression: Expression) -> Expression:
     """The expression, or what it always gives; its operands have been folded already.
 
-    An operation that would fault stays, and so does one whose bits depend on the machine. What is left out cannot fault.
+    An operation that would fault stays, and so does one whose bits depend on the machine. What is left out cannot
+    fault.
     """
     match expression:
         case LiteralValue():
@@ -99,7 +100,9 @@ def _logic(expression: BinaryOperation) -> Expression:
 
 
 def _without_neutral(expression: BinaryOperation) -> Expression:
-    """Without ``* 1``, ``/ 1``, ``- 0`` and, for whole numbers, ``+ 0``: exact for every value, also for signed zeros and NaN."""
+    """Without ``* 1``, ``/ 1``, ``- 0`` and, for whole numbers, ``+ 0``: exact for every value, also for signed zeros
+    and NaN.
+    """
     if expression.type != expression.left.type:
         return expression
     match expression:

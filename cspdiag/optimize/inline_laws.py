@@ -1,4 +1,6 @@
-"""Control laws computed in the process that runs them: no call, no communication but with others, the states beside its variables."""
+"""Control laws computed in the process that runs them: no call, no communication but with others, the states beside its
+variables.
+"""
 
 from __future__ import annotations
 
@@ -47,10 +49,11 @@ _AT_ONCE = frozenset({"var", "constant"})
 
 
 def inline_laws(network: Network) -> Network:
-    """The network with every submodel but those written by hand, or with a part in C, computed by the process around it.
+    """The network with every submodel but those written by hand, or with a part in C, computed by the process around
+    it.
 
-    A run becomes ``ReadInputs``, ``RunLaw`` and ``WriteOutputs``. Reads and writes are points of cancellation also where none is left; such empty ones
-    stay in programs in which a process can see that another was cancelled.
+    A run becomes ``ReadInputs``, ``RunLaw`` and ``WriteOutputs``. Reads and writes are points of cancellation also
+    where none is left; such empty ones stay in programs in which a process can see that another was cancelled.
     """
     laws = {
         entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not _is_by_hand(entry)

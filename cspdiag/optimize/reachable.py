@@ -9,7 +9,9 @@ from cspdiag.optimize.changes import changed
 
 
 def reachable(network: Network) -> Network:
-    """The network with only the classes that have instances, and only the instances that there are, with the classes that they have now."""
+    """The network with only the classes that have instances, and only the instances that there are, with the classes
+    that they have now.
+    """
     by_name = {entry.name: entry for entry in network.classes}
     used = {network.top}
     for entry in reversed(network.classes):

@@ -1,7 +1,8 @@
-"""Makes a class for every way in which its ports are connected, and writes down what targets would otherwise have to find out.
+"""Makes a class for every way in which its ports are connected, and writes down what targets would otherwise have to
+find out.
 
-After it each port says what it is connected to, each channel whether it is guarded, each alternative has a name, and each class the order in which its
-parts come to be.
+After it each port says what it is connected to, each channel whether it is guarded, each alternative has a name, and
+each class the order in which its parts come to be.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ Media: TypeAlias = "tuple[tuple[Medium, ...], ...]"
 
 
 def specialize(network: Network) -> Network:
-    """The network with the media of all ports known; classes that are connected in different ways are cloned (``Cell``, ``Cell2``)."""
+    """The network with the media of all ports known; classes that are connected in different ways are cloned (``Cell``,
+    ``Cell2``).
+    """
     classes = tuple(entry if isinstance(entry, SubmodelClass) else _prepared(entry) for entry in network.classes)
     return _Specialization(replaced(network, classes=classes)).result()
 

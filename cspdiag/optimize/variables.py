@@ -10,7 +10,9 @@ from cspdiag.optimize.changes import changed, mapped, rebuilt
 
 
 def variables(network: Network) -> Network:
-    """The network without reads and writes of ``var`` channels by the process that owns them; guards and control laws keep theirs."""
+    """The network without reads and writes of ``var`` channels by the process that owns them; guards and control laws
+    keep theirs.
+    """
     return changed(network, classes=mapped(network.classes, _in_class))
 
 

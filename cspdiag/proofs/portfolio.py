@@ -1,7 +1,8 @@
 """The methods of proof in their order, the cheapest first: the first that knows answers.
 
-Tier 0 are the design rules, tier 1 SAT, tier 2 SAT with invariants; they prove without search, and what they cannot exclude guides a search to a trace. Then come the
-searches: stubborn sets, compositional minimization, and breadth-first over all states.
+Tier 0 are the design rules, tier 1 SAT, tier 2 SAT with invariants; they prove without search, and what they cannot
+exclude guides a search to a trace. Then come the searches: stubborn sets, compositional minimization, and breadth-first
+over all states.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ SMALL = 60
 """Systems with at most so many components may have their traces shortened by search."""
 
 BRIEF_SECONDS = 0.3
-"""Time of the processor for a search before the solver for invariants is started, which takes longer than that by itself."""
+"""Time of the processor for a search before the solver for invariants is started, which takes longer than that by
+itself.
+"""
 
 STATES_OF_EXAMINATION = 1000
 """So many states are looked at from a candidate that invariants may still exclude."""
@@ -39,14 +42,18 @@ Engine: TypeAlias = Callable[[Question, Limits], Verdict]
 def prove_deadlock_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
-    """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves work where it is known."""
+    """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves
+    work where it is known.
+    """
     return _prove(Question(system, together=True, known=structure or Structure(system, limits)), limits, methods)
 
 
 def prove_knot_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
-    """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them; ``structure`` as for deadlock."""
+    """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them;
+    ``structure`` as for deadlock.
+    """
     return _prove(Question(system, together=False, known=structure or Structure(system, limits)), limits, methods)
 
 

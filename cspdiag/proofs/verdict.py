@@ -33,8 +33,8 @@ class Proved:
 class Refuted:
     """The property fails: ``trace`` leads from the initial state to where it does, the shortest found.
 
-    ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats for ever after the trace.
-    For refinement ``reason`` says what the process did too much or refused.
+    ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats for ever
+    after the trace. For refinement ``reason`` says what the process did too much or refused.
     """
 
     method: Method
@@ -47,7 +47,9 @@ class Refuted:
 
 @record
 class Unknown:
-    """Neither. ``candidate`` is a state of every component that could not be excluded, with the components suspected to be stuck."""
+    """Neither. ``candidate`` is a state of every component that could not be excluded, with the components suspected to
+    be stuck.
+    """
 
     method: Method
     reason: str
@@ -67,12 +69,16 @@ class LimitError(BaseException):
 
 @dataclass
 class Limits:
-    """Time (seconds from now) and memory (bytes of the state store) that a method may use; it asks ``check`` now and then."""
+    """Time (seconds from now) and memory (bytes of the state store) that a method may use; it asks ``check`` now and
+    then.
+    """
 
     seconds: float = 60.0
     memory: int = 2_000_000_000
     clock: Callable[[], float] = lambda: time.monotonic()
-    """What tells the time: that of the processor (``time.process_time``) where an answer must not depend on what else the machine does."""
+    """What tells the time: that of the processor (``time.process_time``) where an answer must not depend on what else
+    the machine does.
+    """
     started: float = field(init=False)
 
     def __post_init__(self) -> None:

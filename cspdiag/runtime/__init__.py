@@ -1,7 +1,7 @@
 """A runtime for communicating sequential processes.
 
-Processes communicate over channels by rendezvous, choose between communications with alternatives, and run in sequence, in parallel and
-in prioritized parallel, in virtual or in real time. Needs nothing but the standard library.
+Processes communicate over channels by rendezvous, choose between communications with alternatives, and run in sequence,
+in parallel and in prioritized parallel, in virtual or in real time. Needs nothing but the standard library.
 """
 
 from __future__ import annotations

@@ -44,7 +44,8 @@ class _RefusedError(Exception):
 def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None = None) -> int:
     """Run a network in one of its environments and print how that went; the exit code.
 
-    ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs are released however it ends.
+    ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs
+    are released however it ends.
     """
     _occupy_standard_streams()
     keep()
@@ -106,7 +107,9 @@ def _say_line(text: str) -> None:
 
 
 def _occupy_standard_streams() -> None:
-    """Where the process was started with a closed one, the next file that is opened would get its number: a device, of which what is printed is no part."""
+    """Where the process was started with a closed one, the next file that is opened would get its number: a device, of
+    which what is printed is no part.
+    """
     for number in range(3):
         try:
             os.fstat(number)
@@ -115,7 +118,9 @@ def _occupy_standard_streams() -> None:
 
 
 def _tell(text: str, code: int, what: str = "account of the run") -> int:
-    """Prints what there is to say. Where that cannot be written, the code says so, unless it says more important things already."""
+    """Prints what there is to say. Where that cannot be written, the code says so, unless it says more important things
+    already.
+    """
     try:
         print(text, file=standard_output(), flush=True)
     except BrokenPipeError:

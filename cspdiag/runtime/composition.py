@@ -1,7 +1,8 @@
 """Composition: parallel, prioritized parallel, groups, delays.
 
-Invariants of a parallel: its branches enter the ready queue in text order; the parent is readied when the last branch has ended, and not
-before, whatever happened; the first exception of a branch cancels the other branches and is what the parallel raises.
+Invariants of a parallel: its branches enter the ready queue in text order; the parent is readied when the last branch
+has ended, and not before, whatever happened; the first exception of a branch cancels the other branches and is what the
+parallel raises.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ from .process import Process
 T = TypeVar("T")
 
 Body: TypeAlias = "Awaitable[object] | Branch | Callable[[], Awaitable[object]]"
-"""What can run beside others; a method that makes a coroutine is called where that begins, so that none is left behind if something fails before."""
+"""What can run beside others; a method that makes a coroutine is called where that begins, so that none is left behind
+if something fails before.
+"""
 
 
 class Branches:
@@ -99,8 +102,8 @@ class Branches:
 class Rounds(Branches):
     """A parallel of optimized code that is run again and again: its tasks are made once.
 
-    The code of each branch calls ``done`` where the branch ends, and begins anew when it is resumed. ``failed``: whether ``conclude`` is to be
-    called by the parent, once it goes on.
+    The code of each branch calls ``done`` where the branch ends, and begins anew when it is resumed. ``failed``:
+    whether ``conclude`` is to be called by the parent, once it goes on.
     """
 
     __slots__ = ("_bodies", "failed")
@@ -189,8 +192,8 @@ def as_coroutine(body: Awaitable[T]) -> Coroutine[Any, Any, T]:
 def parallel(*bodies: Body) -> Generator[None, None, None]:
     """Runs processes or coroutines at the same time; ends when all have ended.
 
-    If one raises an exception, the others are cancelled at their next communication, and it is raised here when they have
-    ended; exceptions of those are added to it as notes.
+    If one raises an exception, the others are cancelled at their next communication, and it is raised here when they
+    have ended; exceptions of those are added to it as notes.
     """
     task = _parent_of(bodies)
     branches = Branches(task)
@@ -202,8 +205,8 @@ def parallel(*bodies: Body) -> Generator[None, None, None]:
 def prioritized_parallel(*bodies: Body) -> Generator[None, None, None]:
     """As ``parallel``; each branch has a higher priority than those after it.
 
-    The first keeps the priority of the parent. A branch of rank r comes after all branches of lower rank, and their inner branches, and
-    before those of higher rank.
+    The first keeps the priority of the parent. A branch of rank r comes after all branches of lower rank, and their
+    inner branches, and before those of higher rank.
     """
     task = _parent_of(bodies)
     branches = Branches(task)

@@ -1,7 +1,8 @@
 """The report of a deadlock: who waits for whom.
 
-Channels do not know their users. When nothing goes on any more, they are found where they are written down: in the local variables of the coroutines
-that wait, and in the attributes of their processes. A waiting process is the partner of another if it can still come to use the channel at which that waits.
+Channels do not know their users. When nothing goes on any more, they are found where they are written down: in the
+local variables of the coroutines that wait, and in the attributes of their processes. A waiting process is the partner
+of another if it can still come to use the channel at which that waits.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ from .process import Process
 class WaitingProcess:
     """A process that can never go on.
 
-    ``path`` and ``source`` are those of the process (file and line of its definition), ``place`` is the file and line at which it waits, ``waits``
-    says for what, ``channels`` are the channels' names, ``partners`` the paths of the processes that could still come there.
+    ``path`` and ``source`` are those of the process (file and line of its definition), ``place`` is the file and line
+    at which it waits, ``waits`` says for what, ``channels`` are the channels' names, ``partners`` the paths of the
+    processes that could still come there.
     """
 
     path: str
@@ -45,7 +47,8 @@ class WaitingProcess:
 
 @dataclass(frozen=True)
 class DeadlockReport:
-    """All processes that wait, and those among them that wait for each other, each for the next and the last for the first.
+    """All processes that wait, and those among them that wait for each other, each for the next and the last for the
+    first.
 
     ``cycle`` is empty when no such ring was found: then somebody waits for what nobody does any more.
     """
@@ -178,7 +181,9 @@ def _source(task: Task) -> str | None:
 
 
 def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None) -> set[int]:
-    """Identities of the channels that the task can reach from where it waits; ``names_in`` tells which names of a function count, otherwise all do."""
+    """Identities of the channels that the task can reach from where it waits; ``names_in`` tells which names of a
+    function count, otherwise all do.
+    """
     found: set[int] = set()
     for frame in frames_of(task):
         names = names_in_code(frame.f_code) if names_in is None else names_in(task, frame)
@@ -192,7 +197,9 @@ def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]]
 
 
 def _with_callees(names: set[str], frame: FrameType) -> set[str]:
-    """The names, and those in the functions of the program that they name, and so on: parts of a process have methods of their own."""
+    """The names, and those in the functions of the program that they name, and so on: parts of a process have methods
+    of their own.
+    """
     kinds = {type(value) for value in frame.f_locals.values() if isinstance(value, Process)}
     found = set(names)
     pending = list(names)

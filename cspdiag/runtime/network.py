@@ -54,8 +54,9 @@ class Network:
     ) -> Outcome:
         """Runs the program to its end, or to ``until`` (an instant in nanoseconds).
 
-        In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the program raises and
-        signals (``stopping``) are part of the outcome. One network runs at a time: RuntimeError if another does.
+        In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the
+        program raises and signals (``stopping``) are part of the outcome. One network runs at a time: RuntimeError if
+        another does.
         """
         if scheduler.running:
             raise RuntimeError("a network is running already; one runs at a time")
@@ -180,7 +181,9 @@ class _Run:
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
 
-        What passes while instants are met has to wait for the next turn: processes run in between, however slow drivers are. All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten.
+        What passes while instants are met has to wait for the next turn: processes run in between, however slow drivers
+        are. All instants that have passed are met before the next steps of processes, so that who computes too long
+        finds its samples overwritten.
         """
         run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
         watch = self._devices.watch

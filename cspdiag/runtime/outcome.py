@@ -48,8 +48,8 @@ class Jitter:
 class Outcome:
     """How a run ended.
 
-    ``time`` is the instant in nanoseconds, ``wall_time`` the seconds it took. ``missed`` counts for every sampled input the samples that
-    were overwritten untaken, ``jitter`` has the lateness of the ticks of each period (real time only).
+    ``time`` is the instant in nanoseconds, ``wall_time`` the seconds it took. ``missed`` counts for every sampled input
+    the samples that were overwritten untaken, ``jitter`` has the lateness of the ticks of each period (real time only).
     """
 
     ended: Ending
@@ -68,7 +68,9 @@ class Outcome:
 
     @property
     def exit_code(self) -> int:
-        """For a command that consists of the run: 0, 128 and the signal that stopped it, or 1: above all where an output was not released."""
+        """For a command that consists of the run: 0, 128 and the signal that stopped it, or 1: above all where an
+        output was not released.
+        """
         if self.release_errors:
             return 1
         match self.ended:

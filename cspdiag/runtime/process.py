@@ -19,8 +19,8 @@ E = TypeVar("E", bound="In[Any]")
 class Process(Executed):
     """A process: ports, parts of its own, and a ``run`` that is its composition.
 
-    ``await process`` runs it; it may be run again, never twice at the same time. ``name`` is its path from the outermost process,
-    ``source`` the file and line where it was defined, ``enclosing`` the process that runs it.
+    ``await process`` runs it; it may be run again, never twice at the same time. ``name`` is its path from the
+    outermost process, ``source`` the file and line where it was defined, ``enclosing`` the process that runs it.
     """
 
     def __init__(self, name: str, *, source: str | None = None) -> None:
@@ -89,7 +89,8 @@ class Process(Executed):
 class Submodel(Process):
     """A control law: one run reads all inputs at once, computes one sample, and writes all outputs at once.
 
-    Subclasses have a ``calculate`` from inputs to outputs, and a ``run`` that is ``read_all``, ``calculate``, ``write_all``.
+    Subclasses have a ``calculate`` from inputs to outputs, and a ``run`` that is ``read_all``, ``calculate``,
+    ``write_all``.
     """
 
     is_law = True

@@ -1,8 +1,8 @@
 """What processes communicate through: the channels of all kinds.
 
 An offer is the wish of one process to read or to write once. It is either plain (a reader or writer), or the guard of
-an alternative. The party that arrives second makes the communication; a plain party never decides for an alternative, which is only
-woken by it.
+an alternative. The party that arrives second makes the communication; a plain party never decides for an alternative,
+which is only woken by it.
 """
 
 from __future__ import annotations

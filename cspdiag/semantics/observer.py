@@ -11,7 +11,8 @@ class Observer(Protocol):
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port.
 
-        ``writer`` and ``reader`` are the paths of the processes, empty for the environment and for what is between them.
+        ``writer`` and ``reader`` are the paths of the processes, empty for the environment and for what is between
+        them.
         """
 
     def sampled(self, time: int, port: str, value: object) -> None:

@@ -36,12 +36,15 @@ class RunError(CspdiagError):
 class Run(RunData):
     """A run of a program: why it ended, what was communicated and when, which process ran when.
 
-    ``signals`` has the external ports under their names and the internal channels under their hierarchical names (``Jiwy.horizontal.status``).
-    ``run["control_horizontal"]`` is an array of values, ``run.time("control_horizontal")`` the array of their instants in seconds.
+    ``signals`` has the external ports under their names and the internal channels under their hierarchical names
+    (``Jiwy.horizontal.status``). ``run["control_horizontal"]`` is an array of values,
+    ``run.time("control_horizontal")`` the array of their instants in seconds.
     """
 
     def unread(self, name: str) -> Sequence[bool]:
-        """Whether nobody read a sample of a sampled input before the next one came, for each of them; UnknownSignalError for no signal."""
+        """Whether nobody read a sample of a sampled input before the next one came, for each of them;
+        UnknownSignalError for no signal.
+        """
         self._signal(name)
         return super().unread(name)
 
@@ -97,10 +100,12 @@ class Run(RunData):
             write_whole(Path(path), csv_text(self).encode())
 
     def to_dataframe(self, signals: Iterable[str] | None = None) -> pandas.DataFrame:
-        """A table of signals, by default of the external ports, indexed by the time in seconds: a row for each instant at which one had a new value.
+        """A table of signals, by default of the external ports, indexed by the time in seconds: a row for each instant
+        at which one had a new value.
 
-        Values are held between, and missing (NaN, NA) before the first. Arrays and structs have a column for each number (``gyro[0]``, ``pose.x``), enums are
-        categories. ``attrs`` has ``units`` and ``periods`` (in seconds, of sampled ports) by column, ``process``, ``environment`` and how it ``ended``.
+        Values are held between, and missing (NaN, NA) before the first. Arrays and structs have a column for each
+        number (``gyro[0]``, ``pose.x``), enums are categories. ``attrs`` has ``units`` and ``periods`` (in seconds, of
+        sampled ports) by column, ``process``, ``environment`` and how it ``ended``.
 
         Raises UnknownSignalError, and MissingPackageError with the command to install pandas if it is missing.
         """
@@ -109,9 +114,11 @@ class Run(RunData):
         return to_dataframe(self, self._names(signals))
 
     def to_xarray(self, signals: Iterable[str] | None = None) -> xarray.Dataset:
-        """The same as ``to_dataframe`` as a data set over ``time``: variables have ``units``, ``period`` (in seconds, if sampled) and ``type`` as attributes.
+        """The same as ``to_dataframe`` as a data set over ``time``: variables have ``units``, ``period`` (in seconds,
+        if sampled) and ``type`` as attributes.
 
-        Arrays of numbers are one variable, with an axis of its own; enums are numbers, which ``flag_meanings`` explains.
+        Arrays of numbers are one variable, with an axis of its own; enums are numbers, which ``flag_meanings``
+        explains.
 
         Raises UnknownSignalError, and MissingPackageError with the command to install xarray if it is missing.
         """
@@ -146,8 +153,9 @@ class Run(RunData):
     def plot(self, path: str | Path | None = None) -> Figure:
         """One figure of set-points, measurements, outputs and modes over time; written to ``path`` if given.
 
-        Raises MissingPackageError, an ImportError, with the command to install matplotlib if it is missing, ArgumentError for a name of a file that
-        ends otherwise than in .svg, .png or .pdf, and FileError where it cannot be written.
+        Raises MissingPackageError, an ImportError, with the command to install matplotlib if it is missing,
+        ArgumentError for a name of a file that ends otherwise than in .svg, .png or .pdf, and FileError where it cannot
+        be written.
         """
         from cspdiag.simulate.record.plot.figure import plot
 

@@ -1,7 +1,7 @@
 """Text to syntax tree.
 
-An LALR(1) automaton over the tables that Lark made of the grammar. It is a loop over explicit stacks, so the depth of a text
-is no concern of Python's; the tree it makes is at most ``DEEPEST`` levels deep, so that later passes may recurse.
+An LALR(1) automaton over the tables that Lark made of the grammar. It is a loop over explicit stacks, so the depth of a
+text is no concern of Python's; the tree it makes is at most ``DEEPEST`` levels deep, so that later passes may recurse.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def parse(source: SourceFile, report: Report) -> ast.SourceTree:
 class Parser:
     """One run over one file.
 
-    The stacks grow together, ``states`` being one longer: ``values`` has what was built, ``starts`` the offset at which it
-    begins, ``depths`` its levels.
+    The stacks grow together, ``states`` being one longer: ``values`` has what was built, ``starts`` the offset at which
+    it begins, ``depths`` its levels.
     """
 
     def __init__(self, source: SourceFile, report: Report) -> None:

@@ -53,8 +53,9 @@ def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
 class Verifier:
     """Answers what was asked of a program, with counterexamples that its code was stepped through.
 
-    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. ``enforced`` ends
-    an answer that does not come by itself when its time is up: proof, replay and suggestions.
+    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``,
+    SPIN looks for deadlocks. ``enforced`` ends an answer that does not come by itself when its time is up: proof,
+    replay and suggestions.
     """
 
     def __init__(
@@ -79,8 +80,8 @@ class Verifier:
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions.
 
-        Raises VerificationError where a process has too many states of its own, where SPIN is missing, or where the code cannot be run through a
-        counterexample; OSError for a file of the program that cannot be read.
+        Raises VerificationError where a process has too many states of its own, where SPIN is missing, or where the
+        code cannot be run through a counterexample; OSError for a file of the program that cannot be read.
         """
         began = time.monotonic()
         try:
@@ -110,7 +111,9 @@ class Verifier:
         return self._advised(confirmed, limits)
 
     def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
-        """The answer with another counterexample, which the program follows, where it does not follow the one that was found."""
+        """The answer with another counterexample, which the program follows, where it does not follow the one that was
+        found.
+        """
         from cspdiag.verify.other_counterexamples import MOST, narrower, of_the_whole
 
         for narrowing in islice(narrower(found), MOST):
@@ -200,7 +203,9 @@ class Verifier:
         return replaced(answer, replayed=True, counterexample=found)
 
     def _advised(self, answer: Answer, limits: Limits) -> Answer:
-        """A refutation with changes of the text after which the property was proved, as far as the time suffices to look for them."""
+        """A refutation with changes of the text after which the property was proved, as far as the time suffices to
+        look for them.
+        """
         if answer.outcome != "refuted" or answer.counterexample is None:
             return answer
         from cspdiag.verify.suggest import Deadlock, helpful

@@ -27,7 +27,9 @@ class Decisions:
         return self._taken[self.made - 1]
 
     def advance(self, cut: int | None = None) -> bool:
-        """Change the last decision that can be changed, of the first ``cut`` where that is given; False if all were tried."""
+        """Change the last decision that can be changed, of the first ``cut`` where that is given; False if all were
+        tried.
+        """
         end = self.made if cut is None else min(cut, self.made)
         del self._taken[end:], self._options[end:]
         while self._taken and self._taken[-1] + 1 >= self._options[-1]:

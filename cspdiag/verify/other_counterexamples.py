@@ -1,7 +1,7 @@
 """Where else to look when the program does not follow a counterexample: in a part of what the proof believes it to do.
 
-Proofs leave times and priorities out, so that a sample may be missed although nobody computes, and a delay may end too soon. What is most often
-in the way so is left out first.
+Proofs leave times and priorities out, so that a sample may be missed although nobody computes, and a delay may end too
+soon. What is most often in the way so is left out first.
 """
 
 from __future__ import annotations

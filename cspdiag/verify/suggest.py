@@ -27,7 +27,9 @@ MOST_TRIED = 24
 SECONDS = 3.0
 """All changes together may be tried so long, and as long again on a program that is not small."""
 SMALL = 8
-"""In a program with more instances changes are first tried with a smaller constant, if it waits at the same places with that."""
+"""In a program with more instances changes are first tried with a smaller constant, if it waits at the same places with
+that.
+"""
 SMALLER = range(3, 9)
 """Values of constants that make a program small; a circle of two is no example for larger ones."""
 
@@ -43,7 +45,9 @@ class Deadlock:
 
 
 def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[Suggestion, ...]:
-    """Changes of the text after which the property was proved, the least first; what time there is ``within`` is not exceeded."""
+    """Changes of the text after which the property was proved, the least first; what time there is ``within`` is not
+    exceeded.
+    """
     network = deadlock.asked.network(deadlock.question.process)
     if network is None or not deadlock.found.waiting:
         return ()

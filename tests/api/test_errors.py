@@ -24,7 +24,9 @@ CAUGHT_INSIDE = {
     "NotStaticError", "NoResultError", "UsageError", "RaisedError", "CancelledError", "DeclaredError", "FaultError",
     "MissedSampleError", "FailureError",
 }  # fmt: skip
-"""What is always caught by who calls: UsageError by the command line, LimitError as no ``Exception``, the last six by the interpreter."""
+"""What is always caught by who calls: UsageError by the command line, LimitError as no ``Exception``, the last six by
+the interpreter.
+"""
 
 
 def exceptions_of_the_library() -> dict[str, type[BaseException]]:

@@ -1,7 +1,7 @@
 """The kernel on an emulated microcontroller: words of 32 bits, nothing below it.
 
-A generated program with its simulated plant runs against the clock of the emulation, and its trace is that of the reference. The emulator
-counts instructions for its clock, so that the run does not depend on the machine of the test.
+A generated program with its simulated plant runs against the clock of the emulation, and its trace is that of the
+reference. The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""A generated program with own devices on an emulated board: events from a real interrupt, faults of the processor, no heap.
+"""A generated program with own devices on an emulated board: events from a real interrupt, faults of the processor, no
+heap.
 
 The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
 """

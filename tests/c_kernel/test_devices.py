@@ -1,4 +1,5 @@
-"""A generated program with own devices, against the clock of a POSIX system: events, slow devices, and every way out of a run.
+"""A generated program with own devices, against the clock of a POSIX system: events, slow devices, and every way out of
+a run.
 
 Nothing here depends on how fast the machine is.
 """

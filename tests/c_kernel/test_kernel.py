@@ -1,6 +1,8 @@
-"""The kernel of the C target: scenarios, each a C program of processes that are lists of steps, and the trace that it must give.
+"""The kernel of the C target: scenarios, each a C program of processes that are lists of steps, and the trace that it
+must give.
 
-They are compiled with the strict flags of the generated packages by the compilers that there are, with sanitizers, and run under valgrind.
+They are compiled with the strict flags of the generated packages by the compilers that there are, with sanitizers, and
+run under valgrind.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Names of files with line ends and escape sequences: people see pictures of these on the line where the name stands, machines get the name."""
+"""Names of files with line ends and escape sequences: people see pictures of these on the line where the name stands,
+machines get the name.
+"""
 
 from __future__ import annotations
 

@@ -44,7 +44,9 @@ FILE_NAMES = [
 
 
 def program(text: str, string: str = "plain") -> str:
-    """A program with a doc comment of ``text`` at everything that may have one, comments inside of what is copied, and strings in its arguments."""
+    """A program with a doc comment of ``text`` at everything that may have one, comments inside of what is copied, and
+    strings in its arguments.
+    """
     doc = "\n".join(f"/// {line}" for line in text.split("\n"))
     inside = "" if "*/" in text else f" /* {text} */"
     return _PROGRAM.replace("///", doc).replace("/*inside*/", inside).replace("a string", string.replace('"', "'"))

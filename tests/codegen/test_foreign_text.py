@@ -1,4 +1,6 @@
-"""Text from outside — doc comments, strings, lines of the program, names of files — is text in everything that is generated, and nothing else."""
+"""Text from outside — doc comments, strings, lines of the program, names of files — is text in everything that is
+generated, and nothing else.
+"""
 
 from __future__ import annotations
 

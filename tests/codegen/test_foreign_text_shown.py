@@ -1,4 +1,6 @@
-"""Text from outside in everything that is shown: pictures, pages, diagnostics, recordings and traces, and what commands say."""
+"""Text from outside in everything that is shown: pictures, pages, diagnostics, recordings and traces, and what commands
+say.
+"""
 
 from __future__ import annotations
 

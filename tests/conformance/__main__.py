@@ -1,4 +1,6 @@
-"""``python -m tests.conformance TARGET [FOLDER]``: certifies a target and prints a table; ends with 1 where anything differs."""
+"""``python -m tests.conformance TARGET [FOLDER]``: certifies a target and prints a table; ends with 1 where anything
+differs.
+"""
 
 from __future__ import annotations
 

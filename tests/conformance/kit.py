@@ -18,8 +18,10 @@ from tests.conformance.targets import REFERENCE, RefusedError, Target
 from tests.conformance.traces import compare, shown
 
 LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "^"})
-"""The functions that the C standard leaves to the library's accuracy. A target that brings another library than this machine's may be one unit in
-the last place off in programs that use them; everything else (``+ - * /``, ``sqrt``, ``fmod``, rounding) is exact everywhere."""
+"""The functions that the C standard leaves to the library's accuracy. A target that brings another library than this
+machine's may be one unit in the last place off in programs that use them; everything else (``+ - * /``, ``sqrt``,
+``fmod``, rounding) is exact everywhere.
+"""
 
 Result = Literal["equal", "differs", "crashed", "refused", "invalid"]
 """``crashed``: the implementation failed, not the program; ``invalid``: it is no correct program."""

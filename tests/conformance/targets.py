@@ -38,7 +38,9 @@ class Target(Protocol):
 
     @property
     def other_library(self) -> bool:
-        """Whether its mathematical functions are not those of this machine's C library, so that results may differ by one unit in the last place."""
+        """Whether its mathematical functions are not those of this machine's C library, so that results may differ by
+        one unit in the last place.
+        """
         ...
 
     @property
@@ -51,7 +53,9 @@ class Target(Protocol):
         ...
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
-        """What it does with a program, in an environment, up to ``until`` nanoseconds; RefusedError where it takes no such program."""
+        """What it does with a program, in an environment, up to ``until`` nanoseconds; RefusedError where it takes no
+        such program.
+        """
         ...
 
     def waits(
@@ -65,7 +69,8 @@ class Target(Protocol):
 class GeneratedPython:
     """The Python that ``cspdiag compile`` makes, imported and run.
 
-    ``observed`` code keeps processes apart that would be fused; code that is not ``traced`` tells of external ports alone.
+    ``observed`` code keeps processes apart that would be fused; code that is not ``traced`` tells of external ports
+    alone.
     """
 
     level: int
@@ -178,7 +183,8 @@ READABLE = GeneratedPython(0)
 class Meaning:
     """What the language says.
 
-    Of bodies in other languages it says nothing, nor in which words a failure is reported: both are asked of the readable code.
+    Of bodies in other languages it says nothing, nor in which words a failure is reported: both are asked of the
+    readable code.
     """
 
     name: str = "reference"

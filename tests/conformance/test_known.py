@@ -1,4 +1,6 @@
-"""The generator of programs that compute with what is known before they run, and a few of its programs on the targets in Python."""
+"""The generator of programs that compute with what is known before they run, and a few of its programs on the targets
+in Python.
+"""
 
 from __future__ import annotations
 

@@ -12,7 +12,9 @@ from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
 from tests.conformance.targets import TARGETS, Target
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30"))
-"""How many random programs each target is compared on, rounded down to whole starts; this, and all of ``tests.conformance``, is meant to take three minutes on two cores."""
+"""How many random programs each target is compared on, rounded down to whole starts; this, and all of
+``tests.conformance``, is meant to take three minutes on two cores.
+"""
 
 
 @pytest.fixture(params=TARGETS.values(), ids=TARGETS)

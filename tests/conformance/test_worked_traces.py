@@ -1,4 +1,5 @@
-"""Programs whose traces were worked out from the language reference: they end in lines ``//> 1 ms Top.channel value`` and ``//> terminated at 1 ms``.
+"""Programs whose traces were worked out from the language reference: they end in lines ``//> 1 ms Top.channel value``
+and ``//> terminated at 1 ms``.
 
 That all other targets do the same as the reference is the matter of ``test_targets``.
 """

@@ -57,7 +57,9 @@ def plain(value: Any) -> object:
 
 
 def units_apart(left: float, right: float) -> int:
-    """How many doubles lie from one to the other: the distance in units in the last place; zeros of both signs are the same."""
+    """How many doubles lie from one to the other: the distance in units in the last place; zeros of both signs are the
+    same.
+    """
     if math.isnan(left) or math.isnan(right):
         return 0 if math.isnan(left) and math.isnan(right) else 2**64
     return abs(_rank(left) - _rank(right))
@@ -85,8 +87,8 @@ def compare(
 ) -> Difference | None:
     """The earliest difference of two traces; None when they are equal.
 
-    Each channel has to have the same times and values (doubles within ``units`` in the last place), and the ``external`` ports have
-    to have them in the same order.
+    Each channel has to have the same times and values (doubles within ``units`` in the last place), and the
+    ``external`` ports have to have them in the same order.
     """
     first, second = list(left), list(right)
     differences = []

@@ -1,6 +1,7 @@
 """The pages for engineers who carry the project on name what exists: links, sections, files, functions and tests.
 
-A place is written `path` or `path::name` in backticks, from the top of the repository; a name may be dotted (`Task.cancel`).
+A place is written `path` or `path::name` in backticks, from the top of the repository; a name may be dotted
+(`Task.cancel`).
 """
 
 from __future__ import annotations

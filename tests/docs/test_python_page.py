@@ -1,4 +1,6 @@
-"""The page about the use from Python: it has every public name, its examples run, and a strict type checker accepts them."""
+"""The page about the use from Python: it has every public name, its examples run, and a strict type checker accepts
+them.
+"""
 
 from __future__ import annotations
 

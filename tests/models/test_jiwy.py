@@ -21,7 +21,9 @@ REACH = 1.25
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint, its end stops in rad as the encoder counts them from where it was switched on, and what its friction allows."""
+    """A joint, its end stops in rad as the encoder counts them from where it was switched on, and what its friction
+    allows.
+    """
 
     name: str
     left: float

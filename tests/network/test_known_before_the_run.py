@@ -1,4 +1,6 @@
-"""What a program begins with is computed before it runs: a value that is none is an error of the program, and no fault of the run."""
+"""What a program begins with is computed before it runs: a value that is none is an error of the program, and no fault
+of the run.
+"""
 
 from __future__ import annotations
 

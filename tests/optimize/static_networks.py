@@ -1,7 +1,9 @@
-"""Random networks of processes that communicate in a known order, as text: several rates, all kinds of channels, control laws, exits.
+"""Random networks of processes that communicate in a known order, as text: several rates, all kinds of channels,
+control laws, exits.
 
-A choreography comes first: what happens at each tick of a hyperperiod, in an order in which it can happen. Each process is then the sequence of what it takes
-part in, in a loop. Such a network cannot deadlock by a rendezvous in another order, but it may fault, and miss samples where it waits too long.
+A choreography comes first: what happens at each tick of a hyperperiod, in an order in which it can happen. Each process
+is then the sequence of what it takes part in, in a loop. Such a network cannot deadlock by a rendezvous in another
+order, but it may fault, and miss samples where it waits too long.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Laws that are computed in their process: what is left of their communication, also of laws with parts written by hand."""
+"""Laws that are computed in their process: what is left of their communication, also of laws with parts written by
+hand.
+"""
 
 from __future__ import annotations
 

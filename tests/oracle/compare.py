@@ -52,8 +52,8 @@ def contradiction(judgement: Judgement, answer: Answer) -> str:
 def judged(program: Program, printed: str, decide: Callable[[Program], Answer]) -> Outcome:
     """cspdiag is asked after the oracle has answered, and not at all where it has none.
 
-    A proof is made at once or not; so it has little time where only a proof would be wrong. What is refuted and holds with
-    few values at the inputs is asked again with more.
+    A proof is made at once or not; so it has little time where only a proof would be wrong. What is refuted and holds
+    with few values at the inputs is asked again with more.
     """
     outcome = Outcome(text=printed, program=program)
     answer = decide(program)

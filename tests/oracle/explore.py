@@ -123,7 +123,8 @@ def explore(
     """The states that can be reached, at most `limit` of them.
 
     `free`: any ready process of the highest priority may run, and any ready guard of `[]` be taken; otherwise as the
-    page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute for no time, for their longest or half of it. `general`: the environment offers what it will.
+    page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute for
+    no time, for their longest or half of it. `general`: the environment offers what it will.
     """
     linked = link(program)
     chooser = Chooser(free, wcet, general, fine)

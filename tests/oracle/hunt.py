@@ -2,7 +2,8 @@
 
     python -m tests.oracle.hunt --property deadlock --count 1000 --seed 0
 
-An answer is wrong if it is PROVED and a run of the program fails, or REFUTED and all runs were looked at and none fails.
+An answer is wrong if it is PROVED and a run of the program fails, or REFUTED and all runs were looked at and none
+fails.
 """
 
 from __future__ import annotations

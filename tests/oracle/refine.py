@@ -1,8 +1,9 @@
-"""Whether every sequence of communications at the ports of one program is one of another's, with exact values; and its failures.
+"""Whether every sequence of communications at the ports of one program is one of another's, with exact values; and its
+failures.
 
-The specification may run its parallel processes communication by communication, in any order; times count in either, but
-in the sequences they do not. What the environment offers comes from the domains of the ports, at any time. Ports that the
-specification does not have are hidden.
+The specification may run its parallel processes communication by communication, in any order; times count in either,
+but in the sequences they do not. What the environment offers comes from the domains of the ports, at any time. Ports
+that the specification does not have are hidden.
 """
 
 from __future__ import annotations

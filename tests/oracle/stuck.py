@@ -48,7 +48,8 @@ def stuck(linked: Linked, st: State, *, runs_on: bool = False) -> dict[Tid, Thre
 
     `runs_on`: one that waits for a partner which runs on, but never again comes to what is waited for, is in no knot.
 
-    Nothing is said of those that halt at `stop` and for which nobody waits but their parents. An exception that another process may raise is a way out; a missed sample and a fault are none.
+    Nothing is said of those that halt at `stop` and for which nobody waits but their parents. An exception that another
+    process may raise is a way out; a missed sample and a fault are none.
     """
     if st.ended is not None:
         return {}

@@ -1,4 +1,6 @@
-"""What comes from outside, refinement and guards of broadcasts in the oracle: answers worked out by hand from the pages."""
+"""What comes from outside, refinement and guards of broadcasts in the oracle: answers worked out by hand from the
+pages.
+"""
 
 import pytest
 

@@ -1,6 +1,8 @@
-"""``python -m tests.proofs.hunt --random 20000``: every proof method against the plain interpretation, on random systems.
+"""``python -m tests.proofs.hunt --random 20000``: every proof method against the plain interpretation, on random
+systems.
 
-Prints each wrong answer with the seed that makes its system, and how often each method answered; ends with 1 if an answer was wrong.
+Prints each wrong answer with the seed that makes its system, and how often each method answered; ends with 1 if an
+answer was wrong.
 """
 
 from __future__ import annotations

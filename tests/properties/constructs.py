@@ -1,4 +1,6 @@
-"""Which constructs of the language a program has: what random programs have to contain, some of them at least, and what shrunk ones are told by."""
+"""Which constructs of the language a program has: what random programs have to contain, some of them at least, and what
+shrunk ones are told by.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Random programs whose processes meet in every way that the language knows, as text.
 
-Processes run compositions that are drawn as trees, over channels of all kinds and ports of several rates, some in groups of their own. Every program is
-well-typed and free of races; it may well deadlock, miss samples, overflow, or be interrupted in the middle of anything.
+Processes run compositions that are drawn as trees, over channels of all kinds and ports of several rates, some in
+groups of their own. Every program is well-typed and free of races; it may well deadlock, miss samples, overflow, or be
+interrupted in the middle of anything.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Random processes: compositions drawn as trees, over whatever ports, control laws and inner processes they are given.
 
-What a part of a composition may use is split among parallel branches, so that every process is well-typed and free of races.
+What a part of a composition may use is split among parallel branches, so that every process is well-typed and free of
+races.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ class Leaf:
     instances: dict[str, str] = field(default_factory=dict)
     """The definition, with arguments, of each instance inside."""
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """What can be run: a control law with the input that may be its guard, or processes that share their ports and so run one after the other."""
+    """What can be run: a control law with the input that may be its guard, or processes that share their ports and so
+    run one after the other.
+    """
     definitions: list[str] = field(default_factory=list)
     """Processes inside, before it in the text."""
     arrows: list[str] = field(default_factory=list)

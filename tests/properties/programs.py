@@ -1,8 +1,8 @@
 """Random well-typed programs, as text, with all constructs of the language.
 
-A program is a few leaf processes in parallel, joined by channels of all kinds, with sampled and event ports to an environment. Every process uses each of
-its ports; loops are bounded or contain a delay. Such a program may deadlock, miss a sample or overflow: each of these
-is an outcome like any other, and has to be the same on every run and target.
+A program is a few leaf processes in parallel, joined by channels of all kinds, with sampled and event ports to an
+environment. Every process uses each of its ports; loops are bounded or contain a delay. Such a program may deadlock,
+miss a sample or overflow: each of these is an outcome like any other, and has to be the same on every run and target.
 """
 
 from __future__ import annotations

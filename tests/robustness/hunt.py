@@ -1,6 +1,7 @@
 """Damaged programs by the thousand: ``python -m tests.robustness.hunt --count 100000 --start 0`` (about 40 ms each).
 
-Each that gets a traceback, a diagnostic outside its text, or no answer is kept in ``build/damaged/SEED.csp`` with what happened.
+Each that gets a traceback, a diagnostic outside its text, or no answer is kept in ``build/damaged/SEED.csp`` with what
+happened.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""No part of the compiler is much worse than linear in the text or the instances: counted in calls of functions, not in time."""
+"""No part of the compiler is much worse than linear in the text or the instances: counted in calls of functions, not in
+time.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Rendezvous, alternatives and delays as the language reference words them, as simply as possible.
 
-A program is a list of operations for every process: ``("write", channel, value)``, ``("read", channel)``, ``("wait", duration)`` or
-``("select", guards, prioritized)`` with guards ``("in", channel)`` and ``("out", channel, value)``.
+A program is a list of operations for every process: ``("write", channel, value)``, ``("read", channel)``,
+``("wait", duration)`` or ``("select", guards, prioritized)`` with guards ``("in", channel)`` and
+``("out", channel, value)``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""However a program ends, each output is handed its safe value once, as its last, every device is closed, and the exit code says what happened."""
+"""However a program ends, each output is handed its safe value once, as its last, every device is closed, and the exit
+code says what happened.
+"""
 
 from __future__ import annotations
 

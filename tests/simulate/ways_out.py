@@ -1,6 +1,8 @@
-"""Every way out of a program, for every way to start it, with devices whose calls block or not: one process each, and what it did with its devices.
+"""Every way out of a program, for every way to start it, with devices whose calls block or not: one process each, and
+what it did with its devices.
 
-``python -m tests.simulate.ways_out`` tries all combinations and lists those that do not hold; it takes some minutes. The tests try a selection.
+``python -m tests.simulate.ways_out`` tries all combinations and lists those that do not hold; it takes some minutes.
+The tests try a selection.
 """
 
 from __future__ import annotations
@@ -418,7 +420,8 @@ class Seen:
 def prepare(folder: Path) -> Path:
     """The program, and its packages at both levels, in an empty folder.
 
-    It only counts missed samples, as a busy machine may let it miss some; ``strict`` does not. ``spinning`` takes no time and never waits.
+    It only counts missed samples, as a busy machine may let it miss some; ``strict`` does not. ``spinning`` takes no
+    time and never waits.
     """
     (folder / "card.py").write_text(CARD)
     (folder / "law.py").write_text(LAW)

@@ -15,7 +15,9 @@ AGAIN = 1
 
 @contextmanager
 def alarm_after(seconds: float, ring: Callable[[], NoReturn], *, computing: bool = False) -> Iterator[None]:
-    """Calls ``ring``, which raises, again and again once the block has taken so many seconds, of computing if that is what counts."""
+    """Calls ``ring``, which raises, again and again once the block has taken so many seconds, of computing if that is
+    what counts.
+    """
 
     def rung(_number: int, _frame: FrameType | None) -> None:
         sys.unraisablehook = id

@@ -1,6 +1,7 @@
 """Random programs that are right in form; their names mean nothing.
 
-``program`` gives lists of tokens, ``text_of`` writes them with ordinary space between, ``sprinkled`` with any space and comments.
+``program`` gives lists of tokens, ``text_of`` writes them with ordinary space between, ``sprinkled`` with any space and
+comments.
 """
 
 from __future__ import annotations

@@ -83,7 +83,9 @@ OVER_AT_ONCE = {
     ),
     "one of two ways": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
 }
-"""Loops that go on while no time passes, in some instances, or with something that may end them: others are refused at once."""
+"""Loops that go on while no time passes, in some instances, or with something that may end them: others are refused at
+once.
+"""
 
 MAY_BE_OVER = {
     "a variable that is counted down": ("mu (wait d ; d := d - 1 ms)", {"initial": "4 ms"}),

@@ -25,8 +25,8 @@ ROUNDS = 2
 
 @record
 class LinearLaw:
-    """Over the numbers within states and inputs, in that order: ``next`` (a row for each state that steps), ``rates`` (a row for each
-    state that has a derivative, per second) and ``outputs`` (a row for each number within an output).
+    """Over the numbers within states and inputs, in that order: ``next`` (a row for each state that steps), ``rates``
+    (a row for each state that has a derivative, per second) and ``outputs`` (a row for each number within an output).
 
     ``states`` lists the discrete ones first. Constants about the operating point are left out.
     """
@@ -44,7 +44,8 @@ class LinearLaw:
 def linearize(
     law: SubmodelClass, parameters: Mapping[str, Any], *, point: Mapping[str, Any] | None = None, time: float = 0.0
 ) -> LinearLaw:
-    """The law about the point where its states have their initial values and its inputs are zero, but for those states and inputs that are in ``point``.
+    """The law about the point where its states have their initial values and its inputs are zero, but for those states
+    and inputs that are in ``point``.
 
     Raises NotLinearError where it is computed elsewhere or has no slope there.
     """

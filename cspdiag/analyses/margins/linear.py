@@ -1,7 +1,8 @@
 """Values with their slopes: expressions of control laws, linearized exactly where they are smooth.
 
-Forward differentiation: a number is its value at the operating point together with its derivative with respect to states and inputs. What is not smooth is
-taken by what it does for small signals, and remembered: quantization counts as its mean, a limit as not reached, an ``if`` by the side that is taken.
+Forward differentiation: a number is its value at the operating point together with its derivative with respect to
+states and inputs. What is not smooth is taken by what it does for small signals, and remembered: quantization counts as
+its mean, a limit as not reached, an ``if`` by the side that is taken.
 """
 
 from __future__ import annotations
@@ -71,7 +72,8 @@ class Simplification:
 class Linearization:
     """Evaluates the expressions of one flattened submodel at an operating point.
 
-    ``parameters`` are those of the instance; ``signals`` grows with the equations; values of real type that depend on states or inputs are ``Number``.
+    ``parameters`` are those of the instance; ``signals`` grows with the equations; values of real type that depend on
+    states or inputs are ``Number``.
     """
 
     def __init__(self, parameters: Mapping[str, Any], size: int, time: float = 0.0) -> None:

@@ -23,7 +23,9 @@ MOTIONS = (0.1, 1.0, 10.0)
 
 @record
 class AnalysedLoop:
-    """One loop: where it is cut, as a system, its margins, and the states that were not at their initial values when it was linearized."""
+    """One loop: where it is cut, as a system, its margins, and the states that were not at their initial values when it
+    was linearized.
+    """
 
     opened: OpenLoop
     margins: Margins
@@ -31,11 +33,13 @@ class AnalysedLoop:
     simplifications: tuple[Simplification, ...]
 
     def to_control(self) -> control.StateSpace:
-        """The open loop L of negative feedback as a discrete-time system of python-control: the loop is closed by ``control.feedback(L, 1)``.
+        """The open loop L of negative feedback as a discrete-time system of python-control: the loop is closed by
+        ``control.feedback(L, 1)``.
 
-        So L is minus what the law computes for what it had written, and its Nyquist curve is looked at around -1. The time step is the period of the law, in
-        seconds; the input is called ``e``, the output as the port of the law, the system as the law. ``control.stability_margins(L, method="frd")`` gives
-        ``margins``; its polynomials (``method="poly"``) lose their digits where a plant is slow beside the sample period.
+        So L is minus what the law computes for what it had written, and its Nyquist curve is looked at around -1. The
+        time step is the period of the law, in seconds; the input is called ``e``, the output as the port of the law,
+        the system as the law. ``control.stability_margins(L, method="frd")`` gives ``margins``; its polynomials
+        (``method="poly"``) lose their digits where a plant is slow beside the sample period.
         """
         from cspdiag.analyses.margins.python_control import state_space
 
@@ -67,8 +71,10 @@ def analyse_loops(
 ) -> LoopReport:
     """Margins of every loop that goes from a law through the plant back to it.
 
-    States of the plant have their initial values, but for those in ``point``; inputs are zero. Where the plant does not answer there, because dry
-    friction holds it, it is looked at in motion, unless ``point`` says where. ``only`` is a part of the names of the loops that are wanted. Raises NotLinearError where the plant as a whole cannot be linearized.
+    States of the plant have their initial values, but for those in ``point``; inputs are zero. Where the plant does not
+    answer there, because dry friction holds it, it is looked at in motion, unless ``point`` says where. ``only`` is a
+    part of the names of the loops that are wanted. Raises NotLinearError where the plant as a whole cannot be
+    linearized.
     """
     places = list(_points(network, environment, point))
     found: list[AnalysedLoop] = []
@@ -87,7 +93,9 @@ def analyse_loops(
 
 
 def opened_again(network: Network, environment: Environment, loop: AnalysedLoop) -> OpenLoop | None:
-    """A loop of another variant of the same program, about the same point; None where that has no such loop. Raises NotLinearError."""
+    """A loop of another variant of the same program, about the same point; None where that has no such loop. Raises
+    NotLinearError.
+    """
     loops = Loops(network, environment, dict(loop.point))
     cut = loop.opened.cut
     if cut.law not in loops.periods or _is_passed_on(loops, cut.law, cut.output[0]):

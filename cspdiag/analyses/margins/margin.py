@@ -1,7 +1,7 @@
 """Stability and margins of a loop that was cut open.
 
-The figures are those of python-control; a loop is stable when every eigenvalue of the closed one lies within the unit circle (Franklin, Powell and
-Workman, Digital Control of Dynamic Systems, 1998).
+The figures are those of python-control; a loop is stable when every eigenvalue of the closed one lies within the unit
+circle (Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998).
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class Margins:
     - its gain is multiplied by less than ``gain`` and more than ``lowest_gain``;
     - it lags by less than ``phase`` degrees more, which is ``delay`` seconds at the frequency that minds them most;
 
-    of an unstable loop, ``gain`` below 1 is the factor that would make it stable and ``phase`` what is missing. ``modulus`` is the
-    distance of the Nyquist curve from -1, ``crossover`` and ``phase_crossover`` are in rad/s, ``radius`` is the largest absolute
-    eigenvalue of the closed loop, ``drifts`` tells that something beside the loop has no place of rest (an angle whose
-    speed is controlled).
+    of an unstable loop, ``gain`` below 1 is the factor that would make it stable and ``phase`` what is missing.
+    ``modulus`` is the distance of the Nyquist curve from -1, ``crossover`` and ``phase_crossover`` are in rad/s,
+    ``radius`` is the largest absolute eigenvalue of the closed loop, ``drifts`` tells that something beside the loop
+    has no place of rest (an angle whose speed is controlled).
     """
 
     is_stable: bool
@@ -113,7 +113,9 @@ def _inside(radius: float) -> float:
 
 
 def _closed_radius(a: Matrix, b: Matrix, c: Matrix, d: float) -> tuple[float, bool]:
-    """The largest absolute eigenvalue of the closed loop, and whether one at 1 was left out that the loop neither sees nor moves."""
+    """The largest absolute eigenvalue of the closed loop, and whether one at 1 was left out that the loop neither sees
+    nor moves.
+    """
     import numpy
 
     if not len(a):

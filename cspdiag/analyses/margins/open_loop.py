@@ -29,7 +29,8 @@ class Cut:
 
 @record
 class OpenLoop:
-    """x' = A x + B v, y = C x + D v, once every ``period`` seconds; y is what the law computes where v was written the last time.
+    """x' = A x + B v, y = C x + D v, once every ``period`` seconds; y is what the law computes where v was written the
+    last time.
 
     Negative feedback is part of y: the loop is closed by v = y. ``laws`` are the laws within, that of the cut first.
     """
@@ -42,7 +43,9 @@ class OpenLoop:
     d: float
     laws: tuple[str, ...]
     states: tuple[tuple[str, Leaf], ...]
-    """What each row of ``a`` is: a number of the ``plant``, of a law (by its path), one ``held`` or in a ``latch`` at an output, or in a ``net``."""
+    """What each row of ``a`` is: a number of the ``plant``, of a law (by its path), one ``held`` or in a ``latch`` at
+    an output, or in a ``net``.
+    """
 
     @property
     def kept(self) -> tuple[tuple[str, Leaf], ...]:

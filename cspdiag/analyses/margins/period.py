@@ -1,7 +1,7 @@
 """The largest sample period that still leaves a margin.
 
-A period is a constant of the text, on which the laws depend too: their coefficients follow it. So the network is made again for every period that
-is looked at, and the loop opened in it.
+A period is a constant of the text, on which the laws depend too: their coefficients follow it. So the network is made
+again for every period that is looked at, and the loop opened in it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ class Wanted:
     value: float
 
     def excess(self, loop: OpenLoop) -> float:
-        """How much more than that a loop keeps, from -1 (it is unstable) over 0 (just so much) to 1 (at least twice as much)."""
+        """How much more than that a loop keeps, from -1 (it is unstable) over 0 (just so much) to 1 (at least twice as
+        much).
+        """
         if self.kind == "stable":
             return stability(loop)
         if stability(loop) <= 0:
@@ -71,7 +73,9 @@ def _positive(number: str, text: str) -> float:
 
 
 def period_constants(network: Network, loop: OpenLoop) -> dict[str, int]:
-    """The constants of the text that say the period of the loop's own law, with their values in nanoseconds; empty where it is a number in the text."""
+    """The constants of the text that say the period of the loop's own law, with their values in nanoseconds; empty
+    where it is a number in the text.
+    """
     top = network.class_named(network.top)
     assert isinstance(top, ProcessClass)
     nets = {
@@ -91,10 +95,11 @@ def period_constants(network: Network, loop: OpenLoop) -> dict[str, int]:
 
 
 def largest_period(variant: Variant, constants: Mapping[str, int], wanted: Wanted) -> int | None:
-    """The largest period in nanoseconds up to which the loop keeps what is wanted; None where no period that was looked at does.
+    """The largest period in nanoseconds up to which the loop keeps what is wanted; None where no period that was looked
+    at does.
 
-    All constants are scaled together. Between the periods that are looked at the margin is taken to fall, as that of a sampled loop does. The root is searched by the
-    method of Alefeld, Potra and Shi (1995), which needs few of them.
+    All constants are scaled together. Between the periods that are looked at the margin is taken to fall, as that of a
+    sampled loop does. The root is searched by the method of Alefeld, Potra and Shi (1995), which needs few of them.
     """
     present = max(constants.values())
     grain = 10 ** max(0, len(str(present)) - DIGITS)

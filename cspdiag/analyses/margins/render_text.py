@@ -12,7 +12,9 @@ from cspdiag.model.constants.durations import rounded
 
 
 def table(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | None = None) -> str:
-    """The whole report; ``periods`` has the largest period of each loop by name, in nanoseconds, and the constant that says it."""
+    """The whole report; ``periods`` has the largest period of each loop by name, in nanoseconds, and the constant that
+    says it.
+    """
     return "\n".join(_lines(report, periods or {})) + "\n"
 
 

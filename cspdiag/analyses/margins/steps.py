@@ -13,7 +13,9 @@ def combined(weights: Any, rows: list[Any], zero: Any) -> Any:
 
 
 def advanced(law: LinearLaw, row: list[Any], duration: float, zero: Any) -> list[Any]:
-    """The states after a sample: discrete ones step, continuous ones follow their derivatives with everything else held."""
+    """The states after a sample: discrete ones step, continuous ones follow their derivatives with everything else
+    held.
+    """
     stepped = [combined(weights, row, zero) for weights in law.next]
     if not law.continuous:
         return stepped

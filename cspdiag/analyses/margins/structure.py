@@ -34,7 +34,9 @@ Branching = tuple[str, int]
 
 @record
 class Copy:
-    """A process reads a channel into one of its variables: paths of both nets, as far as they are the process's own ends."""
+    """A process reads a channel into one of its variables: paths of both nets, as far as they are the process's own
+    ends.
+    """
 
     process: str
     source: End
@@ -127,7 +129,9 @@ def end_name(end: End) -> str:
 
 
 def standing_inputs(network: Network, path: str) -> dict[str, Value]:
-    """What the inputs of a law read from the beginning: defaults, and the initial values of variables of the process around it."""
+    """What the inputs of a law read from the beginning: defaults, and the initial values of variables of the process
+    around it.
+    """
     above, _, name = path.rpartition(".")
     arguments = {instance.path: dict(instance.arguments) for instance in network.instances}.get(above, {})
     owner = next((entry for entry in network.instances if entry.path == above), None)

@@ -1,8 +1,10 @@
-"""A loop of a program as one linear system, cut at an output of a law: what the law computes for what it is taken to have written.
+"""A loop of a program as one linear system, cut at an output of a law: what the law computes for what it is taken to
+have written.
 
-Everything is followed instant by instant over one period of the law, as the language says (section "Time"): the plant between the
-instants with its inputs held, samples at the ticks, outputs that change at the tick after they were written, faster laws inside. So the
-result is exact for the linearized parts, whatever the rates, as long as they divide the period.
+Everything is followed instant by instant over one period of the law, as the language says (section "Time"): the plant
+between the instants with its inputs held, samples at the ticks, outputs that change at the tick after they were
+written, faster laws inside. So the result is exact for the linearized parts, whatever the rates, as long as they divide
+the period.
 """
 
 from __future__ import annotations
@@ -341,7 +343,9 @@ class _Follower:
             self.state[kind, (port, way)] = value
 
     def _advance(self, duration: int, steps: bool, times: int) -> None:
-        """The plant goes on with its inputs held, a stretch of time after another of the same length; its discrete parts step if they do so at the beginnings of these."""
+        """The plant goes on with its inputs held, a stretch of time after another of the same length; its discrete
+        parts step if they do so at the beginnings of these.
+        """
         numpy = self.numpy
         plant = self.loops.plant
         places = [("plant", leaf) for leaf in (*plant.discrete, *plant.continuous)]

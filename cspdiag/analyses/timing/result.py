@@ -17,8 +17,9 @@ class LoopTiming:
     """One sampled loop; times are nanoseconds from the nominal release, the tick.
 
     ``work`` is what a sample needs, that of partners that it waits for included. ``response`` and
-    ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes; ``latency`` from the sample to the
-    outputs, the shortest and the longest, None without outputs. ``leaves`` are the paths of the laws and processes that take part.
+    ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes;
+    ``latency`` from the sample to the outputs, the shortest and the longest, None without outputs. ``leaves`` are the
+    paths of the laws and processes that take part.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -64,8 +65,8 @@ class LoopTiming:
 class Chain:
     """From an input of the program through loops to an output.
 
-    ``reaction`` is the longest time from a change of the input to the first output that knows of it; ``age`` is how old a sample is at most when an
-    output that is based on it is handed over.
+    ``reaction`` is the longest time from a change of the input to the first output that knows of it; ``age`` is how old
+    a sample is at most when an output that is based on it is handed over.
     """
 
     source: str
@@ -77,8 +78,8 @@ class Chain:
 
 @record
 class Witness:
-    """A sample of a thread that is late when every law takes its longest time; instants in nanoseconds from the start of the program. ``end`` is when it is ready,
-    None where it has not even been taken when the next one comes.
+    """A sample of a thread that is late when every law takes its longest time; instants in nanoseconds from the start
+    of the program. ``end`` is when it is ready, None where it has not even been taken when the next one comes.
     """
 
     thread: str
@@ -88,9 +89,11 @@ class Witness:
 
 @record
 class TimingReport:
-    """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another order of priorities
-    would, as was proved, meet all deadlines and the present one is not known to; ``is_edf_feasible`` tells whether earliest deadline first would, None where that is not known; ``tasks`` is what was analysed;
-    ``are_all_chains`` unless there are too many to follow. ``witness`` is a sample that is late, if one is known; ``is_overloaded`` tells that for certain there is more work than time.
+    """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another
+    order of priorities would, as was proved, meet all deadlines and the present one is not known to;
+    ``is_edf_feasible`` tells whether earliest deadline first would, None where that is not known; ``tasks`` is what was
+    analysed; ``are_all_chains`` unless there are too many to follow. ``witness`` is a sample that is late, if one is
+    known; ``is_overloaded`` tells that for certain there is more work than time.
     """
 
     process: str
@@ -110,7 +113,9 @@ class TimingReport:
 
     @property
     def is_schedulable(self) -> bool | None:
-        """True where it is proved, False where a loop is late when every law takes its longest time, None where neither is known."""
+        """True where it is proved, False where a loop is late when every law takes its longest time, None where neither
+        is known.
+        """
         if self.missing or self.refusals:
             return None
         if all(loop.is_met for loop in self.loops):

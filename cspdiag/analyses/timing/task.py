@@ -12,10 +12,11 @@ ONCE = 2**60
 class Task:
     """Recurring work; all times are integer nanoseconds (any integer unit does).
 
-    A job is released at most every ``period``, nominally at k·period, and arrives up to ``jitter`` later. It executes up to ``work``, in steps: a step
-    runs until the process waits, and nothing preempts it. ``step`` is the longest of them, ``final`` a lower bound of the last one; a job of one
-    step has both equal to ``work``. ``priority`` orders levels, the smallest being the most urgent; within a level the
-    scheduler serves first come, first served. ``suspensions`` counts how often a job lets time pass within ``work`` without using the processor.
+    A job is released at most every ``period``, nominally at k·period, and arrives up to ``jitter`` later. It executes
+    up to ``work``, in steps: a step runs until the process waits, and nothing preempts it. ``step`` is the longest of
+    them, ``final`` a lower bound of the last one; a job of one step has both equal to ``work``. ``priority`` orders
+    levels, the smallest being the most urgent; within a level the scheduler serves first come, first served.
+    ``suspensions`` counts how often a job lets time pass within ``work`` without using the processor.
     """
 
     name: str

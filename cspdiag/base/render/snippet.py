@@ -1,8 +1,8 @@
 """Source lines with marks under them.
 
-A snippet shows the lines of one file that a diagnostic points at. A mark within one line is an underline with its words after
-it; a mark over several lines is a bracket in the margin. Columns are terminal cells: tabs are expanded, wide characters
-take two, and control characters are shown as pictures, so that no source text can steer the terminal.
+A snippet shows the lines of one file that a diagnostic points at. A mark within one line is an underline with its words
+after it; a mark over several lines is a bracket in the margin. Columns are terminal cells: tabs are expanded, wide
+characters take two, and control characters are shown as pictures, so that no source text can steer the terminal.
 """
 
 from __future__ import annotations

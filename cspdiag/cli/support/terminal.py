@@ -1,4 +1,6 @@
-"""The streams of a command: what is for machines goes to standard output, what is for people to standard error, in colours where that is wanted."""
+"""The streams of a command: what is for machines goes to standard output, what is for people to standard error, in
+colours where that is wanted.
+"""
 
 from __future__ import annotations
 
@@ -48,8 +50,8 @@ def write_out(text: str | bytes) -> None:
 
 
 def complete_streams() -> None:
-    """Give a process that was started with closed streams (``>&-``) streams again: of standard output and standard input one that refuses
-    what is asked of it, so that who needs it says so.
+    """Give a process that was started with closed streams (``>&-``) streams again: of standard output and standard
+    input one that refuses what is asked of it, so that who needs it says so.
 
     Otherwise the next file that is opened would take their place, and what somebody prints would go there.
     """
@@ -64,12 +66,16 @@ def complete_streams() -> None:
 
 
 def say(text: str) -> None:
-    """Write a line, or several, to standard error: what is in them from outside, such as names of files, steers no terminal."""
+    """Write a line, or several, to standard error: what is in them from outside, such as names of files, steers no
+    terminal.
+    """
     put(f"{printable(text)}\n")
 
 
 def put(text: str) -> None:
-    """Write to standard error as it is. Where that is gone, as when its terminal was closed, nobody is told, and the command goes on."""
+    """Write to standard error as it is. Where that is gone, as when its terminal was closed, nobody is told, and the
+    command goes on.
+    """
     try:
         stream = standard_error()
         stream.write(text)

@@ -120,8 +120,9 @@ def _report(arguments: Namespace, network: Network, measured: Sequence[Measured]
 def measured_times(path: str) -> list[Measured]:
     """The longest execution times in a trace.
 
-    A trace is what ``run --real-time --trace out.json`` writes, or any JSON object with ``executionTimes``: an object from paths to times in seconds,
-    or to objects with ``longest``, and ``what`` was measured. Raises UsageError where there are none, OSError where the file cannot be read.
+    A trace is what ``run --real-time --trace out.json`` writes, or any JSON object with ``executionTimes``: an object
+    from paths to times in seconds, or to objects with ``longest``, and ``what`` was measured. Raises UsageError where
+    there are none, OSError where the file cannot be read.
     """
     from cspdiag.analyses.timing.tasks.measured import Measured
 

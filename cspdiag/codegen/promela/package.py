@@ -1,7 +1,8 @@
 """Networks as Promela models, for SPIN.
 
-The state of every component is a variable, and every event one indivisible step that asks for and changes the states of all its parties. So an event with any
-number of parties needs no protocol, and SPIN stores exactly the states of the transition system: one more for each in which everything has ended.
+The state of every component is a variable, and every event one indivisible step that asks for and changes the states of
+all its parties. So an event with any number of parties needs no protocol, and SPIN stores exactly the states of the
+transition system: one more for each in which everything has ended.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from cspdiag.network.ir.network import Network
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 
 MOST_COMMANDS = 250_000
-"""A model of more is refused: SPIN and the C compiler take gigabytes for it, and its text alone some hundreds of megabytes."""
+"""A model of more is refused: SPIN and the C compiler take gigabytes for it, and its text alone some hundreds of
+megabytes.
+"""
 
 Command = tuple[int, tuple[tuple[int, int, int], ...]]
 """An event, or INTERNAL, and for each of its parties the component with its state before and after."""
@@ -32,7 +35,8 @@ def generate(network: Network) -> dict[str, str]:
 
 
 def promela(system: System, source: str = "") -> str:
-    """The Promela model of a transition system; where SPIN simulates, each command prints its number in ``commands(system)``.
+    """The Promela model of a transition system; where SPIN simulates, each command prints its number in
+    ``commands(system)``.
 
     Raises TargetError for one of more than ``MOST_COMMANDS`` commands.
     """
@@ -53,7 +57,9 @@ def commands(system: System) -> list[Command]:
 
 
 def numbers_of_commands(system: System) -> dict[int, int]:
-    """How many commands each event has, one for each combination of the edges of its parties; of ``INTERNAL`` all internal steps."""
+    """How many commands each event has, one for each combination of the edges of its parties; of ``INTERNAL`` all
+    internal steps.
+    """
     offered = [Counter(event for edges in component.edges for event, _ in edges) for component in system.components]
     found = {
         number: prod(offered[party][number] for party in set(event.parties))

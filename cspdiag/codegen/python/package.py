@@ -1,7 +1,7 @@
 """The Python target: a package that is as readable as one written by hand from the diagram.
 
-The mapping is the paper's (section 3): a class a process with its ports as arguments of the constructor, its ``run`` the composition;
-the 20-process of a submodel; and a network-building module, the only one that knows the drivers.
+The mapping is the paper's (section 3): a class a process with its ports as arguments of the constructor, its ``run``
+the composition; the 20-process of a submodel; and a network-building module, the only one that knows the drivers.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ def generate(
 ) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
-    ``modules`` are the texts of external bodies by the paths that ``external_modules`` names; bodies that are missing from it are
-    imported as installed modules. ``templates`` take the places of those of the target, by name.
+    ``modules`` are the texts of external bodies by the paths that ``external_modules`` names; bodies that are missing
+    from it are imported as installed modules. ``templates`` take the places of those of the target, by name.
     """
     render = renderer("python", templates)
     names = PackageNames(network)

@@ -1,7 +1,7 @@
 """Documents: text that knows where it may be broken over lines (P. Wadler, *A prettier printer*, 2003).
 
-A document is text, a tuple of documents that follow each other, or one of the nodes below. Documents are values: what makes them decides nothing
-about columns, and `render` alone knows how long a line may be.
+A document is text, a tuple of documents that follow each other, or one of the nodes below. Documents are values: what
+makes them decides nothing about columns, and `render` alone knows how long a line may be.
 """
 
 from __future__ import annotations
@@ -47,7 +47,9 @@ class Group:
 
 @record
 class Fill:
-    """Items with a `Line` between them: as many on a line as fit. What follows an item of several lines begins a new one."""
+    """Items with a `Line` between them: as many on a line as fit. What follows an item of several lines begins a new
+    one.
+    """
 
     items: tuple[Document, ...]
 

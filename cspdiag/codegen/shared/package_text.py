@@ -9,7 +9,9 @@ from cspdiag.codegen.shared.plain_text import one_line
 
 
 def toml_string(text: str) -> str:
-    """A basic string of TOML 1.0, on one line and in ASCII; half characters, which TOML has not, become the replacement character."""
+    """A basic string of TOML 1.0, on one line and in ASCII; half characters, which TOML has not, become the replacement
+    character.
+    """
     return f'"{"".join(map(_toml_character, text))}"'
 
 
@@ -33,7 +35,9 @@ def markdown_code(text: str) -> str:
 
 
 def markdown(text: str) -> str:
-    """Paragraphs of a doc comment in Markdown. What is in backquotes stays code; nothing else becomes markup, HTML, a link or a list."""
+    """Paragraphs of a doc comment in Markdown. What is in backquotes stays code; nothing else becomes markup, HTML, a
+    link or a list.
+    """
     return "\n\n".join(map(_paragraph, printable(text).split("\n\n")))
 
 

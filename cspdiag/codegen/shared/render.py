@@ -45,8 +45,8 @@ def template_names(target: str) -> tuple[str, ...]:
 def renderer(target: str, replacements: Mapping[str, Replacement] = EMPTY) -> Render:
     """``render(template, **values)`` for the templates of a target; a value that a template misses is an error.
 
-    Raises TemplateError for a mistake in one of the ``replacements``, by name: here for what can be read off the text, ``render`` for what shows
-    when it is used.
+    Raises TemplateError for a mistake in one of the ``replacements``, by name: here for what can be read off the text,
+    ``render`` for what shows when it is used.
     """
     return _replacing(target, replacements) if replacements else _plain(target)
 

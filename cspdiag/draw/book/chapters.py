@@ -109,7 +109,8 @@ def anchor(name: str) -> str:
 
 
 def chapters(pictures: Pictures) -> list[Chapter]:
-    """The definitions of the main file and all that they use: processes from the outermost inwards, environments, submodels, drivers.
+    """The definitions of the main file and all that they use: processes from the outermost inwards, environments,
+    submodels, drivers.
 
     Raises what ``lay_out`` raises.
     """

@@ -19,7 +19,8 @@ def _visible(value: object) -> object:
 
 
 def book(pictures: Pictures) -> str:
-    """The page: every process and environment with both diagrams, submodels and drivers, their texts, ports and parameters, and links between them.
+    """The page: every process and environment with both diagrams, submodels and drivers, their texts, ports and
+    parameters, and links between them.
 
     Raises what ``lay_out`` raises.
     """

@@ -49,8 +49,8 @@ def draw_communication(
 ) -> Scene:
     """A communication diagram with its heading, a legend of what occurs, and the messages that the marks refer to.
 
-    ``marks`` are by the key of the element, below that of the box around it (``horizontal/alignL``), and by WHOLE for the diagram as a whole; ``links`` lead from a
-    definition to an address. Raises what ``lay_out`` raises.
+    ``marks`` are by the key of the element, below that of the box around it (``horizontal/alignL``), and by WHOLE for
+    the diagram as a whole; ``links`` lead from a definition to an address. Raises what ``lay_out`` raises.
     """
     marks = dict(marks or {})
     mark_of_whole = marks.pop(WHOLE, None)
@@ -246,7 +246,9 @@ class _Drawing:
 
 
 def _corners(place: Rectangle, half: float) -> list[Point]:
-    """Where the middle of a badge may be that sits on a corner of a shape: the right ones first, and the upper ones of those."""
+    """Where the middle of a badge may be that sits on a corner of a shape: the right ones first, and the upper ones of
+    those.
+    """
     left, right = place.x - BADGE + BADGE_GAP + half, place.right + BADGE - BADGE_GAP - half
     return [Point(x, y) for x in (right, left) for y in (place.y - CORNER_RISE, place.bottom + CORNER_RISE)]
 

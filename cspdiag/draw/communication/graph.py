@@ -92,8 +92,9 @@ class CommunicationGraph:
 def communication_graph(diagram: CommunicationDiagram, hidden: Hidden, marks: Marks) -> CommunicationGraph:
     """The graph of a diagram and of everything that it shows inside its boxes.
 
-    An element has its key as identifier, below that of the box around it: ``horizontal/alignL``. A port of a box is ``horizontal/alignL|max``.
-    Badges of ``marks`` get room beside texts and lines; at the corner of a shape they need none.
+    An element has its key as identifier, below that of the box around it: ``horizontal/alignL``. A port of a box is
+    ``horizontal/alignL|max``. Badges of ``marks`` get room beside texts and lines; at the corner of a shape they need
+    none.
     """
     made = CommunicationGraph()
     nodes, edges = _Level(made, hidden, marks, "").level(diagram)

@@ -36,7 +36,9 @@ def inside(mark: Mark | None, ink: Ink) -> Ink:
 
 
 def instance(box: InstanceBox, place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
-    """A process has round corners, a submodel double sides, a driver a chamfer, what is unknown a broken outline; an array stands on two more."""
+    """A process has round corners, a submodel double sides, a driver a chamfer, what is unknown a broken outline; an
+    array stands on two more.
+    """
     stroke, width, dash = outline(mark)
     shapes: list[Item] = []
     if box.size is not None:
@@ -120,7 +122,9 @@ def sink(place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
 
 
 def port(at: Point, mark: Mark | None = None, *, is_connected: bool = True, inwards: float = 1) -> Item:
-    """A little square at the inner side of the border; an empty one is not connected. ``inwards`` is 1 at the left side, -1 at the right."""
+    """A little square at the inner side of the border; an empty one is not connected. ``inwards`` is 1 at the left
+    side, -1 at the right.
+    """
     stroke, width, _ = outline(mark)
     size = 5.0
     left = at.x if inwards > 0 else at.x - size
@@ -129,7 +133,9 @@ def port(at: Point, mark: Mark | None = None, *, is_connected: bool = True, inwa
 
 
 def symbol_of(arrow: Arrow) -> Symbol | None:
-    """The symbol that an arrow begins with: an event that all or one of several readers get is shown as that; None where nothing is known."""
+    """The symbol that an arrow begins with: an event that all or one of several readers get is shown as that; None
+    where nothing is known.
+    """
     if not arrow.kinds:
         return None
     if len(arrow.kinds) > 1:

@@ -1,4 +1,6 @@
-"""What elements say about themselves when they are pointed at: what, of which type, how often, why, and where in the text."""
+"""What elements say about themselves when they are pointed at: what, of which type, how often, why, and where in the
+text.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Blocks: parts of a composition diagram that are placed as one, and the frames around those that have parts themselves."""
+"""Blocks: parts of a composition diagram that are placed as one, and the frames around those that have parts
+themselves.
+"""
 
 from __future__ import annotations
 
@@ -33,9 +35,10 @@ MOST_LINES = 4
 class Block:
     """Items in a room that begins at (0, 0).
 
-    Lines of a sequence end at ``entry`` on the left and begin at ``exit`` on the right; vertical lines meet the upper and the lower side at
-    ``spine`` or further to the left, at the heights ``top`` and ``bottom`` (None: the sides of the room). ``is_group``: lines at its border
-    end in the circle of a parenthesis. ``widened`` makes the same block at least so wide.
+    Lines of a sequence end at ``entry`` on the left and begin at ``exit`` on the right; vertical lines meet the upper
+    and the lower side at ``spine`` or further to the left, at the heights ``top`` and ``bottom`` (None: the sides of
+    the room). ``is_group``: lines at its border end in the circle of a parenthesis. ``widened`` makes the same block at
+    least so wide.
     """
 
     width: float
@@ -81,7 +84,9 @@ def look(mark: Mark | None, stroke: Ink, fill: Ink) -> Look:
 
 
 def badges(mark: Mark | None, right: float) -> tuple[Item, ...]:
-    """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where nothing is said about it by itself."""
+    """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where nothing is
+    said about it by itself.
+    """
     if mark is None or not (mark.numbers or mark.note):
         return ()
     # A wide badge goes to the left, where the element is: to the right of it lines lead on.

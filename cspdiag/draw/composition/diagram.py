@@ -62,10 +62,11 @@ def draw_composition(
     hidden: Hidden = NOTHING_HIDDEN,
     is_headed: bool = True,
 ) -> Scene:
-    """A composition diagram with its heading, a legend of the signs that occur, and the messages that the marks refer to.
+    """A composition diagram with its heading, a legend of the signs that occur, and the messages that the marks refer
+    to.
 
-    ``marks`` are by the key of the element (``1.2``); ``links`` lead from the definition of an instance to an address. A process without a composition
-    has an empty diagram.
+    ``marks`` are by the key of the element (``1.2``); ``links`` lead from the definition of an instance to an address.
+    A process without a composition has an empty diagram.
     """
     parts: list[Item] = []
     if is_headed:

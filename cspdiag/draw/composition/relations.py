@@ -1,7 +1,7 @@
 """Places blocks beside and below each other and draws the relations that join them.
 
-A sequence flows from left to right and goes on in a new row where it would be too long; parallel and alternative processes stand below each other.
-Where a line ends at a group it carries the circle of a parenthesis.
+A sequence flows from left to right and goes on in a new row where it would be too long; parallel and alternative
+processes stand below each other. Where a line ends at a group it carries the circle of a parenthesis.
 """
 
 from __future__ import annotations
@@ -110,7 +110,9 @@ def _whole(parts: Sequence[_Placed], relations: Sequence[Item], axis: float, wid
 
 
 def sequence(blocks: Sequence[Block], limit: float) -> Block:
-    """Blocks from left to right with an arrow from each to the next, in rows not wider than ``limit`` where that can be."""
+    """Blocks from left to right with an arrow from each to the next, in rows not wider than ``limit`` where that can
+    be.
+    """
     parts: list[_Placed] = []
     relations: list[Item] = []
     top = 0.0

@@ -102,7 +102,9 @@ def warning_sign(centre: Point, *, exclaims: bool, stroke: Ink = Ink.LINE) -> li
 
 @record
 class _Form:
-    """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` stands before the text."""
+    """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` stands before the
+    text.
+    """
 
     outline: Outline
     inset: tuple[float, float] = (0, 0)
@@ -218,7 +220,8 @@ def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
 def operator_sign(
     operator: str, prioritized: bool, centre: Point, way: tuple[float, float] = (0, 1)
 ) -> tuple[list[Item], float, float]:
-    """The sign of a relation around a point of its line, which leads ``way``; how far it reaches back and on along that line.
+    """The sign of a relation around a point of its line, which leads ``way``; how far it reaches back and on along that
+    line.
 
     The arrow head of priority points from the higher to the lower.
     """

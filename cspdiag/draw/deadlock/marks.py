@@ -25,9 +25,10 @@ MOST_NUMBERS = 10
 class StuckProcess:
     """A process that can never go on.
 
-    ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits (``to read Table.philosopher[0].first``), ``place`` is the file and
-    line, ``channels`` are the full names of the channels, ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it
-    waits, if that is known.
+    ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits
+    (``to read Table.philosopher[0].first``), ``place`` is the file and line, ``channels`` are the full names of the
+    channels, ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it waits, if that
+    is known.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -48,7 +49,9 @@ def shortened(text: str, top: str) -> str:
 def surroundings(
     program: Program, top: str, waiting: Sequence[StuckProcess]
 ) -> tuple[CommunicationDiagram, dict[str, Mark]] | None:
-    """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None where there is none."""
+    """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None
+    where there is none.
+    """
     prefix = _common([tuple(each.path.split(".")) for each in waiting])
     definition = definition_at(program, prefix) if prefix and prefix[0] == top else None
     if definition is None or definition.communication is None:

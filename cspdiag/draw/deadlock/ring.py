@@ -1,4 +1,6 @@
-"""Draws a deadlock: the processes that wait for each other as a ring, and where they stand in the communication diagram around them."""
+"""Draws a deadlock: the processes that wait for each other as a ring, and where they stand in the communication diagram
+around them.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +37,8 @@ _PLACE_SIZE = 11.0
 class Deadlock:
     """Who waits when nothing goes on.
 
-    ``cycle``: each waits for the next and the last for the first; it may be empty. ``besides``: what else waits. ``title`` says what
-    happened and when (``deadlock at 10 ms``), ``top`` is the name of the outermost process.
+    ``cycle``: each waits for the next and the last for the first; it may be empty. ``besides``: what else waits.
+    ``title`` says what happened and when (``deadlock at 10 ms``), ``top`` is the name of the outermost process.
     """
 
     title: str
@@ -46,10 +48,11 @@ class Deadlock:
 
 
 def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
-    """The ring of waiting processes and, given the program, the communication diagram around them and their compositions, with them highlighted.
+    """The ring of waiting processes and, given the program, the communication diagram around them and their
+    compositions, with them highlighted.
 
-    Numbers tell which box and which step stands for which process of the ring; a composition is there where it is known at which step a process
-    waits. Raises what ``lay_out`` raises.
+    Numbers tell which box and which step stands for which process of the ring; a composition is there where it is known
+    at which step a process waits. Raises what ``lay_out`` raises.
     """
     ring = draw_ring(deadlock)
     if program is None:

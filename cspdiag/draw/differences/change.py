@@ -15,7 +15,8 @@ Action: TypeAlias = Literal["added", "removed", "changed", "renamed"]
 
 @record
 class Part:
-    """Something that a definition consists of: what it is called, what is said about it by aspect (``type``, ``period``), and where.
+    """Something that a definition consists of: what it is called, what is said about it by aspect (``type``,
+    ``period``), and where.
 
     ``key`` is the element of the diagram that shows it, if any; ``text`` is the part as a reader knows it.
     """
@@ -32,7 +33,8 @@ Parts: TypeAlias = "dict[tuple[str, str], Part]"
 
 @record(kw_only=True)
 class Change:
-    """One difference. ``definition`` is the definition it is in, ``kind`` what that is (``process``); ``subject`` and ``name`` are empty for the definition itself.
+    """One difference. ``definition`` is the definition it is in, ``kind`` what that is (``process``); ``subject`` and
+    ``name`` are empty for the definition itself.
 
     ``aspect`` tells what about a changed part differs; ``before`` and ``after`` are texts, None where there is nothing.
     """
@@ -85,7 +87,9 @@ def compare(kind: str, definition: str, before: Parts, after: Parts) -> list[Cha
 
 
 def narrowed(aspect: str, before: str, after: str) -> tuple[str, str | None, str | None]:
-    """The aspect and its two texts; of types that differ in nothing but their units the units, of lists of ends those that went and came."""
+    """The aspect and its two texts; of types that differ in nothing but their units the units, of lists of ends those
+    that went and came.
+    """
     if aspect in ("from", "to"):
         old_ends, new_ends = before.split(", "), after.split(", ")
         gone = ", ".join(end for end in old_ends if end not in new_ends)

@@ -78,7 +78,9 @@ def definition_parts(definition: ast.Definition) -> Parts:
 
 
 def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[str, ...]]) -> Parts:
-    """The elements of a communication diagram that the text declares; ``parameters`` are the names of those of each definition."""
+    """The elements of a communication diagram that the text declares; ``parameters`` are the names of those of each
+    definition.
+    """
     parts: Parts = {}
     own = {parameter.partition(":")[0].strip() for parameter in diagram.parameters}
     for vertex in diagram.vertices:
@@ -147,7 +149,8 @@ def _port_aspects(port: ParentPort, own: set[str]) -> dict[str, str]:
         "safe value": port.safe or "",
     }
     if port.period and port.period not in own:
-        # The period as it works out, which a constant may change from afar; that of a parameter is told where its value is given.
+        # The period as it works out, which a constant may change from afar; that of a parameter is told where its value
+        # is given.
         aspects["period"] = " or ".join(duration(period) for period in port.periods) or port.period
     return aspects
 

@@ -1,4 +1,6 @@
-"""Draws what changed: both versions of a diagram in one, what was added green with a plus, what was removed red and broken, what changed amber."""
+"""Draws what changed: both versions of a diagram in one, what was added green with a plus, what was removed red and
+broken, what changed amber.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +71,9 @@ def union(before: CommunicationDiagram | None, after: CommunicationDiagram | Non
 
 
 def _split(before: CommunicationDiagram, arrow: Arrow) -> list[Arrow]:
-    """A relationship whose ends are others now: what it has kept, what it has gained and what it has lost, an arrow each."""
+    """A relationship whose ends are others now: what it has kept, what it has gained and what it has lost, an arrow
+    each.
+    """
     old = next((each for each in before.arrows if each.key == arrow.key), arrow)
     sources = tuple(end for end in arrow.sources if end in old.sources)
     sinks = tuple(end for end in arrow.sinks if end in old.sinks)

@@ -26,8 +26,8 @@ ALIKE = 0.6
 class Pair:
     """A definition with a diagram in both versions; None where it is new or gone.
 
-    ``before`` has the names of ``after`` for what was renamed. ``changes`` are those within the definition, ``composition`` the composition of both versions, None
-    where neither has one.
+    ``before`` has the names of ``after`` for what was renamed. ``changes`` are those within the definition,
+    ``composition`` the composition of both versions, None where neither has one.
     """
 
     name: str
@@ -46,7 +46,9 @@ class Difference:
 
 
 def differences(before: Program, after: Program) -> Difference:
-    """What changed from one version to the next; doc comments, layout of the text and order of declarations do not count."""
+    """What changed from one version to the next; doc comments, layout of the text and order of declarations do not
+    count.
+    """
     return _Comparison(Pictures(before), Pictures(after)).difference()
 
 

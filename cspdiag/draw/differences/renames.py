@@ -21,7 +21,9 @@ def pairs(gone: Iterable[T], come: Iterable[T], signature: Callable[[T], Hashabl
 
 
 def vertex_renames(before: CommunicationDiagram, after: CommunicationDiagram) -> dict[str, str]:
-    """The new names of elements: alike in everything, and connected to the same ends for the greater part, or not at all."""
+    """The new names of elements: alike in everything, and connected to the same ends for the greater part, or not at
+    all.
+    """
     kept = {vertex.key for vertex in before.vertices} & {vertex.key for vertex in after.vertices}
     gone = [vertex for vertex in before.vertices if vertex.key not in kept and not isinstance(vertex, Sink | Value)]
     come = [vertex for vertex in after.vertices if vertex.key not in kept and not isinstance(vertex, Sink | Value)]
@@ -51,7 +53,9 @@ def _signature(vertex: Vertex) -> Hashable:
 
 
 def _surroundings(diagram: CommunicationDiagram, key: str, kept: set[str]) -> frozenset[tuple[str, str]]:
-    """The ends that an element is connected to, as far as they have kept their names, and through which of its own ports."""
+    """The ends that an element is connected to, as far as they have kept their names, and through which of its own
+    ports.
+    """
     found: set[tuple[str, str]] = set()
     for arrow in diagram.arrows:
         ends = (*arrow.sources, *arrow.sinks)
@@ -94,7 +98,9 @@ def _key(before: Arrow, after: Arrow) -> str:
 
 
 def with_matched_arrows(before: CommunicationDiagram, after: CommunicationDiagram) -> CommunicationDiagram:
-    """The earlier diagram, in which relationships that share an end with exactly one new one have its key: they are changed, not replaced."""
+    """The earlier diagram, in which relationships that share an end with exactly one new one have its key: they are
+    changed, not replaced.
+    """
     kept = {arrow.key for arrow in before.arrows} & {arrow.key for arrow in after.arrows}
     gone = [arrow for arrow in before.arrows if arrow.key not in kept and not arrow.by_composition]
     come = [arrow for arrow in after.arrows if arrow.key not in kept and not arrow.by_composition]

@@ -10,8 +10,9 @@ from cspdiag.draw.differences.change import Change
 
 
 def render(changes: Iterable[Change]) -> str:
-    """A list of objects, empty for no change: ``action``, ``kind`` and ``definition``, ``subject``, ``name`` and ``aspect`` of what changed (null where that is the
-    definition itself), ``before`` and ``after``, and the places ``from`` and ``to``.
+    """A list of objects, empty for no change: ``action``, ``kind`` and ``definition``, ``subject``, ``name`` and
+    ``aspect`` of what changed (null where that is the definition itself), ``before`` and ``after``, and the places
+    ``from`` and ``to``.
     """
     return json.dumps([_object(change) for change in changes], indent=2, ensure_ascii=False) + "\n"
 

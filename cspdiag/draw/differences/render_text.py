@@ -33,7 +33,9 @@ def render(changes: Iterable[Change], *, colour: bool = False) -> str:
 
 
 def told(changes: Iterable[Change]) -> list[Change]:
-    """The changes without those that others say as well: a short composition is told as a whole, a long one by its steps."""
+    """The changes without those that others say as well: a short composition is told as a whole, a long one by its
+    steps.
+    """
     given = list(changes)
     short = {
         change.definition

@@ -30,7 +30,9 @@ Drawn: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition
 
 
 def communication_diagram(program: Program, facts: Facts, definition: Drawn, depth: int = 1) -> CommunicationDiagram:
-    """The communication diagram of a process or an environment; ``depth`` 2 shows the inside of its process instances, and so on."""
+    """The communication diagram of a process or an environment; ``depth`` 2 shows the inside of its process instances,
+    and so on.
+    """
     return _Extraction(program, facts, definition).diagram(depth, ())
 
 
@@ -169,7 +171,9 @@ class _Extraction:
         )
 
     def _flow(self, item: ast.Connection, ends: tuple[End, ...]) -> Flow:
-        """That of the communication object: the parent's port or the variable at an end, or else the relationship's own."""
+        """That of the communication object: the parent's port or the variable at an end, or else the relationship's
+        own.
+        """
         for end in ends:
             vertex = self.vertices.get(end.element)
             if isinstance(vertex, ParentPort):

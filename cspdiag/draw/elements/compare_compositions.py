@@ -47,8 +47,8 @@ _NO_NAMES: Mapping[str, str] = {}
 class StepChange:
     """One difference, at the element ``key`` of the common diagram.
 
-    ``subject`` says what came, went or changed (``process``, ``guard``, ``condition``, ``operator``, …); ``before`` and ``after`` are texts, None where
-    there is nothing.
+    ``subject`` says what came, went or changed (``process``, ``guard``, ``condition``, ``operator``, …); ``before`` and
+    ``after`` are texts, None where there is nothing.
     """
 
     action: Action
@@ -228,7 +228,9 @@ class _Comparison:
                 return list(zip(parts(old), parts(new), strict=True))
 
     def _aligned(self, old: Sequence[Part], new: Sequence[Part]) -> list[_Pair]:
-        """Pairs of what belongs together in two lists, in order, as many and as equal as can be; what has no partner is alone."""
+        """Pairs of what belongs together in two lists, in order, as many and as equal as can be; what has no partner is
+        alone.
+        """
         begin = self._common(old, new)
         end = self._common(reversed(old[begin:]), reversed(new[begin:]))
         before = list(zip(old[:begin], new[:begin], strict=True))

@@ -1,8 +1,8 @@
 """The elements of a communication diagram, named and related as in the text.
 
-Names share one space within a diagram, as they do in a process: an element's ``key`` is its name (``alignL``, ``feedback``), and elements
-without a name have a key that no name of the text can be. Replicated declarations stay one element: ``cell[8] : Cell`` is one box, and
-``cell[i].output`` one port of it.
+Names share one space within a diagram, as they do in a process: an element's ``key`` is its name (``alignL``,
+``feedback``), and elements without a name have a key that no name of the text can be. Replicated declarations stay one
+element: ``cell[8] : Cell`` is one box, and ``cell[i].output`` one port of it.
 """
 
 from __future__ import annotations
@@ -52,8 +52,9 @@ class BoxPort(Element):
 class Box(Element):
     """An instance; in the diagram of an environment also the process.
 
-    ``size`` is what is written between the brackets of an array (``8``, ``i < 8``). ``language`` is that of a hand-written body. ``samples`` are the
-    periods in nanoseconds at which a submodel runs. ``inside`` is drawn within the box where that was asked for.
+    ``size`` is what is written between the brackets of an array (``8``, ``i < 8``). ``language`` is that of a
+    hand-written body. ``samples`` are the periods in nanoseconds at which a submodel runs. ``inside`` is drawn within
+    the box where that was asked for.
     """
 
     kind: BoxKind
@@ -69,7 +70,8 @@ class Box(Element):
 
 @record(kw_only=True)
 class ParentPort(Element):
-    """A port of the process that the diagram belongs to, drawn as a name at the end of arrows: ``feedback: double<rad> @T``.
+    """A port of the process that the diagram belongs to, drawn as a name at the end of arrows:
+    ``feedback: double<rad> @T``.
 
     ``size`` is that of an array, in brackets.
     """
@@ -127,8 +129,9 @@ class End:
 class Arrow(Element):
     """A communication relationship, or (``by_composition``) a reader or writer of the process itself.
 
-    ``label`` and ``type`` are those of the communication object; ``repeated`` are the replicators around it (``i < n``). ``kinds`` has the inferred kinds:
-    none where nothing is known, several where instances of the process differ. ``asked`` is the kind as written.
+    ``label`` and ``type`` are those of the communication object; ``repeated`` are the replicators around it
+    (``i < n``). ``kinds`` has the inferred kinds: none where nothing is known, several where instances of the process
+    differ. ``asked`` is the kind as written.
     """
 
     sources: tuple[End, ...]

@@ -36,8 +36,9 @@ def numbered(diagnostics: Iterable[Diagnostic]) -> dict[int, Diagnostic]:
 def marks_of(places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Diagnostic]) -> dict[str, Mark]:
     """The marks of elements, given the places in the text that each stands for.
 
-    A diagnostic belongs to the element with the smallest range that contains the place of the diagnostic (the first of equals). One whose place is in no
-    element marks nothing. Elements at the other places of a diagnostic are highlighted with its number, where they have no mark of their own.
+    A diagnostic belongs to the element with the smallest range that contains the place of the diagnostic (the first of
+    equals). One whose place is in no element marks nothing. Elements at the other places of a diagnostic are
+    highlighted with its number, where they have no mark of their own.
     """
     found: dict[str, list[int]] = {}
     for number, diagnostic in diagnostics.items():

@@ -39,7 +39,9 @@ def optional(node: ast.Node | None) -> str | None:
 
 
 def indexes(expressions: Iterable[ast.Expression]) -> str:
-    """``[i + 1][0]``, or nothing; with one blank around operators, however it was written, since elements are known by it."""
+    """``[i + 1][0]``, or nothing; with one blank around operators, however it was written, since elements are known by
+    it.
+    """
     return "".join(f"[{_spaced(written(expression))}]" for expression in expressions)
 
 

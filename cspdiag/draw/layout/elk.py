@@ -1,4 +1,6 @@
-"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, the order of the text kept."""
+"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, the order of the
+text kept.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ def engine_available() -> bool:
 def lay_out(graph: Graph) -> Layout:
     """Where everything goes.
 
-    Raises LayoutError where the engine fails, MissingToolError where there is none, and ValueError for a graph that is not one.
+    Raises LayoutError where the engine fails, MissingToolError where there is none, and ValueError for a graph that is
+    not one.
     """
     asked = question(graph)
     try:

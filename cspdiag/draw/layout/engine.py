@@ -1,7 +1,7 @@
 """Runs the layout engine, ELK's layered algorithm as JavaScript, in QuickJS or else in node.
 
-The engine is elkjs, ELK (Eclipse Layout Kernel) compiled to JavaScript; see Schulze, Spönemann, von Hanxleden, "Drawing layered graphs with port
-constraints", JVLC 25 (2014). It is deterministic: the same graph gets the same layout.
+The engine is elkjs, ELK (Eclipse Layout Kernel) compiled to JavaScript; see Schulze, Spönemann, von Hanxleden, "Drawing
+layered graphs with port constraints", JVLC 25 (2014). It is deterministic: the same graph gets the same layout.
 """
 
 from __future__ import annotations
@@ -60,7 +60,9 @@ worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
 
 
 def run(graph: dict[str, Any]) -> dict[str, Any]:
-    """The graph in ELK's JSON format with places. Raises LayoutError, and MissingToolError where nothing can run the engine."""
+    """The graph in ELK's JSON format with places. Raises LayoutError, and MissingToolError where nothing can run the
+    engine.
+    """
     answer: dict[str, Any] = json.loads(_runner()(json.dumps(graph)))
     if "error" in answer:
         reason = str(answer["error"]).partition("\n")[0]
@@ -70,7 +72,9 @@ def run(graph: dict[str, Any]) -> dict[str, Any]:
 
 
 def start() -> None:
-    """Begin to load the engine, beside whatever else is done until the first graph; nothing happens where there is none."""
+    """Begin to load the engine, beside whatever else is done until the first graph; nothing happens where there is
+    none.
+    """
     if available():
         _runner()
 
@@ -96,14 +100,18 @@ def _runner() -> Callable[[str], str]:
 
 
 def _in_quickjs(script: str) -> Callable[[str], str]:
-    """A function that lays out in a thread of its own: a context belongs to the thread that made it, and needs more stack than others."""
+    """A function that lays out in a thread of its own: a context belongs to the thread that made it, and needs more
+    stack than others.
+    """
     worker = _Worker()
     context = worker.submit(lambda: _context(script))
     return lambda graph: str(worker.submit(lambda: _ask(context.result(), graph)).result())
 
 
 class _Worker:
-    """A thread that does one job after the other. It ends with the program even in the middle of a job, so that Ctrl-C ends a long layout."""
+    """A thread that does one job after the other. It ends with the program even in the middle of a job, so that Ctrl-C
+    ends a long layout.
+    """
 
     def __init__(self) -> None:
         self._jobs: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()

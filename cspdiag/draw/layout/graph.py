@@ -1,7 +1,7 @@
 """What is laid out, and the layout that comes out of it.
 
-The records know sizes, not looks: whoever makes a graph has measured its texts. Identifiers are unique in the whole graph, ports and labels
-included. Lengths are in pixels, places are absolute.
+The records know sizes, not looks: whoever makes a graph has measured its texts. Identifiers are unique in the whole
+graph, ports and labels included. Lengths are in pixels, places are absolute.
 """
 
 from __future__ import annotations
@@ -84,8 +84,8 @@ class Padding:
 class Node:
     """A box of at least ``width`` and ``height``; it grows for its ports, their labels, its title and its children.
 
-    ``title`` gets a row of its own at the top, above children and ports. Children are laid out among themselves: an edge leads from one of them to another, or to a port of
-    the node around them.
+    ``title`` gets a row of its own at the top, above children and ports. Children are laid out among themselves: an
+    edge leads from one of them to another, or to a port of the node around them.
     """
 
     id: str
@@ -132,8 +132,8 @@ class Graph:
 class Section:
     """A part of an edge without forks: a line through ``points``, at right angles.
 
-    ``source`` and ``target`` name the port or node at its ends, None where it meets other sections of the same edge. An arrow head
-    belongs to the end of a section that has a target.
+    ``source`` and ``target`` name the port or node at its ends, None where it meets other sections of the same edge. An
+    arrow head belongs to the end of a section that has a target.
     """
 
     points: tuple[Point, ...]

@@ -10,7 +10,9 @@ from cspdiag.draw.layout.graph import Edge, Graph, Node, Port
 
 @dataclass
 class Hierarchy:
-    """The nodes of a graph, the node of each port, and the chain of nodes around each node, the outermost first, itself last."""
+    """The nodes of a graph, the node of each port, and the chain of nodes around each node, the outermost first, itself
+    last.
+    """
 
     nodes: dict[str, Node] = field(default_factory=dict)
     ports: dict[str, Port] = field(default_factory=dict)
@@ -20,7 +22,9 @@ class Hierarchy:
     """The node of each port, and each node for itself."""
 
     def room_of(self, edge: Edge) -> str | None:
-        """The innermost node that holds all ends of an edge, or is one of them and holds the others; None for the whole graph."""
+        """The innermost node that holds all ends of an edge, or is one of them and holds the others; None for the whole
+        graph.
+        """
         ends = [self.owners[end] for end in (*edge.sources, *edge.targets)]
         common = _common([self.chains[end] for end in ends])
         if common and all(end == common[-1] for end in ends):

@@ -1,7 +1,8 @@
 """Graphs in ELK's JSON format.
 
-ELK knows lines with two ends. A line with more ends that carries a label is given to it as a node of the label's size, its joint, with a line to
-every end; without a label, and with one end on one side, as lines that share a port, which ELK draws over each other as far as it can.
+ELK knows lines with two ends. A line with more ends that carries a label is given to it as a node of the label's size,
+its joint, with a line to every end; without a label, and with one end on one side, as lines that share a port, which
+ELK draws over each other as far as it can.
 """
 
 from __future__ import annotations

@@ -74,7 +74,9 @@ def title_place(node: Node, place: Rectangle) -> Rectangle | None:
 
 
 def port_label_place(node: Node, port: Port, at: Point, side: Side) -> Rectangle | None:
-    """Where the label of a placed port stands: inside, beside the port; above the line that enters where the node has parts."""
+    """Where the label of a placed port stands: inside, beside the port; above the line that enters where the node has
+    parts.
+    """
     if port.label is None:
         return None
     width, height = port.label.width, port.label.height

@@ -44,7 +44,9 @@ _STYLES = {Face.SANS: "", Face.BOLD: "B", Face.ITALIC: "I", Face.MONO: ""}
 
 
 def render_pdf(scenes: Sequence[Scene], scheme: Scheme = Scheme.LIGHT) -> bytes:
-    """The drawings on pages of their sizes; ``Scheme.AUTO`` is light. Raises MissingToolError without ``cspdiag[draw]``."""
+    """The drawings on pages of their sizes; ``Scheme.AUTO`` is light. Raises MissingToolError without
+    ``cspdiag[draw]``.
+    """
     try:
         from fpdf import FPDF
     except ModuleNotFoundError:

@@ -17,7 +17,9 @@ LARGEST = 100_000_000
 
 
 def render_png(scene: Scene, scheme: Scheme = Scheme.LIGHT, *, scale: float = 2.0) -> bytes:
-    """The drawing in ``scale`` dots a pixel; ``Scheme.AUTO`` is light. Raises MissingToolError without ``cspdiag[draw]``."""
+    """The drawing in ``scale`` dots a pixel; ``Scheme.AUTO`` is light. Raises MissingToolError without
+    ``cspdiag[draw]``.
+    """
     try:
         from resvg_py import svg_to_bytes
     except ModuleNotFoundError:
@@ -42,6 +44,8 @@ def _bounded(scene: Scene, scale: float) -> float:
 
 
 def _is_foreign(scene: Scene) -> bool:
-    """Whether there are characters that the typefaces may not have: then those of the machine are looked through, which takes time."""
+    """Whether there are characters that the typefaces may not have: then those of the machine are looked through, which
+    takes time.
+    """
     texts = (item for item in every(scene.items) if isinstance(item, Text))
     return not all(is_measured(run.text) for text in texts for run in text.runs)

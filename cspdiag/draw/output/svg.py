@@ -1,6 +1,7 @@
 """Scenes as SVG: groups with classes and identifiers, tooltips, text as text, colours as CSS custom properties.
 
-The text is the same, to the byte, for the same scene. Every text is told its width, so that it keeps to its room in whatever typeface the viewer has.
+The text is the same, to the byte, for the same scene. Every text is told its width, so that it keeps to its room in
+whatever typeface the viewer has.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ from cspdiag.network.lower.distinct_names import DistinctNames
 _UNSEEN = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff\ufffe\uffff]"
 )
-"""What XML cannot have or nobody can see: control characters, half characters, marks that change the direction of writing."""
+"""What XML cannot have or nobody can see: control characters, half characters, marks that change the direction of
+writing.
+"""
 
 
 def render_svg(scene: Scene, scheme: Scheme = Scheme.AUTO) -> str:

@@ -1,6 +1,7 @@
 """The colours of light and dark drawings, and the typefaces.
 
-Words and lines differ from their background at least as 4.5 to 1 in both schemes (WCAG 2.2, 1.4.3); no colour is the only sign of anything.
+Words and lines differ from their background at least as 4.5 to 1 in both schemes (WCAG 2.2, 1.4.3); no colour is the
+only sign of anything.
 """
 
 from __future__ import annotations

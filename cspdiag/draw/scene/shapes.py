@@ -1,7 +1,7 @@
 """A drawing as positioned shapes and texts, of which SVG, PNG and PDF are made.
 
-A scene says what things are (``Ink``), never which colour they have: colours belong to the scheme, light or dark. What comes later is drawn
-above what comes earlier. Items are given in absolute places.
+A scene says what things are (``Ink``), never which colour they have: colours belong to the scheme, light or dark. What
+comes later is drawn above what comes earlier. Items are given in absolute places.
 """
 
 from __future__ import annotations
@@ -195,8 +195,8 @@ class Curve:
 class Group:
     """What belongs together, such as a process with its ports.
 
-    ``kind`` is one or more words of CSS (``"process submodel"``); ``id`` any text, made valid and unique when it is written; ``title`` the tooltip;
-    ``link`` an address that a click leads to.
+    ``kind`` is one or more words of CSS (``"process submodel"``); ``id`` any text, made valid and unique when it is
+    written; ``title`` the tooltip; ``link`` an address that a click leads to.
     """
 
     kind: str

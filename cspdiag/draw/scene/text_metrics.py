@@ -1,7 +1,9 @@
-"""How wide texts are in Helvetica, Arial and the fonts made to their measures (Liberation Sans, Arimo), and in Courier's.
+"""How wide texts are in Helvetica, Arial and the fonts made to their measures (Liberation Sans, Arimo), and in
+Courier's.
 
-The advances were read from Arimo 400 and 700 (SIL Open Font License), whose measures are those of Arial, for the characters that programs and units are
-written with; its italics have the same. Others count as wide as an ideograph or a capital letter.
+The advances were read from Arimo 400 and 700 (SIL Open Font License), whose measures are those of Arial, for the
+characters that programs and units are written with; its italics have the same. Others count as wide as an ideograph or
+a capital letter.
 """
 
 # ruff: noqa: RUF001

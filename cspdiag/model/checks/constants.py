@@ -21,7 +21,8 @@ from cspdiag.syntax import ast
 
 
 def check_constants(program: Program, report: Report) -> None:
-    """Report numbers that do not fit their type, and warn of faults that are certain wherever an expression is computed in a run.
+    """Report numbers that do not fit their type, and warn of faults that are certain wherever an expression is computed
+    in a run.
 
     What the program begins with was computed with its types, and what went wrong in that is reported as an error.
     """

@@ -74,7 +74,9 @@ def _refuse(
 
 
 def _port_of_direction(program: Program, end: ast.Reference, *, own: str, inner: str) -> PortSymbol | None:
-    """The port at an end, if it is one of this process with direction ``own`` or one of an instance with direction ``inner``."""
+    """The port at an end, if it is one of this process with direction ``own`` or one of an instance with direction
+    ``inner``.
+    """
     if end in program.poisoned:
         return None
     member, symbol = program.members.get(end), program.bindings.get(end)

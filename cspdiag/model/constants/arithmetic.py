@@ -1,6 +1,7 @@
 """Arithmetic on constants, with the checks that the running program makes too.
 
-Integers truncate toward zero and never wrap; doubles follow IEEE 754, but a result that is infinite or no number is refused.
+Integers truncate toward zero and never wrap; doubles follow IEEE 754, but a result that is infinite or no number is
+refused.
 """
 
 from __future__ import annotations

@@ -32,10 +32,11 @@ _HERTZ = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6}
 def evaluate(
     program: Program, expression: ast.Expression, values: Mapping[ast.Node, Value], report: Report
 ) -> Value | None:
-    """The value of a typed expression, given those of parameters and replicators (``ast.Parameter``, ``ast.Replicator``).
+    """The value of a typed expression, given those of parameters and replicators (``ast.Parameter``,
+    ``ast.Replicator``).
 
-    None where something in it is unknown, or was reported; overflow, division by zero and indexes out of range are reported here.
-    A ``time`` is in nanoseconds unless the expression's type says that it is a number of seconds.
+    None where something in it is unknown, or was reported; overflow, division by zero and indexes out of range are
+    reported here. A ``time`` is in nanoseconds unless the expression's type says that it is a number of seconds.
     """
     return _Evaluator(program, values, report).value(expression)
 

@@ -63,7 +63,9 @@ def parse_value(type_: Type, text: str) -> Value:
 
 
 class NoPartError(ValueError):
-    """A path leads to no field or element of a type; the message is one line. ``before`` is as much of the path as leads somewhere."""
+    """A path leads to no field or element of a type; the message is one line. ``before`` is as much of the path as
+    leads somewhere.
+    """
 
     def __init__(self, message: str, before: str, fields: tuple[str, ...] = ()) -> None:
         super().__init__(message)
@@ -72,7 +74,9 @@ class NoPartError(ValueError):
 
 
 def part_of(type_: Type, path: str) -> tuple[Type, tuple[int, ...]]:
-    """The type of a field or element by its path, such as ``.gains[1].kp``, and the positions on the way. Raises NoPartError."""
+    """The type of a field or element by its path, such as ``.gains[1].kp``, and the positions on the way. Raises
+    NoPartError.
+    """
     positions: list[int] = []
     at = 0
     while at < len(path):

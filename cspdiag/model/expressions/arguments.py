@@ -19,7 +19,9 @@ from cspdiag.syntax import ast
 
 @node
 class Matches:
-    """Which argument goes to which name; ``complete`` is false where one went nowhere, so that nothing is missing surely."""
+    """Which argument goes to which name; ``complete`` is false where one went nowhere, so that nothing is missing
+    surely.
+    """
 
     values: dict[str, ast.Argument]
     complete: bool

@@ -67,7 +67,9 @@ def require(context: Context, expression: ast.Expression, found: Type, wanted: T
 
 
 def _no_time(context: Context, expression: ast.Expression) -> ast.Constant | None:
-    """The constant without a type that an expression names, if a frequency or a number of seconds was written as its value."""
+    """The constant without a type that an expression names, if a frequency or a number of seconds was written as its
+    value.
+    """
     found = None
     while isinstance(expression, ast.Name):
         symbol = context.program.bindings.get(expression)

@@ -129,7 +129,9 @@ def _instance(typer: Typer, reference: ast.Reference, verb: Literal["run", "rese
 
 
 def _refuse_member(typer: Typer, reference: ast.Reference, instance: ast.Instance, verb: str) -> None:
-    """Something of an instance is run or reset: one of its ports, or what is inside and concerns only its own composition."""
+    """Something of an instance is run or reset: one of its ports, or what is inside and concerns only its own
+    composition.
+    """
     assert reference.member is not None
     definition = typer.context.program.bindings.get(instance.definition)
     scope = ports_of(typer, instance)

@@ -1,4 +1,6 @@
-"""The definitions of a program: collected from all files, constants and types settled in the order in which they need each other."""
+"""The definitions of a program: collected from all files, constants and types settled in the order in which they need
+each other.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ Settled = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
 
 
 def collect(context: Context) -> None:
-    """Enter every definition under its name; what is imported comes first, so that a clash is shown in the importing file."""
+    """Enter every definition under its name; what is imported comes first, so that a clash is shown in the importing
+    file.
+    """
     program = context.program
     for tree in reversed(program.trees):
         for item in tree.items:

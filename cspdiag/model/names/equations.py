@@ -132,8 +132,8 @@ def _per_second(found: Type) -> Type:
 def _resolve_lets(typer: Typer, lets: list[ast.Let]) -> None:
     """Type local values in the order in which they need each other.
 
-    A circle through an operator with memory is legal; its types are found by trying once and then for good. (One without is an
-    algebraic loop, which is found where equations are sorted.)
+    A circle through an operator with memory is legal; its types are found by trying once and then for good. (One
+    without is an algebraic loop, which is found where equations are sorted.)
     """
     context, names = typer.context, typer.surroundings.scope.names
     needs: dict[ast.Let, list[ast.Let]] = {}

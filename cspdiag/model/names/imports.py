@@ -14,8 +14,8 @@ from cspdiag.syntax.parser import parse
 def load(main: SourceFile, read: Callable[[str], SourceFile], report: Report) -> list[ast.SourceTree]:
     """Parse a program and everything it imports, each file once; the main file comes first.
 
-    ``read`` is given the path of an imported file relative to where the main file's name is relative to, and raises OSError where it
-    cannot read it. A file without a readable tree is left out.
+    ``read`` is given the path of an imported file relative to where the main file's name is relative to, and raises
+    OSError where it cannot read it. A file without a readable tree is left out.
     """
     trees: dict[str, ast.SourceTree | None] = {main.name: parse(main, report)}
     # The files on the way from the main file to the present one, each with the imports that are still to be followed.

@@ -25,7 +25,8 @@ from cspdiag.syntax import ast
 def resolve(trees: Sequence[ast.SourceTree], overrides: Mapping[str, Value], report: Report) -> Program:
     """Resolve a program given by its trees, the main file's first.
 
-    ``overrides`` replaces the values of constants by name; a text is read as ``parse_value`` does, which raises ValueError.
+    ``overrides`` replaces the values of constants by name; a text is read as ``parse_value`` does, which raises
+    ValueError.
     """
     program = Program(main=trees[0], trees=tuple(trees), overrides=dict(overrides))
     context = Context(program, report, incomplete=report.has_errors)

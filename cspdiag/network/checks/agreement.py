@@ -1,7 +1,8 @@
-"""Findings that say "never" of a place in the text: they hold only if all turns of a replicator and all instances agree.
+"""Findings that say "never" of a place in the text: they hold only if all turns of a replicator and all instances
+agree.
 
-A place stands for as many parts of a program as there are turns and instances. What is never chosen, reached or used in one of
-them may well be in another, and the advice to leave it away would break that one.
+A place stands for as many parts of a program as there are turns and instances. What is never chosen, reached or used in
+one of them may well be in another, and the advice to leave it away would break that one.
 """
 
 from __future__ import annotations

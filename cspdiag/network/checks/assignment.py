@@ -1,7 +1,7 @@
 """Definite assignment: no variable is read before it was written, and no part stands where nothing ever comes.
 
-Of a part that may be abandoned (``interrupt``, ``catch``) it is assumed that it came to its end: how far it came cannot be told. That parallel
-branches share a variable is a race, and reported as one.
+Of a part that may be abandoned (``interrupt``, ``catch``) it is assumed that it came to its end: how far it came cannot
+be told. That parallel branches share a variable is a race, and reported as one.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ class Flow:
 def check_assignment(
     shape: Shape, uses: UsesByKey, inside: Mapping[Shape, Flow], report: Report, agreement: Agreement
 ) -> Flow:
-    """Report reads before writes, and find unreachable parts of a shape; ``inside`` has the flows of its process instances."""
+    """Report reads before writes, and find unreachable parts of a shape; ``inside`` has the flows of its process
+    instances.
+    """
     inputs = {key for port, _, key in shape.port_elements() if port.direction == "in"}
     outputs = [key for port, _, key in shape.port_elements() if port.direction == "out"]
     bits = {key: 1 << number for number, key in enumerate(outputs)}

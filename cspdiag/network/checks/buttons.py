@@ -17,7 +17,9 @@ from cspdiag.network.shapes import Key, attached_key
 
 
 def check_releases(placed: Placed, agreement: Agreement) -> None:
-    """Find guards on `bool` events of which nobody looks at the value; where the event is read elsewhere too, that may be the release."""
+    """Find guards on `bool` events of which nobody looks at the value; where the event is read elsewhere too, that may
+    be the release.
+    """
     shape = placed.shape
     if shape.body is None or shape.incomplete:
         return

@@ -121,7 +121,9 @@ def _check_loop(
 
 
 def _may_end(placed: Placed, loop: Repeat | WhileLoop, condition: Expression | None) -> bool:
-    """Whether a loop may not begin at all, or end: what its condition looks at is changed inside, or has other values in other instances."""
+    """Whether a loop may not begin at all, or end: what its condition looks at is changed inside, or has other values
+    in other instances.
+    """
     if condition is None:
         return False
     ends = isinstance(loop, Repeat)
@@ -197,7 +199,9 @@ def _check_branches(placed: Placed, choice: Choice, report: Report, agreement: A
 
 
 def _check_time_outs(placed: Placed, choice: Choice, agreement: Agreement) -> None:
-    """A time-out beside samples, a shorter one or a branch that is always ready must come before them to be chosen at all."""
+    """A time-out beside samples, a shorter one or a branch that is always ready must come before them to be chosen at
+    all.
+    """
     late = {found.place: found for found in overtaken(placed, choice)}
     for place, branch in enumerate(choice.branches):
         found = late.get(place)

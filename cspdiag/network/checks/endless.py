@@ -9,7 +9,8 @@ from cspdiag.network.ir.walk import parts
 
 
 def never_ends(network: Network) -> bool:
-    """Whether no way leads to the end of the outermost process: some part always stands before it that goes on for ever.
+    """Whether no way leads to the end of the outermost process: some part always stands before it that goes on for
+    ever.
 
     Missed samples and faults are not thought of, nor is anything said of a program that raises exceptions of its own.
     """

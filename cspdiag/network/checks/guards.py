@@ -1,9 +1,10 @@
 """A ready guard promises a read: the process behind ``port -> P`` begins by reading that port.
 
-The rule: on every way through ``P``, the port is read before anything that may have to wait. What never waits may come first:
-``skip``, ``:=``, ``reset``, reading a ``var`` channel or a default, writing an output of the outermost process. A submodel
-reads all its inputs at once; besides the port of the guard it may read what never waits, and sampled inputs of the same period that
-this process reads nowhere else but together with that port, for they are ready at the same instant.
+The rule: on every way through ``P``, the port is read before anything that may have to wait. What never waits may come
+first: ``skip``, ``:=``, ``reset``, reading a ``var`` channel or a default, writing an output of the outermost process.
+A submodel reads all its inputs at once; besides the port of the guard it may read what never waits, and sampled inputs
+of the same period that this process reads nowhere else but together with that port, for they are ready at the same
+instant.
 """
 
 from __future__ import annotations
@@ -197,7 +198,9 @@ class _Beginnings:
         return _SILENT
 
     def _is_companion(self, key: Key) -> bool:
-        """Whether ``key`` is a sampled input ready whenever the guard's port is: read only together with it, at its period."""
+        """Whether ``key`` is a sampled input ready whenever the guard's port is: read only together with it, at its
+        period.
+        """
         assert self.key is not None
         (kind, period), (guard_kind, guard_period) = self.placed.facts[key], self.placed.facts[self.key]
         is_known = UNKNOWN_PERIOD not in (period, guard_period)

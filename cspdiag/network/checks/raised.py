@@ -22,7 +22,9 @@ class _Catch:
 
 
 class RaisedExceptions:
-    """Follows the exceptions of a program, its processes inside out. ``Timeout`` and ``Fault`` may come from nearly any step and are left aside."""
+    """Follows the exceptions of a program, its processes inside out. ``Timeout`` and ``Fault`` may come from nearly any
+    step and are left aside.
+    """
 
     def __init__(self, program: Program, report: Report) -> None:
         self._program = program

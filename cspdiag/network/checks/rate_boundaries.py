@@ -1,7 +1,8 @@
 """Control laws of different rates that wait for each other over a channel: the faster one misses samples.
 
 A law keeps a pace where a loop of its process runs it and nothing else there reads one of its sampled inputs. From each
-channel and port, inside out, to the one such law that writes or reads it; where a channel joins two paces, the faster law waits.
+channel and port, inside out, to the one such law that writes or reads it; where a channel joins two paces, the faster
+law waits.
 """
 
 from __future__ import annotations

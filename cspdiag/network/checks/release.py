@@ -1,7 +1,7 @@
 """Looks for processes that end with the last value of a control law on a sampled output.
 
-For each point of the composition the ports are known whose last value may come from a submodel in a loop that has ended; a point that
-cannot be reached has no such set (None). Each operator maps the set before it to the set after it.
+For each point of the composition the ports are known whose last value may come from a submodel in a loop that has
+ended; a point that cannot be reached has no such set (None). Each operator maps the set before it to the set after it.
 """
 
 from __future__ import annotations

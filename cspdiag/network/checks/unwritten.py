@@ -1,7 +1,8 @@
 """Variables that a run may read before they were written, which is then a fault.
 
-The checks of a program follow its composition as if what may be abandoned came to its end; here nothing is taken for granted of the body of a ``catch``
-or ``interrupt``. Where a program has neither, every variable is written before it is read.
+The checks of a program follow its composition as if what may be abandoned came to its end; here nothing is taken for
+granted of the body of a ``catch`` or ``interrupt``. Where a program has neither, every variable is written before it is
+read.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from cspdiag.network.ir.walk import parts
 
 
 def may_be_unwritten(network: Network) -> dict[str, frozenset[str]]:
-    """By class, its variables that may be read without a value; a variable that an instance is attached to may whenever it has no initial value."""
+    """By class, its variables that may be read without a value; a variable that an instance is attached to may whenever
+    it has no initial value.
+    """
     classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
     abandoned = any(isinstance(part, CatchException | InterruptOn) for part in parts([entry.body for entry in classes]))
     if not abandoned and not any(entry.external for entry in classes):

@@ -39,8 +39,8 @@ def check_usage(
 ) -> None:
     """Find ports and variables of a process that nobody uses; refuse conditions on channels that keep no value.
 
-    A port that a specification does not use is one at which it allows nothing. ``named`` are the declarations that are named anywhere,
-    be it in a part that is repeated no times in this shape.
+    A port that a specification does not use is one at which it allows nothing. ``named`` are the declarations that are
+    named anywhere, be it in a part that is repeated no times in this shape.
     """
     if shape.body is None or shape.incomplete:
         return

@@ -30,7 +30,9 @@ def port_text(port: Port) -> str:
 
 
 def _media(media: tuple[Medium, ...]) -> str:
-    """`` via sync, reads guarded``: what a port of a specialized class is connected to; for an array once if all are alike."""
+    """`` via sync, reads guarded``: what a port of a specialized class is connected to; for an array once if all are
+    alike.
+    """
     if not media:
         return ""
     alike = media[:1] if len(set(media)) == 1 else media

@@ -152,7 +152,9 @@ class _Composer:
         )
 
     def _decided(self, condition: ast.Expression, lowered: Expression) -> bool | None:
-        """The value of a condition on the index of a replicator: it shapes the diagram, and decides nothing at run time."""
+        """The value of a condition on the index of a replicator: it shapes the diagram, and decides nothing at run
+        time.
+        """
         if not any(isinstance(self.program.bindings.get(name), ast.Replicator) for name in names((condition,))):
             return None
         value = constant_value(lowered, lambda _: None)

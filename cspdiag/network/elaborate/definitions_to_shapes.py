@@ -1,7 +1,7 @@
 """From definitions to shapes: sizes evaluated, arrays and ``for`` unrolled, every reference resolved to an element.
 
-The work is per shape, by a worklist, so that neither deep hierarchies nor many equal instances cost more than their text.
-A parameter without a value (a definition that is checked by itself) leaves out what structurally depends on it.
+The work is per shape, by a worklist, so that neither deep hierarchies nor many equal instances cost more than their
+text. A parameter without a value (a definition that is checked by itself) leaves out what structurally depends on it.
 """
 
 from __future__ import annotations

@@ -57,7 +57,8 @@ class LoweringContext:
     """What the names of an expression stand for beyond parameters and constants.
 
     ``values``: replicators, parameters or other symbols that become literals. ``lower_name``: asked first about
-    every name, member and reference. ``lower_call``: asked first about every call. Both give None to leave the node to the usual meaning.
+    every name, member and reference. ``lower_call``: asked first about every call. Both give None to leave the node to
+    the usual meaning.
     """
 
     values: Mapping[ast.Node, Value]

@@ -38,7 +38,9 @@ class Sizes:
         return value if isinstance(value, int) and not isinstance(value, bool) else None
 
     def size(self, expression: ast.Expression, what: str, values: Values, *, zero: bool = False) -> int | None:
-        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not absurd."""
+        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not
+        absurd.
+        """
         size = self.integer(expression, values)
         if size is None:
             return None

@@ -74,7 +74,9 @@ class _Builder:
     def __init__(self) -> None:
         self.code = Code(instructions=[], before=[], back={}, abandoned=[], sequences=[])
         self._open: tuple[int, ...] = ()
-        """What the next instruction comes after: at most one, but where ways come together, and none where nothing ends."""
+        """What the next instruction comes after: at most one, but where ways come together, and none where nothing
+        ends.
+        """
         self._watched: list[list[int]] = []
         """The instructions of each watched part around, from the outermost."""
 

@@ -1,8 +1,9 @@
 """What a process does as instructions with edges between them: one graph that every analysis of control flow follows.
 
-An instruction stands where its step stands in the text, so that indexes go up along every edge but those that close a loop. What may be
-abandoned (by an exception, or by an interrupt) lies between two markers; from each instruction there, the markers among them, an edge of its own
-(``abandoned``) leads to where it goes on then, with what was so *before* the instruction.
+An instruction stands where its step stands in the text, so that indexes go up along every edge but those that close a
+loop. What may be abandoned (by an exception, or by an interrupt) lies between two markers; from each instruction there,
+the markers among them, an edge of its own (``abandoned``) leads to where it goes on then, with what was so *before* the
+instruction.
 """
 
 from __future__ import annotations
@@ -141,7 +142,9 @@ class Abandon(Placed):
 
 
 class Resume(Placed):
-    """What is watched has ended (``Unwatch``, the first before it), or what followed when it was abandoned (the second)."""
+    """What is watched has ended (``Unwatch``, the first before it), or what followed when it was abandoned (the
+    second).
+    """
 
 
 @node
@@ -208,7 +211,8 @@ class Code:
     instructions: list[Instruction]
     before: list[tuple[int, ...]]
     back: dict[int, int]
-    """The ends of loops, each with the ``Loop`` that it goes back to; the edges from them are among ``before`` as well."""
+    """The ends of loops, each with the ``Loop`` that it goes back to; the edges from them are among ``before`` as well.
+    """
     abandoned: list[int | None]
     """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
     sequences: list[tuple[SequentialSteps, list[int]]]

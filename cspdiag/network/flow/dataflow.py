@@ -18,9 +18,9 @@ def solve(
 ) -> list[State | None]:
     """The state before each instruction; None where it is never reached.
 
-    ``transfer`` gives the state after the instruction with that index, None if it never ends; ``merge`` gives the state before one that
-    is reached in several ways (a ``Join``: by all branches), those of ``code.before`` in their order first. Both must be monotone on a lattice
-    of finite height, or it never ends.
+    ``transfer`` gives the state after the instruction with that index, None if it never ends; ``merge`` gives the state
+    before one that is reached in several ways (a ``Join``: by all branches), those of ``code.before`` in their order
+    first. Both must be monotone on a lattice of finite height, or it never ends.
     """
     count = len(code.instructions)
     entering: list[State | None] = [None] * count
@@ -43,7 +43,8 @@ def solve(
             reached.append(start)
         return merge(instruction, reached) if len(reached) > 1 else reached[0] if reached else None
 
-    # In the order of the text: each instruction after all that lead to it, but by way of a loop, which is followed again where that changes it.
+    # In the order of the text: each instruction after all that lead to it, but by way of a loop, which is followed
+    # again where that changes it.
     index = 0
     while index < count:
         state = entering[index] = before(index)

@@ -36,7 +36,9 @@ from cspdiag.network.ir.walk import parts
 
 
 def reads(instruction: Instruction) -> Iterator[VariableValue | ir.End]:
-    """The variables in its expressions and the ends that it reads, in the order in which it does; those of a ``Call`` are its instance's."""
+    """The variables in its expressions and the ends that it reads, in the order in which it does; those of a ``Call``
+    are its instance's.
+    """
     match instruction:
         case Compute():
             step = instruction.step

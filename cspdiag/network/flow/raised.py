@@ -32,7 +32,8 @@ def exceptions_of(
 ) -> tuple[Exceptions, list[Watched]]:
     """The exceptions that may leave a composition, and what comes to its handlers.
 
-    ``of_instance`` are those that leave the instance of a name, ``of_step`` those that come from an instruction but for ``raise``.
+    ``of_instance`` are those that leave the instance of a name, ``of_step`` those that come from an instruction but for
+    ``raise``.
     """
     code = flow_of(body)
     arriving: dict[int | None, Exceptions] = {None: NO_EXCEPTIONS}

@@ -24,8 +24,8 @@ def surely_written(
 ) -> list[int | None]:
     """The names that were surely written before each instruction, a bit each; None where it is never reached.
 
-    ``gains`` are those that an instruction writes, ``written`` those that have a value at the beginning, ``endless`` the instances that never
-    end. With ``completes`` what may be abandoned is taken to come to its end, if it has one.
+    ``gains`` are those that an instruction writes, ``written`` those that have a value at the beginning, ``endless``
+    the instances that never end. With ``completes`` what may be abandoned is taken to come to its end, if it has one.
     """
 
     def transfer(index: int, instruction: Instruction, state: int) -> int | None:

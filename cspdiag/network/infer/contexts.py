@@ -30,7 +30,9 @@ NetKind: TypeAlias = ChannelKind | Literal["sampled", "event", "constant", "disc
 """``open``: nothing is known, because the process is looked at by itself or something was reported."""
 
 Surroundings: TypeAlias = Literal["environment", "specification", "unknown"]
-"""What the ports of an outermost process meet: an environment, which takes every output at once; the process that is to refine it; or what a library cannot know."""
+"""What the ports of an outermost process meet: an environment, which takes every output at once; the process that is to
+refine it; or what a library cannot know.
+"""
 
 Fact: TypeAlias = "tuple[NetKind, int | None]"
 Facts: TypeAlias = "dict[Key, Fact]"

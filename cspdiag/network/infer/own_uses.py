@@ -9,7 +9,9 @@ from cspdiag.network.shapes import Key, Shape
 
 
 def own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
-    """The ports and channels that a process itself writes and reads, each once, in text order; expressions are no readers."""
+    """The ports and channels that a process itself writes and reads, each once, in text order; expressions are no
+    readers.
+    """
     writes: dict[Key, None] = {}
     reads: dict[Key, None] = {}
     for action in [] if shape.body is None else all_actions(shape.body):

@@ -26,7 +26,9 @@ def with_ranges(
 
 
 def ranges_of(instances: Iterable[Mapping[str, Value]]) -> dict[str, Range]:
-    """What several instances of one class give its whole-number parameters, by name: of those to which every one gives a value."""
+    """What several instances of one class give its whole-number parameters, by name: of those to which every one gives
+    a value.
+    """
     ranges: dict[str, Range] | None = None
     for arguments in instances:
         given = {

@@ -1,6 +1,8 @@
-"""Where a sample period that is not longer than zero comes from: the constant or the argument that all its uses have it from.
+"""Where a sample period that is not longer than zero comes from: the constant or the argument that all its uses have it
+from.
 
-From the ports with such a period up through the arguments of instances, shapes of instances before those that contain them.
+From the ports with such a period up through the arguments of instances, shapes of instances before those that contain
+them.
 """
 
 from __future__ import annotations
@@ -94,7 +96,9 @@ class PeriodOrigins:
         return expression.span, False
 
     def _refused_name(self, shape: Shape | None, expression: ast.Expression) -> ast.Name | None:
-        """The name in an expression whose own value is not longer than zero: the expression itself, or the first such part."""
+        """The name in an expression whose own value is not longer than zero: the expression itself, or the first such
+        part.
+        """
         for name in names((expression,)):
             symbol = self.program.bindings.get(name)
             value = None

@@ -1,7 +1,8 @@
 """Sample periods along nets, and the period at which every submodel instance runs.
 
-A net has one period: that of any port on it that says one. A submodel instance runs at the period of the nets that it is
-connected to; where none of them has one, at that of the one submodel (or of several that agree) with which it exchanges values.
+A net has one period: that of any port on it that says one. A submodel instance runs at the period of the nets that it
+is connected to; where none of them has one, at that of the one submodel (or of several that agree) with which it
+exchanges values.
 """
 
 from __future__ import annotations

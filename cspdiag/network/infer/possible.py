@@ -19,7 +19,8 @@ from cspdiag.network.shapes import Key
 
 @record
 class Overtaken:
-    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of ``port``, another time-out, or at once.
+    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of
+    ``port``, another time-out, or at once.
 
     ``place`` is that of the branch in its alternative: those of a replicated one all stand at one place of the text.
     """
@@ -42,7 +43,8 @@ def decided(placed: Placed, condition: Expression | None) -> bool | None:
 
 
 def decided_by_instance(placed: Placed, condition: Expression) -> set[bool | None]:
-    """Whether a condition always holds, or never, in the instances; None of one where that depends on more than its parameters.
+    """Whether a condition always holds, or never, in the instances; None of one where that depends on more than its
+    parameters.
 
     Empty where a parameter of the condition is not known.
     """
@@ -57,7 +59,9 @@ def _parameter(given: Mapping[str, Value], name: ParameterValue | SignalValue) -
 
 
 def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
-    """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before them."""
+    """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before
+    them.
+    """
     soonest: tuple[int, int, Key | None] | None = None
     for place, branch in enumerate(choice.branches):
         found = _ready_within(placed, branch) if decided(placed, branch.condition) else None
@@ -101,10 +105,12 @@ def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
 
 
 def ways_of_samples(placed: Placed, choice: Choice) -> tuple[Choice, ...]:
-    """An alternative as it is where the condition of its samples holds, and where it does not and others are waited for; itself where there is no such one.
+    """An alternative as it is where the condition of its samples holds, and where it does not and others are waited
+    for; itself where there is no such one.
 
-    Of other conditions, only those are known to hold then that always do, or are the contrary. The samples are read before and after only where
-    the condition changes both ways: some variable of it is written with the samples and without them.
+    Of other conditions, only those are known to hold then that always do, or are the contrary. The samples are read
+    before and after only where the condition changes both ways: some variable of it is written with the samples and
+    without them.
     """
     of_samples = {branch.condition for branch in choice.branches if _is_sample(placed, branch.event)}
     conditions = [condition for condition in of_samples if decided(placed, condition) is None]

@@ -81,7 +81,9 @@ def known_duration(placed: Placed, expression: Expression) -> int:
 
 
 def is_over_at_once(placed: Placed, duration: Expression) -> bool:
-    """Whether a delay of no or a negative duration stands there, in every instance: it takes no time. A negative constant is refused already."""
+    """Whether a delay of no or a negative duration stands there, in every instance: it takes no time. A negative
+    constant is refused already.
+    """
 
     def known(name: ParameterValue | VariableValue) -> Range | None:
         return placed.parameters.get(name.name) if isinstance(name, ParameterValue) else None
@@ -132,7 +134,9 @@ class MayWait:
         return known
 
     def action(self, placed: Placed, action: Action) -> bool:
-        """Whether a run of the action waits, or may: a way that never waits counts only where nothing decides against it."""
+        """Whether a run of the action waits, or may: a way that never waits counts only where nothing decides against
+        it.
+        """
         match action:
             case RunInstance():
                 return self._run(placed, placed.shape.instances[action.instance])
@@ -164,7 +168,9 @@ class MayWait:
                 assert_never(action)
 
     def _choice(self, placed: Placed, choice: Choice) -> bool:
-        """One that has a branch ``skip -> P`` goes that way for ever; beside other guards that are always ready the others have a turn."""
+        """One that has a branch ``skip -> P`` goes that way for ever; beside other guards that are always ready the
+        others have a turn.
+        """
         skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]
         if any(branch.condition is None and not self.action(placed, branch.body) for branch in skips):
             return False

@@ -265,7 +265,8 @@ class InputRead:
 class ReadInputs(OptimizedStep):
     """The inputs of an inlined control law: all reads are begun at once in this order, then it waits for all.
 
-    It is a point of cancellation, as every communication is, also without any reads. ``law`` is the instance that reads.
+    It is a point of cancellation, as every communication is, also without any reads. ``law`` is the instance that
+    reads.
     """
 
     reads: tuple[InputRead, ...]
@@ -284,7 +285,8 @@ class OutputWrite:
 class WriteOutputs(OptimizedStep):
     """The outputs of an inlined control law: all values are offered at once in this order, then it waits for all.
 
-    It is a point of cancellation, as every communication is, also without any writes. ``law`` is the instance that writes.
+    It is a point of cancellation, as every communication is, also without any writes. ``law`` is the instance that
+    writes.
     """
 
     writes: tuple[OutputWrite, ...]
@@ -295,9 +297,9 @@ class WriteOutputs(OptimizedStep):
 class RunLaw(OptimizedStep):
     """One run of an inlined control law, as ``SubmodelClass`` says, on states and constants of the enclosing class.
 
-    ``law`` is the instance's name and the prefix of all its names (``servo.pid.ud``). The equations make local signals, which
-    ``WriteOutputs`` after it may use. ``sample`` is the period in seconds that continuous states are integrated over. ``doc`` is the comment of the
-    law's definition.
+    ``law`` is the instance's name and the prefix of all its names (``servo.pid.ud``). The equations make local signals,
+    which ``WriteOutputs`` after it may use. ``sample`` is the period in seconds that continuous states are integrated
+    over. ``doc`` is the comment of the law's definition.
     """
 
     law: str
@@ -313,7 +315,9 @@ class RunLaw(OptimizedStep):
 
 @record(kw_only=True)
 class ResetStates(OptimizedStep):
-    """Puts states of the class back to their initial values; the name of an ``ExternalCall`` means the ``reset`` of what it calls."""
+    """Puts states of the class back to their initial values; the name of an ``ExternalCall`` means the ``reset`` of
+    what it calls.
+    """
 
     states: tuple[str, ...]
 
@@ -322,8 +326,8 @@ class ResetStates(OptimizedStep):
 class ProcessScope(OptimizedStep):
     """The body of a process that was flattened into this class.
 
-    ``instance`` is its path below this class. ``ends`` are its reading ends: the sampled ones of them with one period pace each other,
-    and all are closed when the body ends, in whatever way. ``doc`` is the comment of its definition.
+    ``instance`` is its path below this class. ``ends`` are its reading ends: the sampled ones of them with one period
+    pace each other, and all are closed when the body ends, in whatever way. ``doc`` is the comment of its definition.
     """
 
     instance: str
@@ -335,7 +339,9 @@ class ProcessScope(OptimizedStep):
 
 @record(kw_only=True)
 class ReportCommunication(OptimizedStep):
-    """Tells the trace of a communication on a channel that was optimized away; ``channel`` is its path below this class."""
+    """Tells the trace of a communication on a channel that was optimized away; ``channel`` is its path below this
+    class.
+    """
 
     channel: str
     value: Expression

@@ -1,7 +1,8 @@
 """How long delays last at least: which of them surely let time pass.
 
-A delay of no or a negative duration is over at once. What may last how long follows from the arithmetic of intervals over parameters, with the values
-that all instances give them, and over variables, with all that is ever assigned to them.
+A delay of no or a negative duration is over at once. What may last how long follows from the arithmetic of intervals
+over parameters, with the values that all instances give them, and over variables, with all that is ever assigned to
+them.
 """
 
 from __future__ import annotations
@@ -46,7 +47,9 @@ class Durations:
         return value_range(expression, known)
 
     def _of_variable(self, name: str, variable: VariableValue, assumed: frozenset[str]) -> Range:
-        """What a variable may be: if all that it is given is greater than zero provided that it was so before, it always is."""
+        """What a variable may be: if all that it is given is greater than zero provided that it was so before, it
+        always is.
+        """
         limits = limits_of(variable.type)
         if variable.channel in assumed:
             return 1, limits[1]

@@ -1,7 +1,8 @@
 """Which expressions can end a process with a ``Fault``: decided here, for every target, pass and analysis.
 
-What is known before the run is no exception: an index or an operand that is a literal, a parameter or the index of a replicator is in range where its
-value says so, and else it is a fault of the run like any other, where it stands and if it is reached.
+What is known before the run is no exception: an index or an operand that is a literal, a parameter or the index of a
+replicator is in range where its value says so, and else it is a fault of the run like any other, where it stands and if
+it is reached.
 """
 
 from __future__ import annotations
@@ -34,8 +35,9 @@ from cspdiag.network.ir.walk import mentions_variable
 def may_fault(expression: Expression) -> bool:
     """Whether evaluating the expression can fault.
 
-    Overflow of whole numbers, division by zero (also of reals), conversions out of range and indexes out of range are faults, and so is the value of
-    a variable that was not written, which is not looked at here: whoever moves an expression over a write of its variables has to know.
+    Overflow of whole numbers, division by zero (also of reals), conversions out of range and indexes out of range are
+    faults, and so is the value of a variable that was not written, which is not looked at here: whoever moves an
+    expression over a write of its variables has to know.
     """
     return any(map(operation_may_fault, walk(expression)))
 
@@ -84,7 +86,9 @@ def operation_may_fault(part: Expression) -> bool:
 
 
 def divisor_may_be_zero(operation: BinaryOperation) -> bool:
-    """Whether the right operand of a division, or of ``%``, can be zero: also one that has faulted, which in C goes on with any value."""
+    """Whether the right operand of a division, or of ``%``, can be zero: also one that has faulted, which in C goes on
+    with any value.
+    """
     divisor = operation.right
     if isinstance(divisor.type, RealType):
         return not (isinstance(divisor, LiteralValue) and divisor.value != 0)
@@ -109,7 +113,9 @@ def index_fits(element: ElementValue) -> bool:
 
 
 def is_index_of(index: Expression, array: Type) -> bool:
-    """Whether every value of an index belongs to an element of an array of a type; not if the index can fault, as in C it then has any value."""
+    """Whether every value of an index belongs to an element of an array of a type; not if the index can fault, as in C
+    it then has any value.
+    """
     if not isinstance(array, ArrayType) or array.size is None or may_fault(index):
         return False
     low, high = value_range(index)

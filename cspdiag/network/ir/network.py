@@ -1,9 +1,10 @@
 """The network representation: small, closed, explicit.
 
-A program is a set of classes and a tree of instances. A class is a definition in one shape: two instances of a definition share a class when they
-differ only in the values of constants; where array sizes or the structure below differ they have classes of their own.
-Kinds of channels, sample periods, priorities and reader ends are decided, replicators are unrolled (but for ``CountedLoop``), defaults are filled in.
-Names stay those of the text; an element of an array is called ``cell[3]``.
+A program is a set of classes and a tree of instances. A class is a definition in one shape: two instances of a
+definition share a class when they differ only in the values of constants; where array sizes or the structure below
+differ they have classes of their own. Kinds of channels, sample periods, priorities and reader ends are decided,
+replicators are unrolled (but for ``CountedLoop``), defaults are filled in. Names stay those of the text; an element of
+an array is called ``cell[3]``.
 
 Every backend, analysis and picture reads this and nothing else.
 """
@@ -32,8 +33,8 @@ MediumKind: TypeAlias = Literal[
 class ClassParameter(Declared):
     """A constant that an instance is given.
 
-    ``derived`` tells what the compiler added: the sample period (name ``sample``, type double, in seconds), coefficients of discretized
-    operators, and constants passed on to instances inside.
+    ``derived`` tells what the compiler added: the sample period (name ``sample``, type double, in seconds),
+    coefficients of discretized operators, and constants passed on to instances inside.
     """
 
     type: Type
@@ -52,9 +53,10 @@ class NamedConstant(Declared):
 class Medium:
     """What a port is connected to, once classes are specialized by it.
 
-    ``kind`` is that of the channel, or for ports that reach the outside ``sampled`` and ``event`` (inputs), ``latched`` (a sampled output),
-    ``direct`` (an event output, or an immediate one), or ``constant`` and ``discard``. ``guarded_reads`` and ``guarded_writes``
-    tell whether any alternative or interrupt has a guard on that side of the channel, anywhere.
+    ``kind`` is that of the channel, or for ports that reach the outside ``sampled`` and ``event`` (inputs), ``latched``
+    (a sampled output), ``direct`` (an event output, or an immediate one), or ``constant`` and ``discard``.
+    ``guarded_reads`` and ``guarded_writes`` tell whether any alternative or interrupt has a guard on that side of the
+    channel, anywhere.
     """
 
     kind: MediumKind
@@ -80,8 +82,9 @@ class Port(Declared):
 class LocalChannel(Declared):
     """A channel that a process class owns; a variable of the text is one of kind ``var``.
 
-    ``initial`` belongs to ``var``, ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends) to ``broadcast``.
-    ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are specialized.
+    ``initial`` belongs to ``var``, ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends)
+    to ``broadcast``. ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are
+    specialized.
     """
 
     type: Type
@@ -159,9 +162,10 @@ class CreatedChoice:
 class ProcessClass(Declared):
     """A process: ports, what it owns, and its composition. With ``external`` it owns nothing and ``body`` is None.
 
-    The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and ``states``, those of control laws that
-    were inlined, and ``creation``: reading ends, instances and the names of alternatives in the order in which they come to be without those passes,
-    which decides who is served first where several wait for one event.
+    The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and
+    ``states``, those of control laws that were inlined, and ``creation``: reading ends, instances and the names of
+    alternatives in the order in which they come to be without those passes, which decides who is served first where
+    several wait for one event.
     """
 
     definition: str
@@ -181,10 +185,10 @@ class ProcessClass(Declared):
 class SubmodelClass(Declared):
     """A control law, flattened and sorted.
 
-    One run: the ``equations`` are evaluated in order from the inputs and the present states; the outputs are had; then every discrete
-    state takes its ``next`` value at once, and the continuous ones are integrated over the sample with the inputs held:
-    ``derivatives`` are evaluated after ``derivative_equations`` (the part of the equations that they need).
-    ``constants`` depend on parameters only and are evaluated once, in order.
+    One run: the ``equations`` are evaluated in order from the inputs and the present states; the outputs are had; then
+    every discrete state takes its ``next`` value at once, and the continuous ones are integrated over the sample with
+    the inputs held: ``derivatives`` are evaluated after ``derivative_equations`` (the part of the equations that they
+    need). ``constants`` depend on parameters only and are evaluated once, in order.
     """
 
     definition: str
@@ -232,8 +236,8 @@ class DriverInstance(Declared):
 class Environment(Declared):
     """The plant and the operator as one flattened system, and the drivers.
 
-    ``system`` has the program's outputs as inputs and its inputs as outputs, under the names of the program's ports; it has no
-    parameters. ``step`` is the grid in nanoseconds on which it is evaluated besides the ticks.
+    ``system`` has the program's outputs as inputs and its inputs as outputs, under the names of the program's ports; it
+    has no parameters. ``step`` is the grid in nanoseconds on which it is evaluated besides the ticks.
     """
 
     system: SubmodelClass | None
@@ -244,7 +248,9 @@ class Environment(Declared):
 
 @record(kw_only=True)
 class Instantiation:
-    """An instance by its path from the outermost process (``Jiwy.horizontal.alignL``), with the values of its parameters."""
+    """An instance by its path from the outermost process (``Jiwy.horizontal.alignL``), with the values of its
+    parameters.
+    """
 
     path: str
     class_name: str
@@ -253,7 +259,8 @@ class Instantiation:
 
 @record(kw_only=True)
 class Net:
-    """A channel with everyone who takes part: paths of the leaf processes (``Jiwy.horizontal.alignL.velocity``) and their ports.
+    """A channel with everyone who takes part: paths of the leaf processes (``Jiwy.horizontal.alignL.velocity``) and
+    their ports.
 
     ``path`` is the channel's hierarchical name, or the external port's.
     """

@@ -10,7 +10,9 @@ from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValu
 
 
 def parts(item: object) -> Iterator[object]:
-    """Every record in a record or in a tuple or list of them, itself first, in the order of the text; places and types are left out."""
+    """Every record in a record or in a tuple or list of them, itself first, in the order of the text; places and types
+    are left out.
+    """
     pending: list[object] = [item]
     while pending:
         part = pending.pop()

@@ -1,8 +1,9 @@
 """Process classes from shapes: one for all occurrences that differ in the values of constants only.
 
 What the compiler adds to a submodel (its sample period, coefficients of discretized operators) is a parameter of its
-class. The process around it gives the value: through its own parameter that is the period of a port, as a literal where all
-occurrences agree, through any ``time`` parameter that has the same value, or else through a derived parameter of its own.
+class. The process around it gives the value: through its own parameter that is the period of a port, as a literal where
+all occurrences agree, through any ``time`` parameter that has the same value, or else through a derived parameter of
+its own.
 """
 
 from __future__ import annotations

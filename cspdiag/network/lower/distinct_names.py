@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 class DistinctNames:
     """Keeps the names that are taken, and numbers those that are wanted again.
 
-    The last number of each name is remembered, so that a thousand equal wishes cost a thousand steps, not half a million.
+    The last number of each name is remembered, so that a thousand equal wishes cost a thousand steps, not half a
+    million.
     """
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
@@ -16,7 +17,9 @@ class DistinctNames:
         self._numbers: dict[str, int] = {}
 
     def fresh(self, wanted: str, numbered: Callable[[int], str]) -> str:
-        """``wanted`` if it is free, else the first of ``numbered(2)``, ``numbered(3)``, … that is; it is taken from now on."""
+        """``wanted`` if it is free, else the first of ``numbered(2)``, ``numbered(3)``, … that is; it is taken from now
+        on.
+        """
         name, number = wanted, self._numbers.get(wanted, 1)
         if number > 1:
             name = numbered(number)

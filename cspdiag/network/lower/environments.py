@@ -63,8 +63,8 @@ def lower_environment(
 ) -> Environment | None:
     """The environment of a checked program, None where something is wrong that was reported.
 
-    ``external_ports`` are those of its process; ``overrides`` are values of parameters by path: ``pan.inertia``, ``pan.friction.coulomb``. Raises NoSuchElementError for one that names an element which an array here
-    does not have.
+    ``external_ports`` are those of its process; ``overrides`` are values of parameters by path: ``pan.inertia``,
+    ``pan.friction.coulomb``. Raises NoSuchElementError for one that names an element which an array here does not have.
     """
     process = program.bindings.get(definition.process)
     if not isinstance(process, ast.ProcessDefinition):

@@ -1,4 +1,6 @@
-"""Bodies in other languages: which there are, and whether their names make sense. Whether files exist is for who reads files to say."""
+"""Bodies in other languages: which there are, and whether their names make sense. Whether files exist is for who reads
+files to say.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 
 @record
 class NamedBody:
-    """The external body of a definition. ``file`` is the file or, without an ending, the module that was named; ``name`` the class in it."""
+    """The external body of a definition. ``file`` is the file or, without an ending, the module that was named;
+    ``name`` the class in it.
+    """
 
     definition: str
     body: ExternalBody

@@ -1,4 +1,6 @@
-"""From the typed model to the network: the whole way for ``compile``, and everything that can be found wrong for ``check``."""
+"""From the typed model to the network: the whole way for ``compile``, and everything that can be found wrong for
+``check``.
+"""
 
 from __future__ import annotations
 
@@ -85,11 +87,12 @@ def lower(
 ) -> Network | None:
     """The network of an outermost process; None where something is wrong that was reported.
 
-    ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
-    environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance,
-    as ``of_root`` takes them. ``surroundings``: what its ports meet. ``alone``: without other environments than the chosen one.
-    ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
-    or a parameter of it has no value, and NoSuchElementError for an override of an element that an array does not have.
+    ``top``: its name, by default that of the process of the environment, which is by default the first of the text;
+    without any environment the last process that nobody instantiates and that is no specification of another.
+    ``overrides``: values of parameters by the path of the instance, as ``of_root`` takes them. ``surroundings``: what
+    its ports meet. ``alone``: without other environments than the chosen one. ``checked`` is what ``check`` has found
+    out about the same program, with the same report. Raises SelectionError where there is no such process, or a
+    parameter of it has no value, and NoSuchElementError for an override of an element that an array does not have.
     """
     analysis = Analysis(program, report) if checked is None or overrides else checked
     process, wanted = selection(program, analysis, top, environment, alone=alone)
@@ -267,5 +270,7 @@ def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
 
 
 def is_taken_by_python(name: str) -> bool:
-    """Whether no package can have this name: a word of Python, or a module of its library, which would be found in place of the package or the other way about."""
+    """Whether no package can have this name: a word of Python, or a module of its library, which would be found in
+    place of the package or the other way about.
+    """
     return iskeyword(name) or name in sys.stdlib_module_names

@@ -22,7 +22,9 @@ from cspdiag.syntax import ast
 
 @record
 class LawUse:
-    """An instance of a submodel: what is known of the values of its parameters, of its period in nanoseconds, and of parameters inside it, by path, from outside."""
+    """An instance of a submodel: what is known of the values of its parameters, of its period in nanoseconds, and of
+    parameters inside it, by path, from outside.
+    """
 
     definition: ast.SubmodelDefinition
     arguments: Mapping[str, Value]
@@ -52,8 +54,8 @@ def flatten(
     """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
 
     The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
-    where something is wrong that was reported. ``environment`` tells that there is a ``time``. ``overrides`` are values of
-    parameters of the instances inside, by path.
+    where something is wrong that was reported. ``environment`` tells that there is a ``time``. ``overrides`` are values
+    of parameters of the instances inside, by path.
     """
     draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, overrides=overrides)
     inlining = _inlined(program, draft, definition, environment, report)
@@ -89,7 +91,9 @@ def _inlined(
 
 
 def _ports(inlining: Inlining) -> tuple[Port, ...]:
-    """The ports in text order. The elements of an array are ports of their own, for a body in another language the array is one."""
+    """The ports in text order. The elements of an array are ports of their own, for a body in another language the
+    array is one.
+    """
     ports = []
     for symbol in inlining.scope.ports.values():
         direction: Direction = symbol.declaration.direction
@@ -149,10 +153,11 @@ def check(
     samples: Iterable[tuple[ast.SubmodelDefinition, int]] = (),
     laws: Iterable[LawUse] = (),
 ) -> None:
-    """Look for loops and impossible operators in every submodel that runs in a process and every one of the text that runs nowhere.
+    """Look for loops and impossible operators in every submodel that runs in a process and every one of the text that
+    runs nowhere.
 
-    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far as known,
-    ``laws`` instances with what is known of the values of their parameters.
+    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far
+    as known, ``laws`` instances with what is known of the values of their parameters.
     """
     in_processes, elsewhere = _uses(program)
     known: dict[tuple[ast.SubmodelDefinition, int | None], list[LawUse]] = {}

@@ -1,8 +1,9 @@
 """Discretization of transfer functions and state spaces for a sample period.
 
-Results are coefficients in the increment ``d = z - 1``: they stay accurate when the sample period is short, where those in ``z`` cancel
-(Middleton and Goodwin, Digital Control and Estimation, 1990, chapter 3). ``tustin``, ``euler`` and ``backward`` substitute a rational
-function of ``d`` for ``s``; ``zoh`` is computed by python-control. numpy and python-control are imported where they are needed.
+Results are coefficients in the increment ``d = z - 1``: they stay accurate when the sample period is short, where those
+in ``z`` cancel (Middleton and Goodwin, Digital Control and Estimation, 1990, chapter 3). ``tustin``, ``euler`` and
+``backward`` substitute a rational function of ``d`` for ``s``; ``zoh`` is computed by python-control. numpy and
+python-control are imported where they are needed.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ def transfer_coefficients(
 ) -> tuple[Polynomial, Polynomial]:
     """Coefficients b_0 ... b_n and a_1 ... a_n of the difference equation in ``d`` of a proper transfer function.
 
-    ``numerator`` and ``denominator`` are polynomials in s, from the highest power down, the first of the denominator not
-    zero; ``sample`` is in seconds. y = (b_0 dⁿ + ... + b_n) / (dⁿ + a_1 dⁿ⁻¹ + ... + a_n) u.
+    ``numerator`` and ``denominator`` are polynomials in s, from the highest power down, the first of the denominator
+    not zero; ``sample`` is in seconds. y = (b_0 dⁿ + ... + b_n) / (dⁿ + a_1 dⁿ⁻¹ + ... + a_n) u.
     """
     order = len(denominator) - 1
     # In the time unit of one sample all coefficients of a fast sampled system are small.

@@ -21,8 +21,8 @@ SECONDS = RealType(unit=SECOND)
 class LinearOperator:
     """A transfer function or a state space whose coefficients are to be computed for the sample period.
 
-    ``matrices`` are (numerator, denominator) or (A, B, C, D); ``coefficients`` the names and types of the parameters that
-    discretization gives values to, in the order in which it gives them.
+    ``matrices`` are (numerator, denominator) or (A, B, C, D); ``coefficients`` the names and types of the parameters
+    that discretization gives values to, in the order in which it gives them.
     """
 
     matrices: tuple[Expression, ...]
@@ -34,10 +34,11 @@ class LinearOperator:
 class Draft:
     """What is known of a system so far. Names are unique over parameters, inputs, equations and states.
 
-    ``owner`` is the place of what the compiler adds; ``sample`` the period in nanoseconds, if it is known; ``arguments`` the values of the
-    parameters. ``concrete``: the arguments are all known, as for an instance; else this is a check of a definition by itself. ``closed``:
-    nothing is left to be given by an instance, so that derived parameters are constants (an environment). ``overrides``: values of
-    parameters of nested instances from outside, by path (``pan.inertia``).
+    ``owner`` is the place of what the compiler adds; ``sample`` the period in nanoseconds, if it is known;
+    ``arguments`` the values of the parameters. ``concrete``: the arguments are all known, as for an instance; else this
+    is a check of a definition by itself. ``closed``: nothing is left to be given by an instance, so that derived
+    parameters are constants (an environment). ``overrides``: values of parameters of nested instances from outside, by
+    path (``pan.inertia``).
     """
 
     def __init__(
@@ -75,7 +76,9 @@ class Draft:
         self.complete = True
         """Whether every definition met was without reported errors."""
         self.depends = False
-        """Whether something was computed that other values of the parameters make different: what it begins with, or a size."""
+        """Whether something was computed that other values of the parameters make different: what it begins with, or a
+        size.
+        """
         self._values: dict[str, Value | None] = {}
 
     def unique(self, name: str) -> str:

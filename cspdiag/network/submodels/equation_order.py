@@ -15,7 +15,9 @@ Item = SubmodelEquation | ExternalCall
 
 @node
 class Order:
-    """Items in order of evaluation, and the loops among the others: each a shortest one of its knot, in the order of reading."""
+    """Items in order of evaluation, and the loops among the others: each a shortest one of its knot, in the order of
+    reading.
+    """
 
     items: tuple[Item, ...]
     loops: tuple[tuple[Item, ...], ...]
@@ -37,7 +39,8 @@ def provides(item: Item) -> list[str]:
 
 
 def ordered(items: Sequence[Item]) -> Order:
-    """Sort equations topologically; ties are broken by their place in ``items``. Linear but for the heap of those that are ready.
+    """Sort equations topologically; ties are broken by their place in ``items``. Linear but for the heap of those that
+    are ready.
 
     Signals that no item provides (inputs, states, time) are had from the beginning.
     """

@@ -1,10 +1,12 @@
 """Operators with a memory become states and difference equations.
 
-First-order operators have closed forms, written as constants of the submodel (``speed_b0 = sample / (2 * tau + sample)``), so that
-the generated code shows them. Transfer functions and state spaces get coefficients computed by ``discretize``.
+First-order operators have closed forms, written as constants of the submodel
+(``speed_b0 = sample / (2 * tau + sample)``), so that the generated code shows them. Transfer functions and state spaces
+get coefficients computed by ``discretize``.
 
-Each operator is realized so that ``y`` (its output) depends on its input within the sample only if its discretization has a direct
-feedthrough: ``tustin`` and ``backward`` have, ``zoh`` and ``euler`` have not (for strictly proper operators).
+Each operator is realized so that ``y`` (its output) depends on its input within the sample only if its discretization
+has a direct feedthrough: ``tustin`` and ``backward`` have, ``zoh`` and ``euler`` have not (for strictly proper
+operators).
 """
 
 from __future__ import annotations
@@ -38,7 +40,9 @@ PARAMETERS = {
 
 @node
 class Application:
-    """An operator as it is used: ``output`` names the signal that is its value, ``base`` begins the names of its states."""
+    """An operator as it is used: ``output`` names the signal that is its value, ``base`` begins the names of its
+    states.
+    """
 
     operator: str
     arguments: dict[str, Expression]
@@ -137,7 +141,9 @@ def _integral(draft: Draft, use: Application, report: Report) -> Expression:
 
 
 def _derivative(draft: Draft, use: Application, report: Report) -> Expression:
-    """The backward difference, whatever the method: tustin would ring at half the sample frequency, euler needs the future."""
+    """The backward difference, whatever the method: tustin would ring at half the sample frequency, euler needs the
+    future.
+    """
     x = _simple(draft, use, "input", use.arguments["x"])
     sample = of_width(draft.sample_period(), use.type)
     name = f"{x.name}_previous" if isinstance(x, SignalValue) else f"{use.base}_previous"
@@ -185,8 +191,8 @@ def _lag(draft: Draft, use: Application, report: Report) -> Expression:
 def _transfer(draft: Draft, use: Application, report: Report) -> Expression | None:
     """Direct form II transposed in the delta operator, scaled by the sample period.
 
-    With δ = z - 1 the coefficients of fast sampled systems stay far from cancellation (Middleton and Goodwin, Digital Control and
-    Estimation, 1990, chapter 3): y = b0·u + s1, next s_k = s_k + s_(k+1) + b_k·u - a_k·y.
+    With δ = z - 1 the coefficients of fast sampled systems stay far from cancellation (Middleton and Goodwin, Digital
+    Control and Estimation, 1990, chapter 3): y = b0·u + s1, next s_k = s_k + s_(k+1) + b_k·u - a_k·y.
     """
     numerator, denominator = (_without_leading_zeros(use.arguments[name]) for name in ("num", "den"))
     if not _length(numerator) or not _length(denominator) or _is_zero(_first(denominator)):

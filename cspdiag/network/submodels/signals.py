@@ -1,7 +1,7 @@
 """What the names in the equations of a submodel stand for in the system that it becomes part of.
 
-``pid.error`` is the input ``error`` of the instance ``pid``. A parameter of an instance is a constant ``pid.kp``, unless its argument is a
-name itself, which then stands in its place.
+``pid.error`` is the input ``error`` of the instance ``pid``. A parameter of an instance is a constant ``pid.kp``,
+unless its argument is a name itself, which then stands in its place.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ class InlinedInto:
 class SubmodelSignals:
     """The signals of one instance of a submodel within a draft.
 
-    ``prefix`` is empty or ends in a dot. ``parameters`` are the arguments in terms of the draft; without one a parameter stays a
-    parameter of the class.
+    ``prefix`` is empty or ends in a dot. ``parameters`` are the arguments in terms of the draft; without one a
+    parameter stays a parameter of the class.
     """
 
     def __init__(
@@ -111,12 +111,16 @@ class SubmodelSignals:
         return known
 
     def constant(self, expression: ast.Expression) -> Expression:
-        """An expression over parameters and constants, whose value the program begins with: one that has none is reported."""
+        """An expression over parameters and constants, whose value the program begins with: one that has none is
+        reported.
+        """
         self.examine(expression)
         return lower_expression(self.program, expression, self.context)
 
     def examine(self, expression: ast.Expression, replicators: Mapping[ast.Node, Value] = NO_VALUES) -> None:
-        """Report what goes wrong in an expression that is computed before the program runs, once the parameters are known."""
+        """Report what goes wrong in an expression that is computed before the program runs, once the parameters are
+        known.
+        """
         if self.draft.concrete and not isinstance(expression, ast.Number | ast.Duration | ast.Boolean):
             self.draft.depends = self.draft.depends or not isinstance(expression, ast.Name)
             evaluate(self.program, expression, {**self._values(), **replicators}, self.report)

@@ -72,7 +72,9 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
 def _computed_first(
     draft: Draft, equations: tuple[Item, ...], following: Mapping[str, Expression]
 ) -> tuple[tuple[Item, ...], tuple[tuple[str, Expression], ...]]:
-    """Next values that may fault, or read what integration moves, become equations of their own: computed before any state has changed."""
+    """Next values that may fault, or read what integration moves, become equations of their own: computed before any
+    state has changed.
+    """
     computed: list[Item] = list(equations)
     next_values: list[tuple[str, Expression]] = []
     for name, state in draft.states.items():
@@ -101,7 +103,8 @@ def _constants_apart(
 ) -> tuple[tuple[SubmodelEquation, ...], tuple[Item, ...]]:
     """Equations over parameters only, and the others.
 
-    An output is written at every sample, even if it never changes; and what faults does so in each run of the law, not before the first.
+    An output is written at every sample, even if it never changes; and what faults does so in each run of the law, not
+    before the first.
     """
     constants: list[SubmodelEquation] = []
     known: set[str] = set()
@@ -133,7 +136,8 @@ def _reads_time(expression: Expression) -> bool:
 def _alive(
     draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: set[str]
 ) -> set[str]:
-    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names) that cannot fault.
+    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names) that
+    cannot fault.
 
     What nothing needs is not computed, or may as well not be.
     """
@@ -165,7 +169,8 @@ def _sound(draft: Draft, items: tuple[Item, ...]) -> set[str]:
 def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[SubmodelEquation, ...]:
     """The equations that derivatives need again in every sub-step.
 
-    They depend on continuous states or on the time; outputs of discrete operators and of external calls are held over the sample.
+    They depend on continuous states or on the time; outputs of discrete operators and of external calls are held over
+    the sample.
     """
     varying = set(draft.derivatives)
     again: list[SubmodelEquation] = []

@@ -1,4 +1,6 @@
-"""What is wrong with the composition of a process: ends, variables and instances that are not there, and types that do not agree."""
+"""What is wrong with the composition of a process: ends, variables and instances that are not there, and types that do
+not agree.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""Whether a network is whole: every name is declared, types agree, steps have places, and nothing is there that a later pass makes.
+"""Whether a network is whole: every name is declared, types agree, steps have places, and nothing is there that a later
+pass makes.
 
-It is looked at after each pass where it is asked for: a pass that breaks a network is found at the pass, not at the code.
+It is looked at after each pass where it is asked for: a pass that breaks a network is found at the pass, not at the
+code.
 """
 
 from __future__ import annotations

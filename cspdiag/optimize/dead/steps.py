@@ -1,6 +1,8 @@
-"""Removes what has no effect: steps that are never reached, handlers of what is never raised, and everything that nobody uses any more.
+"""Removes what has no effect: steps that are never reached, handlers of what is never raised, and everything that
+nobody uses any more.
 
-What could fault stays, although its value is not used, and so do the reading ends of a ``broadcast``: its writer waits for them.
+What could fault stays, although its value is not used, and so do the reading ends of a ``broadcast``: its writer waits
+for them.
 """
 
 from __future__ import annotations
@@ -54,7 +56,9 @@ Raised: TypeAlias = "dict[str, Exceptions]"
 
 
 def remove_dead_parts(network: Network) -> Network:
-    """The network without steps, handlers, equations, states, variables, ports, channels, instances, parameters and classes that have no effect."""
+    """The network without steps, handlers, equations, states, variables, ports, channels, instances, parameters and
+    classes that have no effect.
+    """
     raised: Raised = {}
     unwritten = may_be_unwritten(network)
     results: dict[str, Class] = {}
@@ -93,7 +97,9 @@ def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
 
 
 def places_waited_for(entry: ProcessClass) -> frozenset[str]:
-    """Ports and channels whose writer waits for every reading end, read or not; where media are not known, that may be any port."""
+    """Ports and channels whose writer waits for every reading end, read or not; where media are not known, that may be
+    any port.
+    """
     ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
     return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
 

@@ -1,6 +1,7 @@
 """Removes equations, states and assignments of a process whose values nobody uses.
 
-A value is used if a communication, a condition, a delay or a value that is used needs it, or if computing it can fault: a fault is an effect.
+A value is used if a communication, a condition, a delay or a value that is used needs it, or if computing it can fault:
+a fault is an effect.
 """
 
 from __future__ import annotations
@@ -70,7 +71,9 @@ def _live_part(law: RunLaw, values: _Values) -> RunLaw | SkipStep:
 
 
 class _Values:
-    """The signals and variables of a class that are ``used``, found by going on from what has an effect until nothing is added."""
+    """The signals and variables of a class that are ``used``, found by going on from what has an effect until nothing
+    is added.
+    """
 
     def __init__(self, entry: ProcessClass, unwritten: frozenset[str]) -> None:
         self.used: set[Name] = set()
@@ -161,7 +164,9 @@ class _Values:
 
 
 def _names(item: Any) -> Iterator[Name]:
-    """The signals and variables that something reads; an end of a variable counts as well, and so does one that is assigned an element."""
+    """The signals and variables that something reads; an end of a variable counts as well, and so does one that is
+    assigned an element.
+    """
     for part in parts(item):
         match part:
             case SignalValue():

@@ -64,7 +64,8 @@ class EndNumbers:
 
 
 class MovedUp:
-    """What an instance of ``inner`` becomes in the class ``outer``: all its names get the prefix of the instance's name.
+    """What an instance of ``inner`` becomes in the class ``outer``: all its names get the prefix of the instance's
+    name.
 
     A port stands for what it is connected to. One that is left to its default, or discarded, becomes a variable.
     """

@@ -1,4 +1,6 @@
-"""Parts of a class that move into the class around it: names get the instance's prefix, parameters the values that it gives."""
+"""Parts of a class that move into the class around it: names get the instance's prefix, parameters the values that it
+gives.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ def parameter_constants(
 ) -> tuple[dict[str, Expression], tuple[SubmodelEquation, ...]]:
     """What stands for each parameter of an instance, and the constants of the enclosing class that this takes.
 
-    Literals and parameters of the enclosing class stand for themselves; anything else is computed once, as the constant ``servo.sample``.
+    Literals and parameters of the enclosing class stand for themselves; anything else is computed once, as the constant
+    ``servo.sample``.
     """
     spans = {parameter.name: parameter for parameter in parameters}
     values: dict[str, Expression] = {}
@@ -40,9 +43,11 @@ def _constant(name: str, value: Expression, span: Span, doc: str | None) -> Subm
 
 
 def renamed(item: T, prefix: str, values: Mapping[str, Expression], signals: Mapping[str, Expression] = {}) -> T:
-    """Expressions, alone or in records or tuples, with the prefix before their signals and variables and ``values`` for parameters.
+    """Expressions, alone or in records or tuples, with the prefix before their signals and variables and ``values`` for
+    parameters.
 
-    ``signals`` stand for signals of these names. Names of equations and channels that are not in expressions stay as they are.
+    ``signals`` stand for signals of these names. Names of equations and channels that are not in expressions stay as
+    they are.
     """
 
     return with_parts(item, lambda part: renamed_part(part, prefix, values, signals))

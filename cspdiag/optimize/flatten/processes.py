@@ -1,4 +1,6 @@
-"""Processes that run in sequence become one: their channels, states and instances move up, their bodies stand where they were run."""
+"""Processes that run in sequence become one: their channels, states and instances move up, their bodies stand where
+they were run.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +19,17 @@ from cspdiag.optimize.variables import with_assignments
 from cspdiag.syntax.parse.nesting import DEEPEST
 
 LARGEST = 20_000
-"""Records that a class may have with what is taken into it; without a limit, classes that two others run, each twice, would grow without bounds."""
+"""Records that a class may have with what is taken into it; without a limit, classes that two others run, each twice,
+would grow without bounds.
+"""
 
 LONGEST = 8
 """Elements of an array that are taken in; a longer one is better run by a loop."""
 
 
 def flatten(network: Network) -> Network:
-    """The network with each instance of a process that is run at one place, in sequence, taken into the process around it.
+    """The network with each instance of a process that is run at one place, in sequence, taken into the process around
+    it.
 
     What is run beside others stays a process, and so does what is run at several places, written by hand, or too large.
     """
@@ -35,7 +40,9 @@ def flatten(network: Network) -> Network:
 
 
 class _Flattening:
-    """The classes so far, each after those of its instances, with their sizes in records and the depths of their compositions."""
+    """The classes so far, each after those of its instances, with their sizes in records and the depths of their
+    compositions.
+    """
 
     def __init__(self) -> None:
         self.classes: dict[str, ProcessClass | SubmodelClass] = {}

@@ -33,10 +33,11 @@ from cspdiag.optimize.fuse.schedule import Path
 
 
 class Composition:
-    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides.
+    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs
+    besides.
 
-    ``followed`` has the positions of samples before which it begins to follow inputs: the ends, beginning with the one that has the sample.
-    ``closing``: the ends of processes that end are closed.
+    ``followed`` has the positions of samples before which it begins to follow inputs: the ends, beginning with the one
+    that has the sample. ``closing``: the ends of processes that end are closed.
     """
 
     def __init__(

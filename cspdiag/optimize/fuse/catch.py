@@ -1,7 +1,7 @@
 """What a process has assigned when it is cancelled, and who sees that.
 
-A cancelled process goes on to its next communication, and may assign to variables on the way; a fused one ends where it is. That
-makes a difference only where an exception is caught and these variables are read afterwards.
+A cancelled process goes on to its next communication, and may assign to variables on the way; a fused one ends where it
+is. That makes a difference only where an exception is caught and these variables are read afterwards.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ from cspdiag.optimize.fuse.code import NotStaticError
 
 
 def refuse_seen_cancellation(entry: ProcessClass) -> None:
-    """Raises NotStaticError where a caught exception cancels processes whose variables are read outside of what it ends."""
+    """Raises NotStaticError where a caught exception cancels processes whose variables are read outside of what it
+    ends.
+    """
     everything = _reads(entry.body)
     repeated = {
         id(part)

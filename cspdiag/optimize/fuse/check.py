@@ -15,8 +15,8 @@ from cspdiag.optimize.fuse.schedule import Path
 
 
 def same_schedule(one: Path, other: Path, ignored: frozenset[str]) -> bool:
-    """Whether the same happens at the same instants, in the same order, with the same exits; assignments to ``ignored`` variables do not count,
-    nor does where processes end, which shows in the samples that are taken and missed.
+    """Whether the same happens at the same instants, in the same order, with the same exits; assignments to ``ignored``
+    variables do not count, nor does where processes end, which shows in the samples that are taken and missed.
 
     Each is a beginning and a loop. Two such sequences that agree for as long as both are together agree for ever.
     """

@@ -1,7 +1,8 @@
 """A composition as a list of instructions, for following at compile time what all processes of a program do.
 
-An instruction is what a process does between two points at which it could stop: a computation, a communication, a delay, an alternative, or a
-decision where to go on. What only computes is one instruction, however large; outputs to the environment never wait, and count as computing.
+An instruction is what a process does between two points at which it could stop: a computation, a communication, a
+delay, an alternative, or a decision where to go on. What only computes is one instruction, however large; outputs to
+the environment never wait, and count as computing.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Reads the variable that a value comes from instead of a copy of it, so that copies which a rendezvous left become needless.
+"""Reads the variable that a value comes from instead of a copy of it, so that copies which a rendezvous left become
+needless.
 
 A copy stands for its origin until one of the two is written again. Where ways meet, what holds on all of them holds.
 """
@@ -26,10 +27,13 @@ NOTHING: Copies = {}
 
 
 def without_copies(body: Action) -> Action:
-    """The composition of one process without parallels and instances, reading origins instead of copies; the copies are still made."""
+    """The composition of one process without parallels and instances, reading origins instead of copies; the copies are
+    still made.
+    """
     code = flow_of(body)
     states = solve(code, NOTHING, _after, _on_all_ways)
-    # The steps and conditions of the text in their order, as the walk below meets them; nothing is known of what is never reached.
+    # The steps and conditions of the text in their order, as the walk below meets them; nothing is known of what is
+    # never reached.
     known = iter(
         [
             copies or NOTHING

@@ -1,7 +1,9 @@
-"""Follows at compile time what a program does, by the meaning of the language: all its tasks, their channels and the time.
+"""Follows at compile time what a program does, by the meaning of the language: all its tasks, their channels and the
+time.
 
-Values are not known, but for variables that only count. What happens is written down: computations, samples that are taken, values that pass. Where
-the program goes on depends on a value that is not known, ``decisions`` say where to go; without one for it, following stops there.
+Values are not known, but for variables that only count. What happens is written down: computations, samples that are
+taken, values that pass. Where the program goes on depends on a value that is not known, ``decisions`` say where to go;
+without one for it, following stops there.
 """
 
 from __future__ import annotations
@@ -38,7 +40,9 @@ class Ends:
 
 @record
 class Loops:
-    """The program is in a state for the second time; it was in it at instant ``since``, when ``position`` things had happened."""
+    """The program is in a state for the second time; it was in it at instant ``since``, when ``position`` things had
+    happened.
+    """
 
     position: int
     since: int
@@ -143,7 +147,9 @@ class Following(Scheduler):
         return Choose(prioritized, memory, self._numbers[name])
 
     def follow(self) -> Outcome:
-        """Follows to the end, to a state that has been before, or to where a decision is missing. Raises NotStaticError."""
+        """Follows to the end, to a state that has been before, or to where a decision is missing. Raises
+        NotStaticError.
+        """
         try:
             ending = self.run(Walker(self, (0,), 0), None)
         except _FoundError as found:

@@ -1,7 +1,8 @@
 """Channels and sampled inputs as they are followed at compile time.
 
-Who waits at them, who meets whom, and in which order is what the meaning of the language says. Values are not known, only the expressions that they
-come from: where a value passes, the ``Recorder`` writes down an assignment and, for the trace, a report.
+Who waits at them, who meets whom, and in which order is what the meaning of the language says. Values are not known,
+only the expressions that they come from: where a value passes, the ``Recorder`` writes down an assignment and, for the
+trace, a report.
 """
 
 from __future__ import annotations
@@ -108,7 +109,9 @@ class Rendezvous(Medium, media.Rendezvous):
 
 
 class Fifo(Medium, media.Fifo):
-    """A channel of kind ``buffer`` or ``overwrite``: each value is kept in a variable of its own, by its number in ``values``."""
+    """A channel of kind ``buffer`` or ``overwrite``: each value is kept in a variable of its own, by its number in
+    ``values``.
+    """
 
     def state(self) -> tuple[object, ...]:
         """See ``Medium.state``."""
@@ -149,7 +152,9 @@ class Broadcast(Medium, media.Broadcast):
 
 
 class Input(Medium, SampledInput):
-    """A sampled input. Only programs that miss no sample are followed, so that the sample to be taken is that of the latest tick."""
+    """A sampled input. Only programs that miss no sample are followed, so that the sample to be taken is that of the
+    latest tick.
+    """
 
     def __init__(self, record: Records, world: World, name: str, period: int) -> None:
         super().__init__(record, world, name, period)

@@ -1,28 +1,34 @@
 """Fuses a program whose schedule is known at compile time into one process.
 
-All processes are followed from the start, on the meaning of the language (``cspdiag.semantics``), until they are in a state for the second time. What they did is
-written down as the composition of one process: what happened first, and a loop with what happens again and again. A rendezvous in it is
-an assignment, and for the trace a report; samples are read and outputs written where they were.
+All processes are followed from the start, on the meaning of the language (``cspdiag.semantics``), until they are in a
+state for the second time. What they did is written down as the composition of one process: what happened first, and a
+loop with what happens again and again. A rendezvous in it is an assignment, and for the trace a report; samples are
+read and outputs written where they were.
 
 When that can be done, and why nothing else can be seen from outside:
 
-- *The whole program* is followed, from time 0, so that the order of everything is known: computations, communications, samples and outputs stand in the
-  fused process in the order in which they would have been done, at the same instants. A program of which only a part could be followed is left as it is: an
-  exception or a fault of the others would cancel the part in the middle of an instant, between two communications that are not points of
-  cancellation any more, and its own would cancel them earlier or later than they were.
-- *What is not known does not matter.* Inputs without a period (events), interrupts, handlers of ``Fault`` and ``Timeout``, processes and control laws written
-  by hand, variables that may be read before they are written, and guards and delays that depend on values are refused. A decision that depends
-  on a value may have one way that goes on for ever; the other is followed to the end of the program, and stands in the fused process as an exit.
-- *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their next communication, which nobody
-  sees: there is nobody left to look at their variables. For the same reason processes that are cancelled by an exception end where they are; a program that
-  looks at their variables afterwards is refused (``fuse_catch``).
+- *The whole program* is followed, from time 0, so that the order of everything is known: computations, communications,
+  samples and outputs stand in the fused process in the order in which they would have been done, at the same instants.
+  A program of which only a part could be followed is left as it is: an exception or a fault of the others would cancel
+  the part in the middle of an instant, between two communications that are not points of cancellation any more, and its
+  own would cancel them earlier or later than they were.
+- *What is not known does not matter.* Inputs without a period (events), interrupts, handlers of ``Fault`` and
+  ``Timeout``, processes and control laws written by hand, variables that may be read before they are written, and
+  guards and delays that depend on values are refused. A decision that depends on a value may have one way that goes on
+  for ever; the other is followed to the end of the program, and stands in the fused process as an exit.
+- *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their
+  next communication, which nobody sees: there is nobody left to look at their variables. For the same reason processes
+  that are cancelled by an exception end where they are; a program that looks at their variables afterwards is refused
+  (``fuse_catch``).
 - *A program that deadlocks* stays as it is, for the report names its processes; and so does one that misses samples.
-- *Samples* are taken by ends of the fused process, one for each end there was. As one process they follow their periods together, and each from its
-  first read on, which can differ from what several processes do. So it may have to begin to wait for several inputs at once, by an alternative before the
-  first sample, or to keep the ends of each process apart and close them where it ended. The fused process is followed like any other, has to
-  do the same at the same instants, and is given up if it does not.
-- *Priorities* and alternatives have had their say in the order that was followed. In real time a fused process is late as a whole, where one of several
-  would have been; it then takes its samples in the same order, and misses them by the same rule.
+- *Samples* are taken by ends of the fused process, one for each end there was. As one process they follow their periods
+  together, and each from its first read on, which can differ from what several processes do. So it may have to begin to
+  wait for several inputs at once, by an alternative before the first sample, or to keep the ends of each process apart
+  and close them where it ended. The fused process is followed like any other, has to do the same at the same instants,
+  and is given up if it does not.
+- *Priorities* and alternatives have had their say in the order that was followed. In real time a fused process is late
+  as a whole, where one of several would have been; it then takes its samples in the same order, and misses them by the
+  same rule.
 """
 
 from __future__ import annotations
@@ -46,7 +52,9 @@ from cspdiag.optimize.fuse.record import Step
 from cspdiag.optimize.fuse.schedule import Path, schedule, schedule_like, with_loop_begun, with_loop_early
 
 MOST_GROWTH = 8
-"""The schedule of a program that only repeats after long is much text, and no faster to read or to compile than its processes."""
+"""The schedule of a program that only repeats after long is much text, and no faster to read or to compile than its
+processes.
+"""
 
 
 def fuse(network: Network) -> Network:
@@ -98,7 +106,9 @@ def _steps(entry: ProcessClass | SubmodelClass) -> Iterator[object]:
 
 
 def _beginnings(path: Path) -> dict[int, tuple[End, ...]]:
-    """The positions of samples that are waited for while processes begin to wait for other inputs, with the ends of all."""
+    """The positions of samples that are waited for while processes begin to wait for other inputs, with the ends of
+    all.
+    """
     found: dict[int, tuple[End, ...]] = {}
     begun: set[End] = set()
     for position, step in enumerate(path.happenings):
@@ -115,7 +125,8 @@ def _beginnings(path: Path) -> dict[int, tuple[End, ...]]:
 def _single(entry: ProcessClass, path: Path, *, together: bool, closing: bool) -> tuple[ProcessClass, frozenset[str]]:
     """The class of the one process, and the variables in it that count.
 
-    ``together``: it begins to follow inputs when the processes did. ``closing``: the ends of each process stay its own, and are closed when it ends.
+    ``together``: it begins to follow inputs when the processes did. ``closing``: the ends of each process stay its own,
+    and are closed when it ends.
     """
     assert entry.body is not None
     followed = _beginnings(path) if together else {}

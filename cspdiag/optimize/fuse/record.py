@@ -29,7 +29,9 @@ MOST_INSTRUCTIONS = 30_000
 
 @record
 class Step:
-    """Something that is done at an instant; ``fresh``: it takes a sample that came at this instant, and so waits for it."""
+    """Something that is done at an instant; ``fresh``: it takes a sample that came at this instant, and so waits for
+    it.
+    """
 
     time: int
     action: Action

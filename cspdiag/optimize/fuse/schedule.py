@@ -1,7 +1,7 @@
 """Finds the schedule of a program: what happens first, and what then happens again and again.
 
-Where the program goes on depending on a value, both ways are followed. At most one of them may go on for ever; the other is an exit, after which the
-program ends.
+Where the program goes on depending on a value, both ways are followed. At most one of them may go on for ever; the
+other is an exit, after which the program ends.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ MOST_DECISIONS = 60
 
 @record
 class Path:
-    """What happens from the start. ``exits`` has, by the position of a ``Turn``, what happens there instead, from the turn on.
+    """What happens from the start. ``exits`` has, by the position of a ``Turn``, what happens there instead, from the
+    turn on.
 
-    It ends (by an exception where ``outcome`` has one), or goes back to what happened first at the position that ``outcome`` has; it is
-    then ``now``.
+    It ends (by an exception where ``outcome`` has one), or goes back to what happened first at the position that
+    ``outcome`` has; it is then ``now``.
     """
 
     happenings: tuple[Happening, ...]
@@ -52,7 +53,9 @@ class Path:
 
 
 def schedule_like(entry: ProcessClass, ports: Sequence[ExternalPort], path: Path, made: frozenset[str]) -> Path:
-    """The schedule of a class that was written from a path, with ``made`` as variables that count. Raises NotStaticError."""
+    """The schedule of a class that was written from a path, with ``made`` as variables that count. Raises
+    NotStaticError.
+    """
     return _explored(Code(entry, whole=_computations(path)), ports, path.counting | made, ())
 
 
@@ -105,7 +108,9 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
 
 
 def with_loop_early(path: Path) -> Path:
-    """The same schedule, with the loop where it can begin first: what happens before it as it happens at its end is a part of it."""
+    """The same schedule, with the loop where it can begin first: what happens before it as it happens at its end is a
+    part of it.
+    """
     outcome = path.outcome
     if not isinstance(outcome, Loops):
         return path
@@ -157,7 +162,9 @@ def _later(happenings: tuple[Happening, ...], time: int) -> tuple[Happening, ...
 
 
 def counting_variables(entry: ProcessClass) -> frozenset[str]:
-    """Variables that decide where to go on and depend on nothing but such variables and constants, as those that count turns do."""
+    """Variables that decide where to go on and depend on nothing but such variables and constants, as those that count
+    turns do.
+    """
     made_from: dict[str, set[str]] = {}
     unknown: set[str] = set()
     asked: set[str] = set()

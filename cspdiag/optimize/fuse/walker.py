@@ -1,4 +1,6 @@
-"""A task that is followed: it goes through the instructions, and asks for what the meaning of the language lets tasks ask for."""
+"""A task that is followed: it goes through the instructions, and asks for what the meaning of the language lets tasks
+ask for.
+"""
 
 from __future__ import annotations
 

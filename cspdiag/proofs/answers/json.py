@@ -14,7 +14,9 @@ from cspdiag.proofs.counterexamples.suggestion import Suggestion
 
 
 def render(answers: Sequence[Answer]) -> str:
-    """A list with an object for each question; ``verdict`` is ``proved``, ``refuted`` or ``unknown``; times are in seconds."""
+    """A list with an object for each question; ``verdict`` is ``proved``, ``refuted`` or ``unknown``; times are in
+    seconds.
+    """
     return json.dumps([_object(answer) for answer in answers], indent=2) + "\n"
 
 
@@ -46,7 +48,9 @@ def _object(answer: Answer) -> dict[str, Any]:
 
 
 def _suggested(suggestion: Suggestion) -> dict[str, Any]:
-    """The change of a range of the text, whose end is exclusive; ``proved_with`` is null where the property of the whole program was proved."""
+    """The change of a range of the text, whose end is exclusive; ``proved_with`` is null where the property of the
+    whole program was proved.
+    """
     span = suggestion.span
     return {
         "words": suggestion.words,

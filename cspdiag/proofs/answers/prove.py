@@ -42,7 +42,9 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
 
 
 def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
-    """The process in question and its specification, if there is one: of the inputs that this one tells apart, both have the same values."""
+    """The process in question and its specification, if there is one: of the inputs that this one tells apart, both
+    have the same values.
+    """
     if question.specification is None:
         return systems(question.process), None
     from cspdiag.proofs.refine.labels import Labels
@@ -73,7 +75,9 @@ def _answer(
 
 
 def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:
-    """No deadlock, in which nothing goes on, and no knot, in which some wait for each other for ever while others go on."""
+    """No deadlock, in which nothing goes on, and no knot, in which some wait for each other for ever while others go
+    on.
+    """
     from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
     from cspdiag.proofs.structure.pairs import Structure
 

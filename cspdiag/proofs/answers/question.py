@@ -20,9 +20,9 @@ EXPECTED: tuple[Property, ...] = ("deadlock free", "livelock free")
 class Question:
     """A property that a process may have.
 
-    ``specification``, ``model``, ``hidden`` (ports of the process whose events the specification does not see) and ``free`` (inputs that only the specification has: it
-    chooses itself what comes there) belong to ``refines``. ``span`` is
-    the assertion, or the name of the process where nothing was asserted.
+    ``specification``, ``model``, ``hidden`` (ports of the process whose events the specification does not see) and
+    ``free`` (inputs that only the specification has: it chooses itself what comes there) belong to ``refines``.
+    ``span`` is the assertion, or the name of the process where nothing was asserted.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()

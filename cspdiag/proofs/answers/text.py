@@ -16,7 +16,9 @@ _COLOURS: dict[Outcome, str] = {"proved": "1;32", "refuted": "1;31", "unknown": 
 
 
 def render(answers: Sequence[Answer], *, colour: bool = False, quiet: bool = False) -> str:
-    """Each answer with what makes it credible, then how many there are of which kind; with ``quiet`` only what is not proved."""
+    """Each answer with what makes it credible, then how many there are of which kind; with ``quiet`` only what is not
+    proved.
+    """
     shown = [answer for answer in answers if not quiet or answer.outcome != "proved"]
     parts = ["".join(f"{line}\n" for line in _lines(answer, colour)) for answer in shown]
     if not quiet:

@@ -1,7 +1,8 @@
 """Changes of the communication diagram: two connections of an instance exchanged, a buffer in a channel.
 
-To exchange connections changes the order in which an instance takes its resources. Where all take them in one order, no circle of waiting closes (Havender,
-"Avoiding deadlock in multitasking systems", 1968; Roscoe and Dathi, "The pursuit of deadlock freedom", 1987).
+To exchange connections changes the order in which an instance takes its resources. Where all take them in one order, no
+circle of waiting closes (Havender, "Avoiding deadlock in multitasking systems", 1968; Roscoe and Dathi, "The pursuit of
+deadlock freedom", 1987).
 """
 
 from __future__ import annotations
@@ -69,7 +70,9 @@ class _Pair:
 def exchanged_connections(
     program: Program, network: Network, waiting: Sequence[BlockedProcess]
 ) -> Iterator[Suggestion]:
-    """What somebody takes first connected where it takes something later, if both lead to processes for which they play the same part."""
+    """What somebody takes first connected where it takes something later, if both lead to processes for which they play
+    the same part.
+    """
     tried: set[tuple[str, str, tuple[str, str]]] = set()
     for pair in _pairs(program, network, waiting):
         key = (pair.definition, pair.instance.array or pair.instance.name, pair.ports)
@@ -103,7 +106,9 @@ class _Places:
         self._classes = {entry.path: classes[entry.class_name] for entry in network.instances}
 
     def pairs(self, net: Net, leaf: str, leaf_port: str) -> Iterator[_Pair]:
-        """What may be exchanged with the port by which a leaf takes part in a channel, at the instance that is connected to the channel."""
+        """What may be exchanged with the port by which a leaf takes part in a channel, at the instance that is
+        connected to the channel.
+        """
         path, port = leaf, leaf_port
         while "." in path:
             enclosing, _, name = path.rpartition(".")
@@ -153,7 +158,9 @@ def _like(ports: Sequence[Port], name: str) -> Iterator[tuple[str, tuple[str, st
 
 
 def _exchange(program: Program, pair: _Pair, communication: ast.Communication) -> Suggestion | None:
-    """The change of the text; None where it connects the instance in another way than by two relationships side by side."""
+    """The change of the text; None where it connects the instance in another way than by two relationships side by
+    side.
+    """
     whole = communication.declarations
     alone = _references(program, pair, [part for part in whole if isinstance(part, ast.Connection)], None)
     if alone is not None:
@@ -174,7 +181,9 @@ def _exchange(program: Program, pair: _Pair, communication: ast.Communication) -
 def _references(
     program: Program, pair: _Pair, connections: Sequence[ast.Connection], replicator: ast.Replicator | None
 ) -> tuple[ast.Reference, ast.Reference] | None:
-    """The two places at which the ports of the instance are connected, in a loop as those of the element that the loop is at; None if there are others."""
+    """The two places at which the ports of the instance are connected, in a loop as those of the element that the loop
+    is at; None if there are others.
+    """
     found = [
         reference
         for connection in connections

@@ -1,8 +1,9 @@
 """Changes of the composition diagram: steps in another order, at the same time, or as alternatives.
 
-A loop in which a process makes requests as well as serving them is what closes circles in client-server networks (Welch, Justo and Willcock, "High-level
-paradigms for deadlock-free high-performance systems", 1993; Martin and Jassim, "How to design deadlock-free networks using CSP and verification tools",
-1997): it may serve before it asks, or whenever it is asked.
+A loop in which a process makes requests as well as serving them is what closes circles in client-server networks
+(Welch, Justo and Willcock, "High-level paradigms for deadlock-free high-performance systems", 1993; Martin and Jassim,
+"How to design deadlock-free networks using CSP and verification tools", 1997): it may serve before it asks, or whenever
+it is asked.
 """
 
 from __future__ import annotations

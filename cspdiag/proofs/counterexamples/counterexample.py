@@ -23,7 +23,9 @@ def is_shown(kind: str, parties: int) -> bool:
 
 @record
 class Party:
-    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process, ``role`` as in ``Event.roles``."""
+    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the
+    outermost process, ``role`` as in ``Event.roles``.
+    """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
 
@@ -36,7 +38,9 @@ class Party:
 
 @record
 class Step:
-    """Something that happens; ``channel`` is the hierarchical name as in traces. ``added``: the proof left it open, and the program did it."""
+    """Something that happens; ``channel`` is the hierarchical name as in traces. ``added``: the proof left it open, and
+    the program did it.
+    """
 
     kind: EventKind | Literal["internal"]
     channel: str
@@ -52,7 +56,8 @@ class Step:
 
 @record
 class BlockedProcess:
-    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come.
+    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes,
+    by name, that would have to come.
 
     ``ended`` are those of them that have ended.
     """
@@ -72,8 +77,8 @@ class BlockedProcess:
 class Counterexample:
     """How a property fails.
 
-    ``steps`` lead to where it does; ``cycle`` is what can repeat for ever then; ``waiting`` are the processes that never go on, of which those named in
-    ``ring`` wait for each other, each for the next and the last for the first.
+    ``steps`` lead to where it does; ``cycle`` is what can repeat for ever then; ``waiting`` are the processes that
+    never go on, of which those named in ``ring`` wait for each other, each for the next and the last for the first.
     """
 
     failure: Failure
@@ -164,7 +169,9 @@ class _Teller:
 
 
 def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
-    """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side than the ``role`` of who waits."""
+    """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side
+    than the ``role`` of who waits.
+    """
     if system.components[absent].process:
         return (absent,)
     others = "!" if role == "?" else "?"
@@ -178,7 +185,9 @@ def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
 
 
 def ring(waiting: tuple[BlockedProcess, ...]) -> tuple[str, ...]:
-    """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for nobody."""
+    """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for
+    nobody.
+    """
     by_name = {entry.name: entry for entry in waiting}
     branches: dict[str, list[str]] = {}
     for entry in waiting:

@@ -12,7 +12,9 @@ from cspdiag.syntax import ast
 
 
 class LastElement:
-    """What a declaration of the loop reads like in its last round; ``count`` is the number of rounds, None where it is a matter of parameters."""
+    """What a declaration of the loop reads like in its last round; ``count`` is the number of rounds, None where it is
+    a matter of parameters.
+    """
 
     def __init__(self, program: Program, replicator: ast.Replicator) -> None:
         self._program = program

@@ -13,7 +13,8 @@ from cspdiag.base.record import record, replaced
 class Suggestion:
     """A change: ``words`` say what to do, ``replacement`` is the new text of ``span``.
 
-    ``proved_with`` is a setting of a constant, as ``seats=2``, where the property was proved for a smaller program only.
+    ``proved_with`` is a setting of a constant, as ``seats=2``, where the property was proved for a smaller program
+    only.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()

@@ -49,7 +49,9 @@ def within(whole: object, kind: type[Part]) -> list[Part]:
 
 
 def looks_the_same(part: ast.Node, renamed: Mapping[str, str]) -> bool:
-    """Whether a part of the text says the same with some names for others, whatever the order of alternatives and parallel parts."""
+    """Whether a part of the text says the same with some names for others, whatever the order of alternatives and
+    parallel parts.
+    """
     return _said(part, {}) == _said(part, renamed)
 
 

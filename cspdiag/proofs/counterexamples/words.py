@@ -30,7 +30,9 @@ def _alone(step: Step) -> str:
 
 
 def waiting_lines(found: Counterexample, *, supposed: bool = False) -> Iterator[str]:
-    """A line for each process that never goes on, those that wait for each other first; ``supposed`` where no run was found that comes to it."""
+    """A line for each process that never goes on, those that wait for each other first; ``supposed`` where no run was
+    found that comes to it.
+    """
     by_name = {entry.name: entry for entry in found.waiting}
     following = (*found.ring[1:], *found.ring[:1])
     for name, partner in zip(found.ring, following, strict=True):

@@ -1,7 +1,8 @@
 """Runs that go on for ever with some events only: a trace to a cycle of global states.
 
-First the loops of the components (``local_loops``), which often exclude it; then a short look in depth; then what large systems do as seen from
-outside; then all reachable states, from which those without a step to one that is left are taken away until none or only cycles with the ways to them remain.
+First the loops of the components (``local_loops``), which often exclude it; then a short look in depth; then what large
+systems do as seen from outside; then all reachable states, from which those without a step to one that is left are
+taken away until none or only cycles with the ways to them remain.
 """
 
 from __future__ import annotations
@@ -42,7 +43,9 @@ class Endless:
 
 @record
 class Finite:
-    """No run has infinitely many of the events in a row; ``states`` were looked at, or none if the loops of the components excluded it."""
+    """No run has infinitely many of the events in a row; ``states`` were looked at, or none if the loops of the
+    components excluded it.
+    """
 
     method: Method
     states: int | None = None

@@ -1,5 +1,6 @@
-"""Livelock: a run that from some point on has only events that nobody outside sees, and in which no time passes (divergence: Roscoe, "Understanding
-Concurrent Systems", section 6.1)."""
+"""Livelock: a run that from some point on has only events that nobody outside sees, and in which no time passes
+(divergence: Roscoe, "Understanding Concurrent Systems", section 6.1).
+"""
 
 from __future__ import annotations
 

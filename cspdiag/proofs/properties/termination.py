@@ -1,4 +1,6 @@
-"""Termination: every run comes to an end in which all processes have ended, whatever the environment offers, provided it does not stop offering."""
+"""Termination: every run comes to an end in which all processes have ended, whatever the environment offers, provided
+it does not stop offering.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,8 @@ def terminates(
 ) -> Verdict:
     """Whether no run is infinite, and none stops where a process has not ended.
 
-    A refutation has either a cycle, which can be repeated for ever, or processes that are stuck. ``deadlock_free`` answers the second question.
+    A refutation has either a cycle, which can be repeated for ever, or processes that are stuck. ``deadlock_free``
+    answers the second question.
     """
     try:
         found = endless_run(system, range(len(system.events)), limits)

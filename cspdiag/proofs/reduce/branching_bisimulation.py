@@ -1,9 +1,10 @@
-"""Smallest machines that do the same: branching bisimulation that preserves divergence (van Glabbeek and Weijland, "Branching time and abstraction in
-bisimulation semantics", 1996).
+"""Smallest machines that do the same: branching bisimulation that preserves divergence (van Glabbeek and Weijland,
+"Branching time and abstraction in bisimulation semantics", 1996).
 
-Blocks of states are split by signatures until none changes (Blom and Orzan, "Distributed branching bisimulation reduction of state spaces", 2003): the steps
-that a state can take, also after internal steps that stay in its block, each with the block that it leads to. Cycles of internal steps are one state with
-an internal loop, so that a livelock never becomes a state that stands still.
+Blocks of states are split by signatures until none changes (Blom and Orzan, "Distributed branching bisimulation
+reduction of state spaces", 2003): the steps that a state can take, also after internal steps that stay in its block,
+each with the block that it leads to. Cycles of internal steps are one state with an internal loop, so that a livelock
+never becomes a state that stands still.
 """
 
 from __future__ import annotations
@@ -96,7 +97,9 @@ def _internal_components(machine: Machine) -> Iterator[list[int]]:
 
 
 def _without_internal_cycles(machine: Machine) -> Machine:
-    """One state with an internal loop for the states of each cycle of internal steps. Whether it has ended makes no difference: it never stands still."""
+    """One state with an internal loop for the states of each cycle of internal steps. Whether it has ended makes no
+    difference: it never stands still.
+    """
     components = list(_internal_components(machine))
     if all(len(component) == 1 for component in components):
         return machine

@@ -1,9 +1,9 @@
 """A system that has a deadlock exactly if another has a knot.
 
-Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account. Others go on without it, which
-they could do anyway. One that was left out takes part in every event that another asks for, but in a failure only if it offered it; one that is thought to
-be stuck asks for all events that it offers, and if one of them happens it turns round for ever: it was not stuck. When nothing is possible, those that asked are
-a knot.
+Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account.
+Others go on without it, which they could do anyway. One that was left out takes part in every event that another asks
+for, but in a failure only if it offered it; one that is thought to be stuck asks for all events that it offers, and if
+one of them happens it turns round for ever: it was not stuck. When nothing is possible, those that asked are a knot.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ _BYTES_PER_EDGE = 72
 
 
 def knots_as_deadlocks(system: System, limits: Limits) -> System:
-    """The system with for each event one more for each of its parties, which happens after the stop, when that party asks for it. Raises LimitError."""
+    """The system with for each event one more for each of its parties, which happens after the stop, when that party
+    asks for it. Raises LimitError.
+    """
     events = list(system.events)
     asked: list[dict[int, int]] = []
     for event in system.events:
@@ -41,7 +43,9 @@ def knots_as_deadlocks(system: System, limits: Limits) -> System:
 def _stopping(
     component: Component, at: int, alphabet: list[int], asked: list[dict[int, int]], events: tuple[Event, ...]
 ) -> Component:
-    """The component's states, then those in which it is thought to be stuck, then those in which it is left out, then the one that turns round."""
+    """The component's states, then those in which it is thought to be stuck, then those in which it is left out, then
+    the one that turns round.
+    """
     count = len(component.edges)
     turns = 3 * count
     running = tuple(

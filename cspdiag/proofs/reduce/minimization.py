@@ -1,4 +1,5 @@
-"""Compositional minimization: whether anything stands still in what remains when all processes have been put together and made small.
+"""Compositional minimization: whether anything stands still in what remains when all processes have been put together
+and made small.
 
 Only that there is a deadlock, or a knot, can be seen in the last machine: a trace to it is searched.
 """

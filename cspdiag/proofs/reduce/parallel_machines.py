@@ -1,7 +1,7 @@
 """Two machines in parallel, as one: what becomes internal, and the same pair only once.
 
-A machine numbers its events in the order in which it comes to them, so that instances of one process have equal machines, and the machine of a pair is
-looked up before it is made.
+A machine numbers its events in the order in which it comes to them, so that instances of one process have equal
+machines, and the machine of a pair is looked up before it is made.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[in
 def without_the_restless(machine: Machine) -> Machine:
     """The machine with one state, which turns round for ever, for all those that never stand still, whatever others do.
 
-    Such a state has only an internal loop; or an internal step to such a state, and otherwise no steps but to such states and to itself. For a
-    deadlock, in which all stand still, what it offers makes no difference.
+    Such a state has only an internal loop; or an internal step to such a state, and otherwise no steps but to such
+    states and to itself. For a deadlock, in which all stand still, what it offers makes no difference.
     """
     ahead = [{target for _, target in edges} - {state} for state, edges in enumerate(machine.edges)]
     before: list[list[int]] = [[] for _ in machine.edges]

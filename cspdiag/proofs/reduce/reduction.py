@@ -1,7 +1,7 @@
 """Processes put together two by two: what happens between them is hidden, and each result is made as small as possible.
 
-The pair that promises the smallest result comes next (Graf and Steffen, "Compositional minimization of finite state systems", 1990; Crouzen and Lang, "Smart
-reduction", 2011). Identical pairs are made once.
+The pair that promises the smallest result comes next (Graf and Steffen, "Compositional minimization of finite state
+systems", 1990; Crouzen and Lang, "Smart reduction", 2011). Identical pairs are made once.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ _OUTSIDE = -1
 
 
 def seen_from_outside(system: System, kept: Collection[int], limits: Limits) -> System | None:
-    """A system with the kept events only that does the same, also as to what it refuses and where it livelocks; None if it is too large. Raises LimitError."""
+    """A system with the kept events only that does the same, also as to what it refuses and where it livelocks; None if
+    it is too large. Raises LimitError.
+    """
     reduction = Reduction(system, limits, kept)
     parts = list(reduction.remaining())
     if reduction.too_large:
@@ -62,7 +64,8 @@ def _component(part: Part, at: int, number: dict[int, int]) -> Component:
 class Reduction:
     """Parts by number, and the parts that are still party to an event.
 
-    ``kept`` are events that stay as they are, because somebody outside sees them; with ``only_deadlocks`` only who stands still matters.
+    ``kept`` are events that stay as they are, because somebody outside sees them; with ``only_deadlocks`` only who
+    stands still matters.
     """
 
     def __init__(
@@ -94,7 +97,9 @@ class Reduction:
         heapify(self._queue)
 
     def remaining(self) -> Iterator[Part]:
-        """The parts that are left when no two have an event in common, or are worth putting together. Raises LimitError."""
+        """The parts that are left when no two have an event in common, or are worth putting together. Raises
+        LimitError.
+        """
         number = len(self._parts)
         given_up: set[tuple[int, int]] = set()
         while self._queue and len(given_up) < _MOST_GIVEN_UP:

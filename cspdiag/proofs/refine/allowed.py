@@ -17,7 +17,9 @@ from cspdiag.proofs.verdict import Limits
 
 @record
 class Rest:
-    """How a run stands in the end: whether all has ``ended``, and otherwise what it ``offers``; None where it still goes on by itself, so that it refuses nothing."""
+    """How a run stands in the end: whether all has ``ended``, and otherwise what it ``offers``; None where it still
+    goes on by itself, so that it refuses nothing.
+    """
 
     ended: bool
     offers: frozenset[Label] | None = None
@@ -26,7 +28,9 @@ class Rest:
 def violation(
     specification: System, labels: Labels, trace: Iterable[Label], rest: Rest, limits: Limits, *, failures: bool
 ) -> str | None:
-    """How a run does what the specification forbids or, if asked for ``failures``, refuses what it demands; None if it does not. Raises LimitError."""
+    """How a run does what the specification forbids or, if asked for ``failures``, refuses what it demands; None if it
+    does not. Raises LimitError.
+    """
     own = {
         number: label for number, event in enumerate(specification.events) if (label := labels.of(event)) is not None
     }

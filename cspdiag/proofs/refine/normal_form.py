@@ -1,7 +1,7 @@
 """A specification as an automaton: after each sequence of labels, which go on it allows, and what it offers at least.
 
-Sets of states that one sequence can lead to are the nodes (Roscoe, "Understanding Concurrent Systems", section 16.1.4). ``acceptances`` are the smallest
-sets of labels that a state which takes no internal step offers.
+Sets of states that one sequence can lead to are the nodes (Roscoe, "Understanding Concurrent Systems", section 16.1.4).
+``acceptances`` are the smallest sets of labels that a state which takes no internal step offers.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ _BYTES_PER_STATE = 400
 
 @record
 class Node:
-    """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is not allowed. ``offered`` are all labels that may come next."""
+    """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is
+    not allowed. ``offered`` are all labels that may come next.
+    """
 
     after: dict[Label, int]
     acceptances: tuple[frozenset[Label], ...]

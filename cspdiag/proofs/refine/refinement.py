@@ -1,9 +1,10 @@
-"""Refinement: whether a process does only what a specification does, in traces and in stable failures (Roscoe, "Understanding Concurrent Systems",
-sections 5.1 and 6.4).
+"""Refinement: whether a process does only what a specification does, in traces and in stable failures (Roscoe,
+"Understanding Concurrent Systems", sections 5.1 and 6.4).
 
-The specification in normal form follows the process as one more component, which is party to every event that it sees and goes to a state of its own where an
-event is not allowed. So the search is the one for deadlocks, and its trace is a shortest one. Time that passes, and the steps of a process that cannot be
-seen, count as internal: only a state that waits for nothing else can refuse.
+The specification in normal form follows the process as one more component, which is party to every event that it sees
+and goes to a state of its own where an event is not allowed. So the search is the one for deadlocks, and its trace is a
+shortest one. Time that passes, and the steps of a process that cannot be seen, count as internal: only a state that
+waits for nothing else can refuse.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ def refines_in_traces(system: System, specification: System, limits: Limits, hid
 
 
 def refines_in_failures(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
-    """Whether in addition the process refuses, where it can go on by itself no more, only what the specification may refuse there."""
+    """Whether in addition the process refuses, where it can go on by itself no more, only what the specification may
+    refuse there.
+    """
     return _refines(system, specification, limits, hidden, failures=True)
 
 
@@ -65,7 +68,9 @@ def _refines(
 
 
 def _up_to_missed_samples(system: System) -> System:
-    """The process, which after a missed sample that nobody catches neither ends nor rests: what is said of it is said of its runs up to there."""
+    """The process, which after a missed sample that nobody catches neither ends nor rests: what is said of it is said
+    of its runs up to there.
+    """
     components = tuple(
         replaced(
             component,
@@ -83,10 +88,12 @@ def _up_to_missed_samples(system: System) -> System:
 
 
 def _undecided(nodes: tuple[Node, ...], labels: Labels) -> str | None:
-    """Why it is not known what the specification allows: where it writes one of several values that it has read, those that stand for each do not tell which.
+    """Why it is not known what the specification allows: where it writes one of several values that it has read, those
+    that stand for each do not tell which.
 
-    Where it writes at most one value at a time, they do: of a run of the process whose inputs are all different, one value is written wrongly, and the run with the one that stands for each
-    instead of it, and with others elsewhere, goes the same way in both (Lazic and Roscoe, "Data independence with predicate symbols", 1999).
+    Where it writes at most one value at a time, they do: of a run of the process whose inputs are all different, one
+    value is written wrongly, and the run with the one that stands for each instead of it, and with others elsewhere,
+    goes the same way in both (Lazic and Roscoe, "Data independence with predicate symbols", 1999).
     """
     for node in nodes:
         written: dict[str, list[Label]] = {}
@@ -110,7 +117,9 @@ def _made_small(specification: System, labels: Labels, limits: Limits) -> System
 def _of_outside(
     system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
 ) -> Proved | Refuted | None:
-    """The answer for a smaller system that does the same as seen from outside; its trace is not one of the system. None if it is not small."""
+    """The answer for a smaller system that does the same as seen from outside; its trace is not one of the system. None
+    if it is not small.
+    """
     share = Limits(limits.remaining / 2, limits.memory)
     kept = [number for number, event in enumerate(system.events) if labels.of(event) is not None]
     try:
@@ -137,7 +146,9 @@ def _caveat(specification: System, limits: Limits, failures: bool) -> str:
 def _searched(
     system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
 ) -> tuple[Exploration, dict[int, Label], tuple[Node, ...]]:
-    """All states of the system followed by the specification, the labels of its events, and the specification's normal form. Raises LimitError."""
+    """All states of the system followed by the specification, the labels of its events, and the specification's normal
+    form. Raises LimitError.
+    """
     seen = {number: label for number, event in enumerate(system.events) if (label := labels.of(event)) is not None}
     own = {
         number: label for number, event in enumerate(specification.events) if (label := labels.of(event)) is not None

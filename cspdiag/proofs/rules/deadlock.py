@@ -1,7 +1,7 @@
 """Tier 0: design rules. Networks that keep one cannot deadlock, and the rule says why in words.
 
-Two general rules are decided: that of one run (``rules_runs``) and that of orders of waiting (``rules_waiting``). Where the processes have the form that a
-published rule speaks of, the reason names that rule.
+Two general rules are decided: that of one run (``rules_runs``) and that of orders of waiting (``rules_waiting``). Where
+the processes have the form that a published rule speaks of, the reason names that rule.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""The forms of processes that design rules speak of, recognized from what the processes do. They give a proof its name, and prove nothing by themselves."""
+"""The forms of processes that design rules speak of, recognized from what the processes do. They give a proof its name,
+and prove nothing by themselves.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,9 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 
 def is_io_par(structure: Structure) -> bool:
-    """Whether every component shares each of its events once a round, in any order (I/O-PAR; Welch, Justo and Willcock, 1993)."""
+    """Whether every component shares each of its events once a round, in any order (I/O-PAR; Welch, Justo and Willcock,
+    1993).
+    """
     return _all_shapes(structure, _shares_all_at_once)
 
 
@@ -41,7 +45,9 @@ def _shares_all_at_once(shape: Shape) -> bool:
 
 
 def resource_order(structure: Structure) -> list[int] | None:
-    """The components that the others take and give back, each before those that are taken while it is held; None if there are others, or a circle."""
+    """The components that the others take and give back, each before those that are taken while it is held; None if
+    there are others, or a circle.
+    """
     found = [component for component, shape in enumerate(structure.shapes) if _is_resource(shape)]
     number = {component: at for at, component in enumerate(found)}
     for component, neighbours in enumerate(structure.neighbours):
@@ -81,7 +87,8 @@ def _is_resource(shape: Shape) -> bool:
 
 
 def client_server_order(structure: Structure) -> list[int] | None:
-    """The components, servers before their clients, if each two neighbours are client and server of each other, and not in a circle; None otherwise.
+    """The components, servers before their clients, if each two neighbours are client and server of each other, and not
+    in a circle; None otherwise.
 
     A client makes a request when it wants nothing else; a server is open to all its clients when it is open to one.
     """
@@ -107,7 +114,9 @@ def _client(structure: Structure, one: int, two: int) -> int | None:
 
 
 def _is_open(structure: Structure, component: int, shared: set[int]) -> bool:
-    """Whether a component has, in its first state, offers to several or only to this one, and leaves it by accepting one."""
+    """Whether a component has, in its first state, offers to several or only to this one, and leaves it by accepting
+    one.
+    """
     shape, events = structure.shapes[component], structure.events[component]
     offered = [events[number] for number in shape.offers[shape.initial] if number not in shape.alone]
     return shape.initial in shape.waiting and any(event in shared for event in offered)

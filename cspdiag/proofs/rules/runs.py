@@ -1,10 +1,12 @@
 """Networks in which nobody chooses: one run tells all, as in networks of I/O-PAR and I/O-SEQ processes.
 
-A component is **steady** when it never takes an offer back except by accepting it: in no state do two of its edges carry the same event, and two different ones may
-be taken in either order with the same result. Networks of steady components are persistent (Landweber and Robertson, 1978; Keller, 1975): all fair runs do
-the same, up to the order of what is independent. So the one run in which everything that can happen does decides: it ends in the only deadlock
-there is, or comes back to a state that it has been in, in which a knot is seen if there is one. It generalizes the rule that networks of I/O-PAR processes never
-deadlock (Welch, Justo and Willcock, 1993) and that of circles of I/O-SEQ ones with an I/O-PAR process in each.
+A component is **steady** when it never takes an offer back except by accepting it: in no state do two of its edges
+carry the same event, and two different ones may be taken in either order with the same result. Networks of steady
+components are persistent (Landweber and Robertson, 1978; Keller, 1975): all fair runs do the same, up to the order of
+what is independent. So the one run in which everything that can happen does decides: it ends in the only deadlock there
+is, or comes back to a state that it has been in, in which a knot is seen if there is one. It generalizes the rule that
+networks of I/O-PAR processes never deadlock (Welch, Justo and Willcock, 1993) and that of circles of I/O-SEQ ones with
+an I/O-PAR process in each.
 """
 
 from __future__ import annotations
@@ -19,9 +21,11 @@ from cspdiag.proofs.verdict import Limits, Move
 
 @record
 class PeriodicRun:
-    """The run until it comes round or ends: what was taken, to where it has been ``period`` steps before, or to where nothing is possible.
+    """The run until it comes round or ends: what was taken, to where it has been ``period`` steps before, or to where
+    nothing is possible.
 
-    An event is taken by all its parties; the complement ``~i`` stands for an internal step of component ``i``. ``period`` is 0 if the run ends.
+    An event is taken by all its parties; the complement ``~i`` stands for an internal step of component ``i``.
+    ``period`` is 0 if the run ends.
     """
 
     taken: list[int]
@@ -60,7 +64,8 @@ def unsteady(structure: Structure) -> int | None:
 
 
 def the_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRun | None:
-    """The run of a network of steady components, in rounds in which everything happens that can; None if it takes more than ``most_moves``.
+    """The run of a network of steady components, in rounds in which everything happens that can; None if it takes more
+    than ``most_moves``.
 
     Raises LimitError when the time is up.
     """
@@ -73,7 +78,8 @@ def the_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRu
             return PeriodicRun(run.taken, tuple(run.state), len(run.taken) - marked_at)
         if len(run.taken) > most_moves:
             return None
-        # The comparison point of Brent ("An improved Monte Carlo factorization algorithm", 1980) moves on in doubling distances.
+        # The comparison point of Brent ("An improved Monte Carlo factorization algorithm", 1980) moves on in doubling
+        # distances.
         if len(run.taken) - marked_at >= distance:
             marked_at, distance = len(run.taken), 2 * distance
             run.mark()
@@ -89,7 +95,9 @@ def at_rest(structure: Structure, run: PeriodicRun) -> set[int]:
 
 
 def moves_of(structure: Structure, run: PeriodicRun) -> tuple[Move, ...]:
-    """The moves of a run, with the events of the system: one that all parties offer, of those that need not be told apart."""
+    """The moves of a run, with the events of the system: one that all parties offer, of those that need not be told
+    apart.
+    """
     system = structure.system
     state = list(system.initial)
     moves = []
@@ -113,11 +121,14 @@ def _told_apart(structure: Structure, taken: int, offers: list[dict[int, int]]) 
 
 
 Step: TypeAlias = tuple[int, tuple[int, ...]]
-"""The state after an edge, and the events (of the shape) that it offers and the state before did not, or that were just taken."""
+"""The state after an edge, and the events (of the shape) that it offers and the state before did not, or that were just
+taken.
+"""
 
 
 class _Running:
-    """A run under way. ``possible`` are the events that can happen now, and the complements of components with an internal step.
+    """A run under way. ``possible`` are the events that can happen now, and the complements of components with an
+    internal step.
 
     Nothing that is possible becomes impossible but by happening, because the components are steady.
     """

@@ -1,8 +1,8 @@
 """Tier 1: proof by SAT over what neighbours can be doing together, refined by traps.
 
-Each model of the formula is a candidate: a choice of states in which nothing, or nothing in the stuck set, could go on. The largest trap that a candidate leaves empty
-shows that it is not reachable and gives a clause that excludes it and its like. Without candidates the property is proved; a candidate that nothing
-excludes is handed on to a search.
+Each model of the formula is a candidate: a choice of states in which nothing, or nothing in the stuck set, could go on.
+The largest trap that a candidate leaves empty shows that it is not reachable and gives a clause that excludes it and
+its like. Without candidates the property is proved; a candidate that nothing excludes is handed on to a search.
 """
 
 from __future__ import annotations
@@ -57,7 +57,8 @@ def refine(
 ) -> Verdict:
     """Exclude at most so many candidates by ``refinements``, tried in their order, until none is left or one stays.
 
-    ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a candidate now and then, before it is excluded.
+    ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a
+    candidate now and then, before it is excluded.
     """
     create = find_solver()
     if create is None:
@@ -143,7 +144,9 @@ class _Exclusion:
         return None
 
     def nearest(self, goal: Clause, left: Unknown) -> Refuted | Unknown:
-        """A candidate in which no component is further from its initial state than need be: a trace to it is found more easily, and is short."""
+        """A candidate in which no component is further from its initial state than need be: a trace to it is found more
+        easily, and is short.
+        """
         depth = 1
         while depth < self.encoding.deepest:
             near, clauses = self.encoding.within(depth)

@@ -1,7 +1,9 @@
-"""A deadlock or a knot as a formula: one variable for every state of every component, and one for "is in the stuck set".
+"""A deadlock or a knot as a formula: one variable for every state of every component, and one for "is in the stuck
+set".
 
-Every model is a choice of states in which each two neighbours may be together and the chosen set waits for itself; if there is none, no reachable state is a
-deadlock or a knot (Antonino, Gibson-Robinson and Roscoe, iFM 2016, with the set of those that are stuck added).
+Every model is a choice of states in which each two neighbours may be together and the chosen set waits for itself; if
+there is none, no reachable state is a deadlock or a knot (Antonino, Gibson-Robinson and Roscoe, iFM 2016, with the set
+of those that are stuck added).
 """
 
 from __future__ import annotations
@@ -19,9 +21,10 @@ LARGEST_PAIRWISE = 6
 class Encoding:
     """The formula for one system.
 
-    ``variables[i][state]`` is the variable of a state of component ``i``; ``stuck[i]`` that of its membership in the stuck set, 0 for those that are never in
-    it. ``together``: all components are in the set (deadlock), so that only waiting states have variables. A model is wanted for one of the ``goals``, each with
-    literals to assume: for knots, that a component (its number is given too) asks and is stuck. One that is refuted often excludes many others.
+    ``variables[i][state]`` is the variable of a state of component ``i``; ``stuck[i]`` that of its membership in the
+    stuck set, 0 for those that are never in it. ``together``: all components are in the set (deadlock), so that only
+    waiting states have variables. A model is wanted for one of the ``goals``, each with literals to assume: for knots,
+    that a component (its number is given too) asks and is stuck. One that is refuted often excludes many others.
     """
 
     def __init__(self, structure: Structure, waiting: WaitingOrder, *, together: bool) -> None:
@@ -163,7 +166,9 @@ class Encoding:
         )
 
     def within(self, depth: int) -> tuple[int, list[Clause]]:
-        """A variable with the clauses that, if it is true, no component is further than so many steps from its initial state."""
+        """A variable with the clauses that, if it is true, no component is further than so many steps from its initial
+        state.
+        """
         near = self.fresh()
         return near, [
             [-near, -variable]

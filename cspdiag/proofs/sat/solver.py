@@ -21,7 +21,8 @@ class Solver(Protocol):
         """Add clauses."""
 
     def solve(self, assumed: Clause) -> set[int] | None:
-        """Return the variables that are true in a model of all clauses and the assumed literals, or None if there is no model.
+        """Return the variables that are true in a model of all clauses and the assumed literals, or None if there is no
+        model.
 
         Raises ``SolverTimeoutError`` when the time is up.
         """
@@ -35,7 +36,9 @@ class SolverTimeoutError(Exception):
 
 
 def find_solver() -> Callable[[float], Solver] | None:
-    """The solver to use, to be called with the seconds that it may take in all: of python-sat, else of z3; None if neither is installed."""
+    """The solver to use, to be called with the seconds that it may take in all: of python-sat, else of z3; None if
+    neither is installed.
+    """
     for solver in _SOLVERS:
         try:
             solver.load()

@@ -1,6 +1,7 @@
 """Every reachable state, layer by layer: exact numbers of states, and shortest traces.
 
-The states of a layer take each step together, as vectors (see ``packing``); a trace is found by going back from its end, a layer at a time.
+The states of a layer take each step together, as vectors (see ``packing``); a trace is found by going back from its
+end, a layer at a time.
 """
 
 from __future__ import annotations
@@ -27,7 +28,9 @@ Seen: TypeAlias = Callable[[Words, Flags], Flags | None]
 
 @dataclass
 class Exploration:
-    """What was found: the number of states, and of states of each layer. ``found`` is the number of the state that ended the search."""
+    """What was found: the number of states, and of states of each layer. ``found`` is the number of the state that
+    ended the search.
+    """
 
     packing: Packing
     table: StateTable

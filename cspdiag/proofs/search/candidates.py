@@ -1,8 +1,9 @@
 """From a candidate to a trace: a search that is drawn to the states of a candidate.
 
-A candidate of the SAT proof says in which states the stuck components would be. How far each of them is from there, by itself, tells which steps lead nearer. First
-only such steps are taken; where none is left, the most promising of all states found so far is followed (best-first search; Hart, Nilsson and Raphael, 1968). What is
-found is a real trace; that nothing is found says nothing.
+A candidate of the SAT proof says in which states the stuck components would be. How far each of them is from there, by
+itself, tells which steps lead nearer. First only such steps are taken; where none is left, the most promising of all
+states found so far is followed (best-first search; Hart, Nilsson and Raphael, 1968). What is found is a real trace;
+that nothing is found says nothing.
 """
 
 from __future__ import annotations
@@ -130,7 +131,9 @@ class _Search:
         return Move(event, tuple(moves)) if gain > 0 else None
 
     def follow(self, limits: Limits, most_states: int, *, eager: bool) -> list[Move] | None:
-        """Follow the nearest state first (``eager``), or the one with the least steps so far and at least to come, which finds a shortest trace."""
+        """Follow the nearest state first (``eager``), or the one with the least steps so far and at least to come,
+        which finds a shortest trace.
+        """
         start = self.system.initial
         most = min(most_states, MOST_PLACES // max(1, len(start)))
         parents: dict[tuple[int, ...], tuple[tuple[int, ...], Move] | None] = {start: None}
@@ -186,7 +189,9 @@ class _Search:
 
 
 def _distances(shape: Shape, target: int) -> list[int]:
-    """The number of steps from every state of a shape to one of them, when everybody is willing; ``FAR`` if it never comes there."""
+    """The number of steps from every state of a shape to one of them, when everybody is willing; ``FAR`` if it never
+    comes there.
+    """
     before: list[list[int]] = [[] for _ in shape.edges]
     for state, edges in enumerate(shape.edges):
         for _, after in edges:

@@ -1,7 +1,9 @@
-"""Stubborn sets: events of which the possible ones can be followed alone, because the events outside cannot interfere with them.
+"""Stubborn sets: events of which the possible ones can be followed alone, because the events outside cannot interfere
+with them.
 
-With an event that is possible a set holds all that may exclude it or be excluded by it, in any of its parties; with one that is not possible, all that
-one party which refuses it can do to come to offer it (Valmari, "The state explosion problem", 1998, section 7).
+With an event that is possible a set holds all that may exclude it or be excluded by it, in any of its parties; with one
+that is not possible, all that one party which refuses it can do to come to offer it (Valmari, "The state explosion
+problem", 1998, section 7).
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ State: TypeAlias = tuple[int, ...]
 
 
 class ClosedSets:
-    """The stubborn sets of a system's states. Internal steps have the numbers after those of the events, one a component.
+    """The stubborn sets of a system's states. Internal steps have the numbers after those of the events, one a
+    component.
 
     All of it may raise LimitError.
     """

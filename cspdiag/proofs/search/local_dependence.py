@@ -1,4 +1,5 @@
-"""What one component says about the order of events: which of its events exclude or change each other, and which lead to which.
+"""What one component says about the order of events: which of its events exclude or change each other, and which lead
+to which.
 
 Events are numbered as in the system; a component's internal step counts as one more event of its own.
 """
@@ -37,7 +38,9 @@ class LocalDependence:
         self._ahead = cache(self._states_before)
 
     def _disturbing(self, state: int, event: int) -> tuple[int, ...]:
-        """The events that may exclude an event offered in a state, or be excluded by it, before it happens: now or after others that commute with it."""
+        """The events that may exclude an event offered in a state, or be excluded by it, before it happens: now or
+        after others that commute with it.
+        """
         found: dict[int, None] = {}
         seen = {state}
         pending = [state]

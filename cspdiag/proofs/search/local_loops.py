@@ -1,4 +1,6 @@
-"""Which events can happen again and again without others: what the loops of the components say about it, without a search."""
+"""Which events can happen again and again without others: what the loops of the components say about it, without a
+search.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +12,12 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge,
 
 
 def looping_part(system: System, events: Iterable[int]) -> System | None:
-    """The system with only the edges that a cycle of these events and of internal steps can consist of; None if there is none.
+    """The system with only the edges that a cycle of these events and of internal steps can consist of; None if there
+    is none.
 
-    In a cycle of global states every component that moves returns to its state: all its edges lie in one strongly connected component of its own graph.
-    An event that has no such edge in one of its parties is not part of a cycle, and without it others may not be.
+    In a cycle of global states every component that moves returns to its state: all its edges lie in one strongly
+    connected component of its own graph. An event that has no such edge in one of its parties is not part of a cycle,
+    and without it others may not be.
     """
     components = system.components
     kept = set(events) | {INTERNAL}

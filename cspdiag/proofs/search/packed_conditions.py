@@ -105,7 +105,9 @@ class Knots:
         return holds
 
     def _release(self, states: list[Indices], stuck: list[Flags]) -> bool:
-        """Take from those thought to be stuck the ones with an event that no stuck partner refuses. Returns whether there was one."""
+        """Take from those thought to be stuck the ones with an event that no stuck partner refuses. Returns whether
+        there was one.
+        """
         changed = False
         for at, events in enumerate(self._shared):
             if not stuck[at].any():

@@ -1,7 +1,8 @@
 """Global states packed into 64-bit words, and the steps of a system as arithmetic on them.
 
-Every component has a field of bits in one word. A step replaces the fields of its parties, which is one addition, because the fields before it are known:
-so whole layers of states take a step at once (vectors of numpy). A word keeps its two highest bits free, so that a state plus one is a positive number.
+Every component has a field of bits in one word. A step replaces the fields of its parties, which is one addition,
+because the fields before it are known: so whole layers of states take a step at once (vectors of numpy). A word keeps
+its two highest bits free, so that a state plus one is a positive number.
 """
 
 from __future__ import annotations

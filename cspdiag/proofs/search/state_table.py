@@ -1,8 +1,10 @@
-"""The set of packed states seen so far, in the order in which they were found: a hash table that takes whole batches at once.
+"""The set of packed states seen so far, in the order in which they were found: a hash table that takes whole batches at
+once.
 
-Open addressing with linear probing (Knuth, "The Art of Computer Programming", volume 3, section 6.4), at most half full. The table holds keys, 0 being free: a
-state of one word is its own key plus one; of longer ones the key is a hash, and the states of equal keys are compared. Of equal states in a batch one
-wins the free place, the others find it in the next round.
+Open addressing with linear probing (Knuth, "The Art of Computer Programming", volume 3, section 6.4), at most half
+full. The table holds keys, 0 being free: a state of one word is its own key plus one; of longer ones the key is a hash,
+and the states of equal keys are compared. Of equal states in a batch one wins the free place, the others find it in the
+next round.
 """
 
 from __future__ import annotations
@@ -23,7 +25,9 @@ _FILLED_AT_ONCE = 1 << 18
 
 
 class StateTable:
-    """States by number, and numbers by state. ``words`` is the number of words of a state; what would take more memory than allowed raises LimitError."""
+    """States by number, and numbers by state. ``words`` is the number of words of a state; what would take more memory
+    than allowed raises LimitError.
+    """
 
     def __init__(self, words: int, limits: Limits) -> None:
         self.count = 0
@@ -31,7 +35,9 @@ class StateTable:
         self._store = [np.zeros(_SMALLEST, np.int64) for _ in range(words)]
         self._table = np.zeros(2 * _SMALLEST, np.int64)
         self._numbers = np.zeros(0, np.int32)
-        """Of each place in the table the number of its state; kept for states of several words, made when asked for otherwise."""
+        """Of each place in the table the number of its state; kept for states of several words, made when asked for
+        otherwise.
+        """
         self._numbered = 0
         """How many states had been found when these numbers were made."""
         if words > 1:
@@ -88,7 +94,9 @@ class StateTable:
         return places
 
     def _claim(self, slots: Indices, keys: Keys, free: Indices, batch: Words) -> None:
-        """Give the free slots to states of the batch, one each, and the states their numbers. The losers find them in the next round."""
+        """Give the free slots to states of the batch, one each, and the states their numbers. The losers find them in
+        the next round.
+        """
         wanted = slots[free]
         self._table[wanted] = ~free
         won = free[self._table.take(wanted) == ~free]

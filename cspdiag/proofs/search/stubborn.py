@@ -1,8 +1,9 @@
 """Search with stubborn sets: in every state only the events of a set with which the others cannot interfere.
 
-Whatever happens outside the set neither enables nor prevents the events in it, and commutes with them: it is enough to follow those (Valmari, "The state
-explosion problem", 1998). That keeps all deadlocks. Knots stay once they are there; to keep them too, every event that is possible must in addition be
-followed somewhere ahead: the final strongly connected components of the reduced graph are checked for that, and widened where one is ignored.
+Whatever happens outside the set neither enables nor prevents the events in it, and commutes with them: it is enough to
+follow those (Valmari, "The state explosion problem", 1998). That keeps all deadlocks. Knots stay once they are there;
+to keep them too, every event that is possible must in addition be followed somewhere ahead: the final strongly
+connected components of the reduced graph are checked for that, and widened where one is ignored.
 """
 
 from __future__ import annotations
@@ -125,7 +126,9 @@ def _take(graph: _Graph, sets: ClosedSets, number: int, events: Iterable[int]) -
 
 
 def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
-    """Take from the first state of a final component the events that it ignores for ever, with all that belongs to them."""
+    """Take from the first state of a final component the events that it ignores for ever, with all that belongs to
+    them.
+    """
     first = min(final)
     taken = set().union(*(graph.taken[number] for number in final))
     ignored = [event for event in sets.possible(graph.states[first]) if event not in taken]

@@ -1,7 +1,8 @@
 """Events that nobody needs to tell apart.
 
-A channel that is written in two places of a process may have an event for each. If all parties but one take two events from the same states to the same states,
-the system does the same with both under one name: whether one of them can happen depends on that one party, which moves as before.
+A channel that is written in two places of a process may have an event for each. If all parties but one take two events
+from the same states to the same states, the system does the same with both under one name: whether one of them can
+happen depends on that one party, which moves as before.
 """
 
 from __future__ import annotations

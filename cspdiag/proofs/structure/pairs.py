@@ -1,8 +1,9 @@
 """What two components that share an event can be doing at the same time.
 
-The composition of two components, with everybody else taken to be willing, reaches every pair of states that the whole network reaches, and few others: the
-abstraction of Antonino, Gibson-Robinson and Roscoe, "Efficient deadlock-freedom checking using local analysis and SAT solving" (iFM 2016). Components that
-differ only in the names of their events have the same **shape**, and pairs of the same shapes, joined in the same way, are explored once.
+The composition of two components, with everybody else taken to be willing, reaches every pair of states that the whole
+network reaches, and few others: the abstraction of Antonino, Gibson-Robinson and Roscoe, "Efficient deadlock-freedom
+checking using local analysis and SAT solving" (iFM 2016). Components that differ only in the names of their events have
+the same **shape**, and pairs of the same shapes, joined in the same way, are explored once.
 """
 
 from __future__ import annotations
@@ -21,20 +22,24 @@ from cspdiag.proofs.verdict import Limits
 T = TypeVar("T")
 
 Link: TypeAlias = tuple[int, int, bool, bool]
-"""An event that two shapes share: its number in either, whether the two are its only parties, and whether it is a failure."""
+"""An event that two shapes share: its number in either, whether the two are its only parties, and whether it is a
+failure.
+"""
 
 LARGEST_PRODUCT = 250_000
 """Pairs with more states than this are taken to reach all of them."""
 
 LARGEST_MEETING = 4
-"""Every two parties of an event with so many are a pair; of a larger one only its first party with each of the others."""
+"""Every two parties of an event with so many are a pair; of a larger one only its first party with each of the others.
+"""
 
 
 @record
 class Shape:
     """A component with its events numbered from 0 in the order in which they are met.
 
-    ``alone`` are the events with a single party, which nobody can refuse. States keep the numbers that they have in the component.
+    ``alone`` are the events with a single party, which nobody can refuse. States keep the numbers that they have in the
+    component.
     """
 
     edges: tuple[tuple[Edge, ...], ...]
@@ -112,11 +117,13 @@ class Shape:
 
 
 class Pair:
-    """Two shapes joined by events: ``reached[s]`` are the states of the second beside state ``s`` of the first, and conversely in ``reached_back``.
+    """Two shapes joined by events: ``reached[s]`` are the states of the second beside state ``s`` of the first, and
+    conversely in ``reached_back``.
 
-    ``blocked[s]`` are those among them in which both wait and can do nothing with each other. ``first_asks`` are the states of the first in which it waits
-    for the second and nobody else can refuse. A failure is nothing to wait for; ``first_spared[s]`` are, where the first would take part in one, the
-    states of the second in which it does not happen.
+    ``blocked[s]`` are those among them in which both wait and can do nothing with each other. ``first_asks`` are the
+    states of the first in which it waits for the second and nobody else can refuse. A failure is nothing to wait for;
+    ``first_spared[s]`` are, where the first would take part in one, the states of the second in which it does not
+    happen.
     """
 
     def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...], limits: Limits) -> None:
@@ -219,10 +226,11 @@ def _turned(groups: dict[int, tuple[int, ...]]) -> dict[int, tuple[int, ...]]:
 
 
 class Neighbour(NamedTuple):
-    """A component that shares an event with another one, seen from that one: the tables of ``Pair``, the right way round.
+    """A component that shares an event with another one, seen from that one: the tables of ``Pair``, the right way
+    round.
 
-    ``asks`` are the states of that one in which it waits for the neighbour alone, ``asked`` those of the neighbour; ``hopeless`` are its waiting states
-    beside which the neighbour never waits too; ``spared`` as in ``Pair``.
+    ``asks`` are the states of that one in which it waits for the neighbour alone, ``asked`` those of the neighbour;
+    ``hopeless`` are its waiting states beside which the neighbour never waits too; ``spared`` as in ``Pair``.
     """
 
     component: int
@@ -237,9 +245,11 @@ class Neighbour(NamedTuple):
 
 
 class Structure:
-    """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its neighbours.
+    """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its
+    neighbours.
 
-    Of several events that nobody needs to tell apart only one has parties here. ``limits`` are those for all that is found out about pairs.
+    Of several events that nobody needs to tell apart only one has parties here. ``limits`` are those for all that is
+    found out about pairs.
     """
 
     def __init__(self, system: System, limits: Limits | None = None) -> None:

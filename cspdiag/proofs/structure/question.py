@@ -13,7 +13,9 @@ from cspdiag.proofs.transitions.systems.system import System
 
 @record
 class Question:
-    """Whether a system is free from deadlock (``together``: all components wait), or from knots. ``structure`` may be given if it is known."""
+    """Whether a system is free from deadlock (``together``: all components wait), or from knots. ``structure`` may be
+    given if it is known.
+    """
 
     system: System
     together: bool

@@ -1,7 +1,8 @@
 """Traps: sets of places that, once one of them is taken, never become empty.
 
-A place is a state of a component. Every step that takes a component out of a trap puts one into it, so that a trap which holds an initial state always holds some state:
-"the token is somewhere on the ring". Traps exclude what pairs of components cannot see (Esparza and Melzer, "Verification of safety properties using integer programming", 2000).
+A place is a state of a component. Every step that takes a component out of a trap puts one into it, so that a trap
+which holds an initial state always holds some state: "the token is somewhere on the ring". Traps exclude what pairs of
+components cannot see (Esparza and Melzer, "Verification of safety properties using integer programming", 2000).
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
 """Orders of waiting: the rule behind acyclic client-server networks and ordered resources.
 
-Whoever waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when one of the neighbours that it waits for has
-no state left, beside it, in which that neighbour could wait as well. What is struck off can never be part of a knot; when nothing is left the order of
-striking off is a proof: everybody waits only for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch,
-Justo and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How to design deadlock-free networks using CSP and
-verification tools", 1997), which find such an order from the form of the processes.
+Whoever waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when one of
+the neighbours that it waits for has no state left, beside it, in which that neighbour could wait as well. What is
+struck off can never be part of a knot; when nothing is left the order of striking off is a proof: everybody waits only
+for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch, Justo
+and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How to
+design deadlock-free networks using CSP and verification tools", 1997), which find such an order from the form of the
+processes.
 """
 
 from __future__ import annotations
@@ -15,7 +17,9 @@ from cspdiag.proofs.structure.pairs import Structure
 
 
 class WaitingOrder:
-    """What is left of the waiting states: ``left[i]`` of component ``i``; ``order`` are the components in the order in which they lost their last one."""
+    """What is left of the waiting states: ``left[i]`` of component ``i``; ``order`` are the components in the order in
+    which they lost their last one.
+    """
 
     def __init__(self, structure: Structure, *, together: bool) -> None:
         self._structure = structure
@@ -30,7 +34,8 @@ class WaitingOrder:
         return tuple(self._striking.order)
 
     def exclude(self, component: int) -> list[int]:
-        """Strike off the states in which a process asks, because it has been proved otherwise that it never waits for ever, and what follows from it.
+        """Strike off the states in which a process asks, because it has been proved otherwise that it never waits for
+        ever, and what follows from it.
 
         Returns the components that lost their last state.
         """
@@ -42,12 +47,16 @@ class WaitingOrder:
 
 
 def waiting_states(structure: Structure, *, together: bool) -> WaitingOrder:
-    """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the whole network. Raises LimitError."""
+    """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the
+    whole network. Raises LimitError.
+    """
     return WaitingOrder(structure, together=together)
 
 
 class _Meeting:
-    """An event of three or more parties: ``refusing[i]`` counts the states left in which party ``i`` waits without offering it."""
+    """An event of three or more parties: ``refusing[i]`` counts the states left in which party ``i`` waits without
+    offering it.
+    """
 
     def __init__(self, refusing: dict[int, int]) -> None:
         self.refusing = refusing
@@ -71,7 +80,9 @@ class _Meeting:
 
 
 class _Striking:
-    """The state of the work. ``counts`` says how many states of a neighbour still support one of ours; it is filled where it is first needed."""
+    """The state of the work. ``counts`` says how many states of a neighbour still support one of ours; it is filled
+    where it is first needed.
+    """
 
     def __init__(self, structure: Structure, together: bool) -> None:
         self.structure, self.together = structure, together

@@ -13,12 +13,15 @@ if TYPE_CHECKING:
 def transition_system(
     network: Network, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
 ) -> System:
-    """The transition system of a network in the most general environment: any value, any event at any time, samples at their ticks.
+    """The transition system of a network in the most general environment: any value, any event at any time, samples at
+    their ticks.
 
-    The network is one that was lowered and not optimized; its outermost process may be any. ``told_apart`` are ports of it whose values matter even where no condition of
-    its own depends on them, as far as they are known. As a ``specification`` it is taken at its word: what it writes is followed, it never misses a sample, and where the system does more
-    than it does itself, that is among the abstractions. Raises
-    ``cspdiag.proofs.transitions.threads.explore.TransitionError`` for a program that has too many states in one of its processes, or too many ways to communicate on one channel.
+    The network is one that was lowered and not optimized; its outermost process may be any. ``told_apart`` are ports of
+    it whose values matter even where no condition of its own depends on them, as far as they are known. As a
+    ``specification`` it is taken at its word: what it writes is followed, it never misses a sample, and where the
+    system does more than it does itself, that is among the abstractions. Raises
+    ``cspdiag.proofs.transitions.threads.explore.TransitionError`` for a program that has too many states in one of its
+    processes, or too many ways to communicate on one channel.
     """
     from cspdiag.proofs.transitions.assembly import Assembly
     from cspdiag.proofs.transitions.classes.facts import Facts

@@ -102,7 +102,9 @@ class Assembly(Meetings):
         return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), apart)
 
     def _shaped(self) -> list[Shape]:
-        """The machines of all threads, without what lies before the start of a parallel that is the first thing its parent does."""
+        """The machines of all threads, without what lies before the start of a parallel that is the first thing its
+        parent does.
+        """
         started: set[Strand] = {self.strands.top}
         shapes: list[Shape] = []
         alarms = Alarms(self.threads)

@@ -1,7 +1,9 @@
-"""Where the transition system of a specification does more than the specification itself: priorities and times that rule something out.
+"""Where the transition system of a specification does more than the specification itself: priorities and times that
+rule something out.
 
-A process that does what only the transition system does would be taken to refine it. Not among this is what a specification leaves open: which of its parallel processes gets on
-first, which of the guards of ``[]`` that are ready is taken, and what comes from outside, and when.
+A process that does what only the transition system does would be taken to refine it. Not among this is what a
+specification leaves open: which of its parallel processes gets on first, which of the guards of ``[]`` that are ready
+is taken, and what comes from outside, and when.
 """
 
 from __future__ import annotations
@@ -91,7 +93,9 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
 
 
 def _in_order(kinds: list[str]) -> bool:
-    """Whether each guard may be taken although those before it have priority: what comes from outside may come at any time, and what is always ready is obeyed."""
+    """Whether each guard may be taken although those before it have priority: what comes from outside may come at any
+    time, and what is always ready is obeyed.
+    """
     if _ALWAYS_READY in kinds:
         return {_EVENT}.issuperset(kinds[: kinds.index(_ALWAYS_READY)])
     others = [kind for kind in kinds if kind != _EVENT]

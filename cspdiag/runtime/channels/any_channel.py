@@ -97,7 +97,9 @@ class AnyChannel(In[T], Out[T]):
             scheduler.observe(self.name, value, scheduler.current, reader)
 
     def settle_input(self) -> None:
-        """An alternative that would write here has to keep to it, and parks with its value, or hands it to a reader that waits already."""
+        """An alternative that would write here has to keep to it, and parks with its value, or hands it to a reader
+        that waits already.
+        """
         if self._writers:
             return
         choice, index = self._meeting.writing[0]

@@ -1,6 +1,7 @@
 """The broadcast channel: every reading end gets every value.
 
-Invariants: an end is *fresh* from the write until its reader has taken the value; the writer waits while any end is fresh.
+Invariants: an end is *fresh* from the write until its reader has taken the value; the writer waits while any end is
+fresh.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 Invariants:
 
-- At most one of ``_reader`` and ``_writer`` is set: the party that arrived first and waits. The second party copies the value, readies the
-  first and goes on.
-- The value of a waiting writer is in ``_offered``; the value for a readied reader is in its own ``received``, so a further write cannot
-  overwrite it before the reader runs.
+- At most one of ``_reader`` and ``_writer`` is set: the party that arrived first and waits. The second party copies the
+  value, readies the first and goes on.
+- The value of a waiting writer is in ``_offered``; the value for a readied reader is in its own ``received``, so a
+  further write cannot overwrite it before the reader runs.
 - ``scheduler.push`` comes before any change: in a cancelled task it raises.
 """
 

@@ -31,7 +31,9 @@ class Meeting:
 
     @staticmethod
     def enter(waiting: list[tuple[Alternating, int]], choice: Alternating, index: int) -> None:
-        """Enrols an alternative in the order in which they began to wait; it enrols late where the other side begins to alternate after that."""
+        """Enrols an alternative in the order in which they began to wait; it enrols late where the other side begins to
+        alternate after that.
+        """
         position = len(waiting)
         while position > 0 and waiting[position - 1][0].began > choice.began:
             position -= 1

@@ -1,7 +1,7 @@
 """What processes see of channels: the end to read from and the end to write to.
 
-``read`` and ``write`` are for processes. The other operations are the runtime's: alternatives, submodels and interrupts work with ends
-of every kind through them.
+``read`` and ``write`` are for processes. The other operations are the runtime's: alternatives, submodels and interrupts
+work with ends of every kind through them.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Which guards of an alternative are ready: a bit for each guard.
 
-Whatever makes a guard ready sets its bit, whatever makes it unready clears it, so a selection is arithmetic on integers and costs the
-same for ten guards as for a thousand.
+Whatever makes a guard ready sets its bit, whatever makes it unready clears it, so a selection is arithmetic on integers
+and costs the same for ten guards as for a thousand.
 
 Invariant: bit k is set exactly while guard k is ready, whether or not the alternative waits at present.
 """
@@ -27,8 +27,8 @@ class Selector:
     """The part of an alternative that its channels know.
 
     ``armed`` are the guards that may wake the alternative; 0 when it does not wait or was woken already. ``attend`` are
-    the guards whose ends want to be told when the alternative begins and ends to wait. ``waiting`` is the alternative while it
-    waits: the channels know only the selector, so that an alternative that nobody uses any more goes away.
+    the guards whose ends want to be told when the alternative begins and ends to wait. ``waiting`` is the alternative
+    while it waits: the channels know only the selector, so that an alternative that nobody uses any more goes away.
     """
 
     __slots__ = ("armed", "attend", "ready", "waiting")

@@ -1,6 +1,7 @@
 """Ends that never wait: variables, constants, and the sink that takes everything.
 
-Their accesses are no communications: they are in no trace, and no process is cancelled there. A control law that writes is, whatever it writes to.
+Their accesses are no communications: they are in no trace, and no process is cancelled there. A control law that writes
+is, whatever it writes to.
 """
 
 from __future__ import annotations

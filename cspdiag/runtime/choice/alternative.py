@@ -1,7 +1,7 @@
 """The alternative: waits until a guard is ready, and chooses.
 
-It chooses at once if a guard is ready. Otherwise it waits, is readied by the first guard that becomes ready, and chooses when it runs, among
-the guards that are ready then; if none is any more it waits again.
+It chooses at once if a guard is ready. Otherwise it waits, is readied by the first guard that becomes ready, and
+chooses when it runs, among the guards that are ready then; if none is any more it waits again.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class Alternative(Choice):
     ) -> Generator[None, None, int]:
         """Waits for a guard and makes its communication; its index.
 
-        ``enabled`` has a pre-condition for every guard. ``values`` are what output guards write, ``delays`` the durations of
-        time-outs, by index of the guard, where they differ from the guard's own.
+        ``enabled`` has a pre-condition for every guard. ``values`` are what output guards write, ``delays`` the
+        durations of time-outs, by index of the guard, where they differ from the guard's own.
         """
         if scheduler.current.cancelled:
             raise Cancelled
@@ -96,7 +96,9 @@ class Alternative(Choice):
         return 0
 
     def park(self, me: Task, mask: int) -> None:
-        """From now on the first guard of ``mask`` that becomes ready readies ``me``, optimized code; no guard is a time-out."""
+        """From now on the first guard of ``mask`` that becomes ready readies ``me``, optimized code; no guard is a
+        time-out.
+        """
         self.task = me
         self.mask = mask
         self.chosen = -1

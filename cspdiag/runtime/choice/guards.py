@@ -1,7 +1,7 @@
 """Guards, and waiting for one of several to become ready.
 
-``Choice`` is what alternatives and interrupts have in common: it waits with its guards at their ends, and it makes the communication of the guard that is
-chosen, by itself or by an alternative on the other side of a channel.
+``Choice`` is what alternatives and interrupts have in common: it waits with its guards at their ends, and it makes the
+communication of the guard that is chosen, by itself or by an alternative on the other side of a channel.
 """
 
 from __future__ import annotations
@@ -133,8 +133,9 @@ class _Pledge:
 class Choice:
     """Guards that wait together.
 
-    Bits and indexes number the guards in text order. ``chosen`` is the index of the guard that the other side has chosen for this
-    one, -1 while there is none; ``mask`` are the guards that it waits with; ``value`` is what the last input guard read.
+    Bits and indexes number the guards in text order. ``chosen`` is the index of the guard that the other side has
+    chosen for this one, -1 while there is none; ``mask`` are the guards that it waits with; ``value`` is what the last
+    input guard read.
     """
 
     value: Any

@@ -63,7 +63,9 @@ class _Body(Branches):
     interruption: _Interruption
 
     def _task_for(self, body: Body) -> Task:
-        """What executes the body: optimized code of it asks if it was cancelled, also below a process whose code does not."""
+        """What executes the body: optimized code of it asks if it was cancelled, also below a process whose code does
+        not.
+        """
         task = super()._task_for(body)
         if isinstance(task, RoutineTask) and not isinstance(task, CheckedTask) and not isinstance(body, Awaitable):
             return CheckedTask(cast("Branch", body), self, self._parent)
@@ -84,7 +86,9 @@ class _Body(Branches):
 
 @coroutine
 def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]) -> Generator[None, None, None]:
-    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see ``interrupted``."""
+    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see
+    ``interrupted``.
+    """
     taken = yield from interrupted(body, guard)
     if taken:
         yield from handler().__await__()
@@ -93,8 +97,8 @@ def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]
 def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
     """Runs ``body``; once ``guard`` is ready, abandons it at its next communication. Whether it did.
 
-    The communication of the guard is made when the body has ended. If the body ends by itself, nothing else happens. An ``Input`` guard keeps
-    what it read as its ``value``.
+    The communication of the guard is made when the body has ended. If the body ends by itself, nothing else happens. An
+    ``Input`` guard keeps what it read as its ``value``.
     """
     task = scheduler.current
     if task.cancelled:

@@ -34,7 +34,9 @@ _NOTHING: Any = object()
 
 
 class _Offered:
-    """One communication of several that a task offers at once; while none of them has to wait, one object serves for all."""
+    """One communication of several that a task offers at once; while none of them has to wait, one object serves for
+    all.
+    """
 
     __slots__ = ("_together", "end", "position", "received", "task")
 

@@ -1,10 +1,12 @@
 """Checked integers, and IEEE 754 mathematics without Python's exceptions.
 
-Integers that leave their range are a ``Fault``, never a silent wrap. Functions of reals give a NaN or an infinity where IEEE 754 and C's ``libm`` do.
+Integers that leave their range are a ``Fault``, never a silent wrap. Functions of reals give a NaN or an infinity where
+IEEE 754 and C's ``libm`` do.
 
-Agreement with C: ``sqrt``, ``floor``, ``ceil``, ``nearest``, ``limit``, ``sign``, ``deadzone``, ``float32`` and ``remainder`` are exact, and the same
-bits everywhere. ``exp log sin cos tan asin acos atan atan2 power`` are the ``libm`` of the platform, as C calls it: the same bits on the same platform, but between
-platforms the last place may differ, and with it ``quantize`` only through its argument.
+Agreement with C: ``sqrt``, ``floor``, ``ceil``, ``nearest``, ``limit``, ``sign``, ``deadzone``, ``float32`` and
+``remainder`` are exact, and the same bits everywhere. ``exp log sin cos tan asin acos atan atan2 power`` are the
+``libm`` of the platform, as C calls it: the same bits on the same platform, but between platforms the last place may
+differ, and with it ``quantize`` only through its argument.
 """
 
 from __future__ import annotations
@@ -102,7 +104,9 @@ def power(base: int, exponent: int) -> int: ...
 @overload
 def power(base: float, exponent: float) -> float: ...
 def power(base: float, exponent: float) -> float:
-    """Base to the exponent: of integers exact (Fault beyond 64 bits or for a negative exponent), of reals as C's ``pow``."""
+    """Base to the exponent: of integers exact (Fault beyond 64 bits or for a negative exponent), of reals as C's
+    ``pow``.
+    """
     if isinstance(base, int) and isinstance(exponent, int):
         return _integer_power(base, exponent)
     try:
@@ -246,7 +250,9 @@ def element(array: Sequence[T], index: int) -> T:
 
 
 def replaced(array: Sequence[Any], value: Any, index: int, *inner: int) -> tuple[Any, ...]:
-    """A copy with one element changed; further indexes go into arrays of arrays. Raises Fault for an index out of range."""
+    """A copy with one element changed; further indexes go into arrays of arrays. Raises Fault for an index out of
+    range.
+    """
     old = element(array, index)
     new = replaced(old, value, *inner) if inner else value
     return (*array[:index], new, *array[index + 1 :])

@@ -2,9 +2,10 @@
 
 Invariants:
 
-- At most one of ``reading`` and ``writing`` is set: the party that arrived first and waits. Who takes it out puts it into the ready queue.
-- ``offered`` is the value of the waiting writer, ``value`` what was handed over to the reader that waited. There are two places because the next
-  writer may offer before the reader that was readied has run.
+- At most one of ``reading`` and ``writing`` is set: the party that arrived first and waits. Who takes it out puts it
+  into the ready queue.
+- ``offered`` is the value of the waiting writer, ``value`` what was handed over to the reader that waited. There are
+  two places because the next writer may offer before the reader that was readied has run.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from ..kernel.scheduler import Party, Waits, scheduler
 
 
 class Rendezvous(In[T], Out[T]):
-    """As ``Channel``, for one writer and one reader neither of which alternates; the methods are for parties that are not optimized code."""
+    """As ``Channel``, for one writer and one reader neither of which alternates; the methods are for parties that are
+    not optimized code.
+    """
 
     __slots__ = ("name", "offered", "reading", "value", "writing")
 
@@ -83,8 +86,8 @@ class Rendezvous(In[T], Out[T]):
 class Alternated(Rendezvous[T]):
     """A rendezvous whose reader may alternate.
 
-    Whoever begins to wait with a value sets ``bit`` in ``selector.ready`` and wakes the selector if that has ``bit`` armed; whoever takes the value
-    calls ``lower``. With several alternatives on the channel the selector is a ``Fan``.
+    Whoever begins to wait with a value sets ``bit`` in ``selector.ready`` and wakes the selector if that has ``bit``
+    armed; whoever takes the value calls ``lower``. With several alternatives on the channel the selector is a ``Fan``.
     """
 
     __slots__ = ("_watchers", "bit", "selector")
@@ -137,7 +140,9 @@ class Alternated(Rendezvous[T]):
 
 
 class Fan(Selector):
-    """Stands for the selectors of several alternatives, or of none, on one channel: it is woken every time, and tells them."""
+    """Stands for the selectors of several alternatives, or of none, on one channel: it is woken every time, and tells
+    them.
+    """
 
     __slots__ = ("_watchers",)
 

@@ -1,7 +1,7 @@
 """Optimized processes: generator functions that the scheduler resumes directly.
 
-The code of a process, of all that was flattened into it, and of each of its parallel branches is one generator, whose first argument is the task
-that executes it.
+The code of a process, of all that was flattened into it, and of each of its parallel branches is one generator, whose
+first argument is the task that executes it.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ push = scheduler.queue.append
 
 
 class Part(Executed):
-    """What is executed: a process with code of its own, or a process or a control law that is executed by the code around it.
+    """What is executed: a process with code of its own, or a process or a control law that is executed by the code
+    around it.
 
-    ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not told; ``source`` is the file and line
-    of its definition. ``ends`` are its reading ends, closed when it ends.
+    ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not told;
+    ``source`` is the file and line of its definition. ``ends`` are its reading ends, closed when it ends.
     """
 
     __slots__ = ("_enclosing", "ends", "name")
@@ -96,8 +97,8 @@ class Inlined(Part):
 class Routine(Part):
     """A process with code of its own: ``steps``.
 
-    ``checked``: whether the code asks before each communication if it was cancelled; else it is abandoned where it stands. ``tracked``, of the outermost
-    process: whether the program has parts written by hand, which ask who runs.
+    ``checked``: whether the code asks before each communication if it was cancelled; else it is abandoned where it
+    stands. ``tracked``, of the outermost process: whether the program has parts written by hand, which ask who runs.
     """
 
     __slots__ = ()
@@ -128,7 +129,8 @@ _DONE = _Done()
 class RoutineTask(Task):
     """A task that executes optimized code.
 
-    That code does not note in ``waiting`` at which rendezvous it waits: these are found among the variables of the code, where that is asked for.
+    That code does not note in ``waiting`` at which rendezvous it waits: these are found among the variables of the
+    code, where that is asked for.
     """
 
     __slots__ = ()

@@ -1,4 +1,6 @@
-"""A child that a driver or a body forks during a run, and that comes back into it: devices and processes are its parent's."""
+"""A child that a driver or a body forks during a run, and that comes back into it: devices and processes are its
+parent's.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,9 @@ from typing import Any, NoReturn
 
 
 class _End:
-    """Stands in for whatever such a child comes upon: it ends there, without a word and without flushing what its parent has yet to write."""
+    """Stands in for whatever such a child comes upon: it ends there, without a word and without flushing what its
+    parent has yet to write.
+    """
 
     received: Any = None
     process: Any = None

@@ -1,6 +1,7 @@
 """Time: virtual, where it jumps as soon as nothing is ready, or real, where the clock decides.
 
-Both count nanoseconds from the start. Deadlines in real time are absolute: a late instant does not delay those after it.
+Both count nanoseconds from the start. Deadlines in real time are absolute: a late instant does not delay those after
+it.
 """
 
 from __future__ import annotations

@@ -11,7 +11,9 @@ import sys
 
 
 class Place(str):
-    """Where an exception was raised: the ``process`` by its path, and the ``statement`` in the text of the program (``laws.csp:12``), if it is known."""
+    """Where an exception was raised: the ``process`` by its path, and the ``statement`` in the text of the program
+    (``laws.csp:12``), if it is known.
+    """
 
     process: str
     statement: str | None
@@ -27,8 +29,8 @@ class Place(str):
 class ProcessError(Exception):
     """A process ended unsuccessfully; base class of the exceptions that a program declares.
 
-    ``place`` names the process in which it was raised and the source line; it is filled in when the exception leaves that
-    process.
+    ``place`` names the process in which it was raised and the source line; it is filled in when the exception leaves
+    that process.
     """
 
     place: Place | None = None
@@ -105,7 +107,9 @@ class EnvironmentFailure(Exception):  # noqa: N818 - it is no fault of the progr
 
 
 class HandlerError(Exception):
-    """A handler of a signal that does not belong to the runtime has raised something; the run ends with its outputs released."""
+    """A handler of a signal that does not belong to the runtime has raised something; the run ends with its outputs
+    released.
+    """
 
     def __init__(self, signal: str, handler: object, cause: BaseException) -> None:
         code = getattr(handler, "__code__", None)
@@ -134,7 +138,8 @@ class Cancelled(BaseException):
 
 
 ANOTHER_BRANCH = "another parallel branch ended with"
-"""How a note begins that is for those who look at the exception in Python; what a run says is the same on every target."""
+"""How a note begins that is for those who look at the exception in Python; what a run says is the same on every target.
+"""
 
 
 def described(error: BaseException) -> str:

@@ -1,6 +1,7 @@
 """Where something happened, in terms of the source of the program.
 
-Generated code carries the place of a statement as a comment, ``# laws.csp:12``, at the end of its line or on a line above it.
+Generated code carries the place of a statement as a comment, ``# laws.csp:12``, at the end of its line or on a line
+above it.
 """
 
 from __future__ import annotations
@@ -91,7 +92,8 @@ def _first_place(code: CodeType, lines: Iterable[int]) -> str | None:
 
 
 def whereabouts(thread: int, *, only_processes: bool = False) -> str:
-    """Where a thread is that does not come back: the process, the source line, and the line of what was written by hand.
+    """Where a thread is that does not come back: the process, the source line, and the line of what was written by
+    hand.
 
     With ``only_processes`` nothing, where no process is at work.
     """

@@ -57,7 +57,9 @@ class Party(Protocol):
 
 
 Waits: TypeAlias = "tuple[tuple[str, Any], ...]"
-"""What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is enough, or all."""
+"""What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is
+enough, or all.
+"""
 
 
 class Waitable(Protocol):
@@ -240,7 +242,8 @@ class Scheduler:
     def set_priority(self, task: Task, priority: Priority) -> None:
         """Gives a task that is not in a queue its level.
 
-        Levels compare as if padded with zeros: the first branch of a prioritized parallel stays at the level of its parent.
+        Levels compare as if padded with zeros: the first branch of a prioritized parallel stays at the level of its
+        parent.
         """
         task.priority = priority
         while priority and priority[-1] == 0:
@@ -261,7 +264,9 @@ class Scheduler:
         return created
 
     def run_ready_routines(self, most: int = 4096) -> bool:
-        """As ``run_ready``, where all processes are optimized code: that says by itself who runs, before it calls what asks."""
+        """As ``run_ready``, where all processes are optimized code: that says by itself who runs, before it calls what
+        asks.
+        """
         queue = self.queue
         if not queue:
             return self._run_lower_level()

@@ -11,15 +11,18 @@ _OTHERS = (
     "SIGCHLD", "SIGCONT", "SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGURG", "SIGWINCH", "SIGINFO",
     "SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGEMT",
 )  # fmt: skip
-"""Those that nobody can handle; those that end no process; and faults of the processor: a handler in Python runs only when the instruction has
-succeeded, so that the processor would repeat it for ever."""
+"""Those that nobody can handle; those that end no process; and faults of the processor: a handler in Python runs only
+when the instruction has succeeded, so that the processor would repeat it for ever.
+"""
 
 SIGNALS: frozenset[int] = frozenset(
     int(number)
     for number in signal.valid_signals()
     if not (isinstance(number, signal.Signals) and number.name in _OTHERS)
 )
-"""Those that end a process by default, and that a process can handle; real-time signals too. Python ignores SIGPIPE and SIGXFSZ from the start."""
+"""Those that end a process by default, and that a process can handle; real-time signals too. Python ignores SIGPIPE and
+SIGXFSZ from the start.
+"""
 
 
 def exit_code_of(number: int) -> int:
@@ -39,8 +42,8 @@ def name_of_signal(number: int) -> str:
 def left_to_the_main_thread() -> Iterator[None]:
     """A thread that is started within it is sent no signals.
 
-    Handlers in Python run in the main thread. Where the system hands a signal to another thread, the main one is not woken: it would hear of the
-    signal only when what it waits for has come.
+    Handlers in Python run in the main thread. Where the system hands a signal to another thread, the main one is not
+    woken: it would hear of the signal only when what it waits for has come.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

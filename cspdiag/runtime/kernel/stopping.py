@@ -1,9 +1,9 @@
 """What ends a run from outside: signals.
 
-While it is entered, the first signal that would have ended the process ends the run instead, so that outputs are released. Further ones
-change nothing: they neither shorten the release nor begin it anew. Signals that the process was started to ignore (``nohup``, ``&`` in a script) stay
-ignored. A handler that somebody else has installed is called as long as the run lasts; one that raises something ends it, and what comes
-during the release is handed to it afterwards.
+While it is entered, the first signal that would have ended the process ends the run instead, so that outputs are
+released. Further ones change nothing: they neither shorten the release nor begin it anew. Signals that the process was
+started to ignore (``nohup``, ``&`` in a script) stay ignored. A handler that somebody else has installed is called as
+long as the run lasts; one that raises something ends it, and what comes during the release is handed to it afterwards.
 """
 
 from __future__ import annotations
@@ -31,7 +31,9 @@ _AGAIN = 1.0
 
 
 class Stopped(RunEnded):
-    """A signal has come; raised in the main thread. ``hanging`` is what then had to be cut off, as it did not come to an end."""
+    """A signal has come; raised in the main thread. ``hanging`` is what then had to be cut off, as it did not come to
+    an end.
+    """
 
     def __init__(self, number: int, hanging: Exception | None = None) -> None:
         super().__init__(number)
@@ -136,7 +138,9 @@ class Stopping:
                 return
 
     def _leave_to_child(self) -> None:
-        """A driver has forked a child, which is none of our business: signals end it as they end any process, and what we drive is not its own."""
+        """A driver has forked a child, which is none of our business: signals end it as they end any process, and what
+        we drive is not its own.
+        """
         if self.leave_run is not None:
             self.is_child = True
             self.leave_run()
@@ -153,7 +157,8 @@ class Stopping:
     def raising(self, *, patiently: bool = False) -> Iterator[None]:
         """Within it a signal raises Stopped, but not in the middle of a driver's call.
 
-        It does so at once, or ``patiently`` only where nobody asks for ``check`` soon, as in code that computes or waits for long.
+        It does so at once, or ``patiently`` only where nobody asks for ``check`` soon, as in code that computes or
+        waits for long.
         """
         self._raises = True
         self._patient = patiently and self.can_leave_calls
@@ -164,7 +169,9 @@ class Stopping:
             self._raises = False
 
     def hold(self) -> None:
-        """From now on signals raise nothing: a KeyboardInterrupt is not a signal, unless a driver puts a handler of its own in place later."""
+        """From now on signals raise nothing: a KeyboardInterrupt is not a signal, unless a driver puts a handler of its
+        own in place later.
+        """
         self._raises = False
         self._held = True
         if self._entered:
@@ -186,7 +193,9 @@ class Stopping:
         return time.monotonic() - self._since if self.signal else 0.0
 
     def ends_run(self, error: BaseException) -> bool:
-        """Whether ``error`` comes from outside of a program and its drivers, and ends the run: also Ctrl-C, where it is left to Python."""
+        """Whether ``error`` comes from outside of a program and its drivers, and ends the run: also Ctrl-C, where it is
+        left to Python.
+        """
         if isinstance(error, KeyboardInterrupt):
             if threading.current_thread() is not threading.main_thread():
                 return False
@@ -209,7 +218,9 @@ class Stopping:
                 _thread.start_new_thread(self._insist, ())
 
     def _relay(self, number: int, frame: FrameType | None) -> None:
-        """Calls the handler of somebody else. Of several that raise something only the first does: the release is not interrupted."""
+        """Calls the handler of somebody else. Of several that raise something only the first does: the release is not
+        interrupted.
+        """
         if self._held:
             self._put_off.append(number)
             return
@@ -262,9 +273,11 @@ class Stopping:
             self._raise()
 
     def end_by_force(self, hanging: Exception, errors: Sequence[Exception]) -> None:
-        """The main thread does not come back from what hangs; the outputs have been released from another one, which calls this.
+        """The main thread does not come back from what hangs; the outputs have been released from another one, which
+        calls this.
 
-        A command ends, and so does a process that a signal should have ended, or comes to. Where a driver hangs, an output may not be safe.
+        A command ends, and so does a process that a signal should have ended, or comes to. Where a driver hangs, an
+        output may not be safe.
         """
         lines = [f"stopped by {name_of_signal(self.signal)}"] if self.signal else []
         lines += [described(error) for error in (hanging, *errors)]
@@ -291,8 +304,9 @@ class Stopping:
     def until_exit(self, say: Callable[[str], object]) -> Iterator[None]:
         """Enters it around all that a process does: what comes after that changes nothing any more.
 
-        Otherwise a second signal could end the process by its default while the interpreter shuts down, and the exit code would say that. What comes
-        a second later still ends a process that does not: a driver may have left a thread behind.
+        Otherwise a second signal could end the process by its default while the interpreter shuts down, and the exit
+        code would say that. What comes a second later still ends a process that does not: a driver may have left a
+        thread behind.
         """
         self.say = say
         with self:

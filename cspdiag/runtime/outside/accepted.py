@@ -1,6 +1,8 @@
-"""Values that a port takes from its driver: functions that make a value of the port's type of what a driver has returned, or refuse it.
+"""Values that a port takes from its driver: functions that make a value of the port's type of what a driver has
+returned, or refuse it.
 
-What numpy makes is taken by what it is of: ``dtype.kind`` tells that of a scalar and of an array without dimensions, and numpy is not imported for it.
+What numpy makes is taken by what it is of: ``dtype.kind`` tells that of a scalar and of an array without dimensions,
+and numpy is not imported for it.
 """
 
 from __future__ import annotations
@@ -89,7 +91,9 @@ def record(made: Callable[..., Any], *fields: Accept) -> Accept:
 
 
 def _kind(value: Any) -> str:
-    """What numpy calls it: ``b`` of True and False, ``i``, ``u`` and ``f`` of its own numbers, others of what is none; empty for what is for its class to say."""
+    """What numpy calls it: ``b`` of True and False, ``i``, ``u`` and ``f`` of its own numbers, others of what is none;
+    empty for what is for its class to say.
+    """
     if isinstance(value, bool):
         return "b"
     if isinstance(value, str | bytes):

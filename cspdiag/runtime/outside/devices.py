@@ -1,7 +1,7 @@
 """The drivers of a run: opened, released and closed.
 
-Invariants: an output whose driver was opened is handed its safe value once, as the last that is handed to it; a driver that was opened is closed
-once, after that. No driver that fails or hangs keeps another one from either.
+Invariants: an output whose driver was opened is handed its safe value once, as the last that is handed to it; a driver
+that was opened is closed once, after that. No driver that fails or hangs keeps another one from either.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ T = TypeVar("T")
 class Driver(Protocol):
     """One port's side of a device: ``read`` behind an input, ``write`` behind an output.
 
-    It may have ``open()`` and ``close()``, called before and after the run, and ``blocking = True`` if its calls may wait:
-    in real time they are then made outside the scheduler's thread. How long a call may take: ``watch``.
+    It may have ``open()`` and ``close()``, called before and after the run, and ``blocking = True`` if its calls may
+    wait: in real time they are then made outside the scheduler's thread. How long a call may take: ``watch``.
     """
 
 

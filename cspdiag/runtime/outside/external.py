@@ -1,7 +1,8 @@
 """Ports of the outermost process: where a program meets its environment.
 
-A *sampled* port communicates at the instants k·period. A sampled output is a one-place latch that is handed to the driver at the tick, which is when it
-communicates; any other output communicates when it is written. Inputs: see ``inputs``.
+A *sampled* port communicates at the instants k·period. A sampled output is a one-place latch that is handed to the
+driver at the tick, which is when it communicates; any other output communicates when it is written. Inputs: see
+``inputs``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Inputs of the outermost process: where a program takes what its environment offers.
 
-Every process that reads a *sampled* input has an end of its own, with a session that begins when it first waits for a sample and lasts until the
-process ends; within it, each sample must be taken before the next one comes. An *event* input keeps the latest value offered until it is read.
-A value from outside communicates when a reader takes it.
+Every process that reads a *sampled* input has an end of its own, with a session that begins when it first waits for a
+sample and lasts until the process ends; within it, each sample must be taken before the next one comes. An *event*
+input keeps the latest value offered until it is read. A value from outside communicates when a reader takes it.
 """
 
 from __future__ import annotations
@@ -42,8 +42,9 @@ class _Pace:
 class SampledEnd(LatchedEnd[T]):
     """The end of one reader of a sampled input.
 
-    Its session begins when the reader first waits for a sample. Before that, while its process follows the period through another end, it
-    holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
+    Its session begins when the reader first waits for a sample. Before that, while its process follows the period
+    through another end, it holds the sample of the present tick, so that a first read belongs to the same instant as
+    the reads beside it.
     """
 
     __slots__ = ("_lacks", "_port", "begun", "overdue", "pace", "waiter")
@@ -185,9 +186,11 @@ class SampledEnd(LatchedEnd[T]):
 
 
 class SampledInput(In[T]):
-    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not come.
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not
+    come.
 
-    ``accepts`` makes values of the port's type of those that a driver returns, and refuses what it cannot take; None: takes anything.
+    ``accepts`` makes values of the port's type of those that a driver returns, and refuses what it cannot take; None:
+    takes anything.
     """
 
     __slots__ = (
@@ -243,7 +246,9 @@ class SampledInput(In[T]):
         return self._sampling(self.line) if type(self.line) is Signal else self.sample
 
     def _sampling(self, signal: Signal[T]) -> Callable[[], None]:
-        """``sample`` in one step for a signal of an environment; ends that wait for a sample after others are served in place."""
+        """``sample`` in one step for a signal of an environment; ends that wait for a sample after others are served in
+        place.
+        """
         log, name = scheduler.sample_log, self.name
 
         def sample() -> None:
@@ -291,7 +296,9 @@ class SampledInput(In[T]):
                     end.miss()
 
     def _keep_silent(self) -> None:
-        """A tick for which a blocking driver has brought nothing: a sample that is missed, and after a while a Timeout in those who wait for it."""
+        """A tick for which a blocking driver has brought nothing: a sample that is missed, and after a while a Timeout
+        in those who wait for it.
+        """
         ends = [end for end in self.ends if end.begun]
         if not ends:
             return
@@ -372,7 +379,8 @@ class EventEnd(LatchedEnd[T]):
 class EventInput(In[T]):
     """An event input of the outermost process.
 
-    With ``kind="broadcast"`` every reading end has a latch of its own; otherwise all readers share one, and a value goes to one of them.
+    With ``kind="broadcast"`` every reading end has a latch of its own; otherwise all readers share one, and a value
+    goes to one of them.
     """
 
     __slots__ = ("_last", "accepts", "driver", "ends", "kind", "line", "name", "polled")

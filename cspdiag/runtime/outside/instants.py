@@ -1,6 +1,7 @@
 """The instants at which a program meets its environment, and what happens at one, in order.
 
-The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed over; then timers fall due.
+The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed
+over; then timers fall due.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from .inputs import EventInput, SampledEnd, SampledInput
 Plan: TypeAlias = tuple[Callable[[], None], ...]
 
 _REMEMBERED = 1 << 14
-"""So many phases are remembered: all of any usual hyperperiod, and a bounded number of periods that have nearly no common multiple."""
+"""So many phases are remembered: all of any usual hyperperiod, and a bounded number of periods that have nearly no
+common multiple.
+"""
 
 
 class Environment(Protocol):
@@ -71,7 +74,9 @@ class Instants:
         self._cycles = tuple(sorted(periods | ({self._grid} if self._grid else set())))
         self._hyperperiod = lcm(*self._cycles)
         self._phases: dict[int, tuple[int, Plan | None]] = {}
-        """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where nothing does."""
+        """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where
+        nothing does.
+        """
         self._hopeful: Port | None = None
         """The port that could make a process ready when it was asked last."""
         self.hope: SampledEnd[Any] | None = None

@@ -1,7 +1,7 @@
 """Lines: how ports speak to their drivers during a run.
 
-The scheduler's thread calls a driver itself, unless its calls block and the run is in real time: then a thread makes the calls, and what it brings is
-taken over by the scheduler's thread between two steps of processes.
+The scheduler's thread calls a driver itself, unless its calls block and the run is in real time: then a thread makes
+the calls, and what it brings is taken over by the scheduler's thread between two steps of processes.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ class DirectLine:
 
 
 def _reading(port: Port) -> Callable[[], Any]:
-    """Reads a value of the type of the port from its driver; raises what the driver raises, or TypeError and the like for another value."""
+    """Reads a value of the type of the port from its driver; raises what the driver raises, or TypeError and the like
+    for another value.
+    """
     driver: Any = port.driver
     accepts = None if isinstance(port, SampledOutput | EventOutput) else port.accepts
     if accepts is None:
@@ -213,7 +215,9 @@ class OutputLine(ThreadLine):
             self._changed.notify()
 
     def finish_release(self, until: float) -> None:
-        """Waits for that until an instant of the monotonic clock. Raises DriverFailed if it has failed or not come about."""
+        """Waits for that until an instant of the monotonic clock. Raises DriverFailed if it has failed or not come
+        about.
+        """
         if not self._released.wait(max(0.0, until - time.monotonic())):
             raise self.what.hangs()
         if self._failure is not None:

@@ -22,10 +22,11 @@ _Job: TypeAlias = "tuple[Call | None, Callable[[], None]]"
 
 
 class Release:
-    """Hands each output that was opened its safe value, as the last that it is handed, and closes each device after that.
+    """Hands each output that was opened its safe value, as the last that it is handed, and closes each device after
+    that.
 
-    No driver that fails or hangs keeps another one from either. What is to be done is a queue: another thread can go on with it where the scheduler's
-    thread does not come back from a driver.
+    No driver that fails or hangs keeps another one from either. What is to be done is a queue: another thread can go on
+    with it where the scheduler's thread does not come back from a driver.
     """
 
     def __init__(
@@ -71,7 +72,9 @@ class Release:
                 line.thread.join(0.05)
 
     def _do(self, call: Call | None, job: Callable[[], None]) -> None:
-        """Does one thing; if Ctrl-C, left to Python by a driver, cuts it off, once more. What a driver itself raises is a failure like any other."""
+        """Does one thing; if Ctrl-C, left to Python by a driver, cuts it off, once more. What a driver itself raises is
+        a failure like any other.
+        """
         try:
             self._attempt(call, job)
         except KeyboardInterrupt:

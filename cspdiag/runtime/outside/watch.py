@@ -47,10 +47,11 @@ class _Present(NamedTuple):
 
 
 class Watch:
-    """Makes the calls of the scheduler's thread, and has a thread of its own that looks after them, and after the steps of processes.
+    """Makes the calls of the scheduler's thread, and has a thread of its own that looks after them, and after the steps
+    of processes.
 
-    What goes beyond its limit is ended by an exception where Python can do that. If it still does not come to its end, ``stuck`` is called, once, from
-    the thread of the watch. ``look`` is called from there all the time.
+    What goes beyond its limit is ended by an exception where Python can do that. If it still does not come to its end,
+    ``stuck`` is called, once, from the thread of the watch. ``look`` is called from there all the time.
     """
 
     def __init__(self, *, look: Callable[[], None], stuck: Callable[[Exception], None]) -> None:
@@ -70,7 +71,9 @@ class Watch:
         self._gives_up = 0.0
         self._turn = 0
         self._standing = 0
-        """At how many looks the turn was the same, outside of calls: time in which the whole process is suspended does not count."""
+        """At how many looks the turn was the same, outside of calls: time in which the whole process is suspended does
+        not count.
+        """
 
     def begin(self) -> None:
         """From now on calls are looked after; called by the scheduler's thread."""

@@ -121,7 +121,9 @@ class Build:
         return (*compiler_.command, compiler_.version, *self._flags)
 
     def digest(self, path: str) -> str:
-        """The name in the cache: of what the object of a file depends on: its text, all headers that it includes, the compiler and its options."""
+        """The name in the cache: of what the object of a file depends on: its text, all headers that it includes, the
+        compiler and its options.
+        """
         return _hash([path, *(f"{name}\n{self.files[name]}" for name in self._included(path)), *self._identity])
 
     def _included(self, path: str) -> Iterable[str]:
@@ -158,7 +160,9 @@ class Build:
         _keep(made, place)
 
     def assembled(self, path: str, *options: tuple[str, ...]) -> dict[str, str]:
-        """What the compiler writes for a file that it is to compile to assembly, by suffix (``s``, ``su``): with the first options that it knows."""
+        """What the compiler writes for a file that it is to compile to assembly, by suffix (``s``, ``su``): with the
+        first options that it knows.
+        """
         with _Scratch(self.cache) as scratch:
             _write(scratch, self.files)
             folders = [option for folder in self._folders for option in ("-I", str(scratch / folder))]
@@ -268,7 +272,9 @@ def _touched(place: Path) -> bool:
 
 
 def _bound(folder: Path) -> None:
-    """Removes what was not used for the longest time from a cache that has become too large, and what killed builds have left."""
+    """Removes what was not used for the longest time from a cache that has become too large, and what killed builds
+    have left.
+    """
     for left in folder.glob(f"{_BUILDING}*"):
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > _LONGEST_BUILD:

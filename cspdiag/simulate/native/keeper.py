@@ -23,7 +23,8 @@ class KilledError(CspdiagError):
 class Keeper:
     """Hands what ends a run on to the native program, which then ends by itself; if it does not in time, it is killed.
 
-    A thread does it: the main one reads what the program tells. ``signal`` is the first signal that came, ``killed`` whether the program was.
+    A thread does it: the main one reads what the program tells. ``signal`` is the first signal that came, ``killed``
+    whether the program was.
     """
 
     def __init__(self, program: subprocess.Popen[bytes]) -> None:

@@ -10,9 +10,11 @@ from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 
 class Looks:
-    """Reads lines ``7000000 Ring.cell[3] (ring.csp:12)`` from a pipe: the instant in nanoseconds and, where it is that of the line before, who is at work.
+    """Reads lines ``7000000 Ring.cell[3] (ring.csp:12)`` from a pipe: the instant in nanoseconds and, where it is that
+    of the line before, who is at work.
 
-    Used as a context manager around the run. The program inherits ``descriptor``, which never blocks it; ``started`` is called when it has.
+    Used as a context manager around the run. The program inherits ``descriptor``, which never blocks it; ``started`` is
+    called when it has.
     """
 
     def __init__(self) -> None:

@@ -149,9 +149,11 @@ def _functions(made: Mapping[str, str]) -> dict[str, FunctionFacts]:
 
 
 def deepest(functions: Mapping[str, FunctionFacts]) -> int:
-    """The greatest sum of frames along calls. What is called through a pointer may be any function that nobody calls by name.
+    """The greatest sum of frames along calls. What is called through a pointer may be any function that nobody calls by
+    name.
 
-    Nothing is recursive but through pointers, and what is called through one is a step, a driver or a report, which ends before the next.
+    Nothing is recursive but through pointers, and what is called through one is a step, a driver or a report, which
+    ends before the next.
     """
     called = {name for function in functions.values() for name in function.calls or ()}
     pointed = [name for name in functions if name not in called]

@@ -1,4 +1,6 @@
-"""Who communicates, where a native program knows only the process that a control law or another process was made part of."""
+"""Who communicates, where a native program knows only the process that a control law or another process was made part
+of.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from cspdiag.network.ir.network import Network, SubmodelClass
 
 
 class Parties:
-    """Finds the writer or reader of a communication in the diagram. ``running`` are the paths of the processes that run now."""
+    """Finds the writer or reader of a communication in the diagram. ``running`` are the paths of the processes that run
+    now.
+    """
 
     def __init__(self, network: Network, running: Collection[str]) -> None:
         self._running = running
@@ -41,7 +45,8 @@ class Parties:
             return process
         if len(candidates) == 1:
             return candidates[0]
-        # Of a process and its law it is the law: that communicates in every sample, the process where it begins and ends.
+        # Of a process and its law it is the law: that communicates in every sample, the process where it begins and
+        # ends.
         active = [user for user in candidates if self._process_of(user) in self._running]
         return max(active, key=lambda user: user in self._laws, default=process)
 

@@ -1,4 +1,6 @@
-"""Runs a network as a native program: generated as C, built in a cache, its run read back into the same records as one in Python."""
+"""Runs a network as a native program: generated as C, built in a cache, its run read back into the same records as one
+in Python.
+"""
 
 from __future__ import annotations
 
@@ -66,10 +68,13 @@ def simulate(
     measured: bool = False,
     options: tuple[str, ...] = ("-O2",),
 ) -> Run:
-    """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the clock of a POSIX system.
+    """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the
+    clock of a POSIX system.
 
-    With ``measured`` the recorder is told the longest step of each process. ``fused`` programs run processes as one where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
-    exception. Raises NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
+    With ``measured`` the recorder is told the longest step of each process. ``fused`` programs run processes as one
+    where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present
+    instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an exception. Raises
+    NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
@@ -106,8 +111,8 @@ def _run(
     real_time: bool,
     flattened: bool,
 ) -> Outcome:
-    # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is told.
-    # Against the clock it tells people itself how late it met the instants.
+    # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is
+    # told. Against the clock it tells people itself how late it met the instants.
     told = None if real_time else subprocess.PIPE
     with (
         stopping,

@@ -1,6 +1,7 @@
 """Chrome trace events: a track a process, flow arrows for rendezvous, counters for signals.
 
-Format: "Trace Event Format" of the Chromium project; shown by Perfetto and ``chrome://tracing``. Times are microseconds.
+Format: "Trace Event Format" of the Chromium project; shown by Perfetto and ``chrome://tracing``. Times are
+microseconds.
 """
 
 from __future__ import annotations

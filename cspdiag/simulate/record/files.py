@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, by way of a temporary one beside it.
 
-    A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it is. Raises OSError as
-    the file system does, with the name that was given, and for a pipe from which nobody reads.
+    A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it
+    is. Raises OSError as the file system does, with the name that was given, and for a pipe from which nobody reads.
     """
     real = os.path.realpath(path)
     if os.path.exists(path) and not os.path.isfile(path):

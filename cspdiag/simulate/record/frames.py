@@ -1,4 +1,6 @@
-"""Recordings as tables of pandas and data sets of xarray, with units and periods; both packages are imported when they are asked for."""
+"""Recordings as tables of pandas and data sets of xarray, with units and periods; both packages are imported when they
+are asked for.
+"""
 
 from __future__ import annotations
 

@@ -33,7 +33,9 @@ def columns_of(path: str, name: str, type_: Type, cell: Callable[[Any, Type], Ce
 
 
 def held_rows(run: RunData, columns: Iterable[Column[Cell]], empty: Cell) -> Iterator[tuple[int, list[Cell]]]:
-    """The instants in nanoseconds with their rows, which are ``empty`` where nothing has passed yet. The list is the same each time."""
+    """The instants in nanoseconds with their rows, which are ``empty`` where nothing has passed yet. The list is the
+    same each time.
+    """
     written: dict[str, list[tuple[int, Callable[[Any], Cell]]]] = {}
     row: list[Cell] = []
     for column in columns:

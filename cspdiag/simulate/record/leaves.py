@@ -15,7 +15,9 @@ Picker = Callable[[Any], Any]
 
 
 def leaves(name: str, type_: Type) -> Iterator[tuple[str, Type, Picker]]:
-    """The numbers that a value of a port consists of, with what each is called: ``gyro[0]``, ``pose.x``, ``arms[1].angle``."""
+    """The numbers that a value of a port consists of, with what each is called: ``gyro[0]``, ``pose.x``,
+    ``arms[1].angle``.
+    """
     match type_:
         case ArrayType(element=element, size=size):
             for index in range(size or 0):
@@ -41,7 +43,9 @@ def _itself(value: Any) -> Any:
 
 
 def column(values: list[Any], type_: Type) -> numpy.ndarray:
-    """Values as an array of their type: shape ``(n,)``, for arrays ``(n, size)``; structs have a field of numpy for each of theirs."""
+    """Values as an array of their type: shape ``(n,)``, for arrays ``(n, size)``; structs have a field of numpy for
+    each of theirs.
+    """
     import numpy
 
     found = numpy.empty(len(values), dtype=_dtype(type_))

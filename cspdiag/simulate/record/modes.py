@@ -1,7 +1,8 @@
-"""Which parts of a program a person would want to see beside each other: groups, their ports, and the modes they go through.
+"""Which parts of a program a person would want to see beside each other: groups, their ports, and the modes they go
+through.
 
-The branches of the parallel composition at the top are the groups (the joints of a robot); the processes that a group runs one after the other are its
-modes (align, move, home).
+The branches of the parallel composition at the top are the groups (the joints of a robot); the processes that a group
+runs one after the other are its modes (align, move, home).
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from cspdiag.network.ir.walk import instances_run, parts
 
 @record
 class ModeGroup:
-    """A part of the program with the paths of the processes and named groups that are its modes, and the external ports it uses.
+    """A part of the program with the paths of the processes and named groups that are its modes, and the external ports
+    it uses.
 
     ``modes`` maps paths (``Jiwy.horizontal.alignL``) to names (``alignL``), in text order.
     """

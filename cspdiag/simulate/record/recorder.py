@@ -28,8 +28,8 @@ class Activity(NamedTuple):
 class ExecutionTime(NamedTuple):
     """The longest step that was measured, in nanoseconds, and how many there were.
 
-    ``what`` was measured: a ``law``, of which a sample is a step; a ``process`` with its laws, or a ``thread`` with all that is flattened into it, of which a
-    step is what runs from one wait to the next.
+    ``what`` was measured: a ``law``, of which a sample is a step; a ``process`` with its laws, or a ``thread`` with all
+    that is flattened into it, of which a step is what runs from one wait to the next.
     """
 
     longest: int
@@ -43,7 +43,9 @@ class Recorder:
     def __init__(self, *, communications: bool = True) -> None:
         self.wants_communications = communications
         self.communication_log: list[Any] = []
-        """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than a process takes to communicate."""
+        """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than
+        a process takes to communicate.
+        """
         self.sample_log: list[Any] = []
         """Three entries a sample of a sampled input, read or not: time, port, value."""
         self.releases: list[tuple[int, str, object]] = []

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class Signal(NamedTuple):
     """What passed through a port: instants in seconds (shape ``(n,)``), values, and the type of the port.
 
-    Values have shape ``(n,)``, those of arrays ``(n, size)``; structs have a field of numpy for each of theirs (``value["x"]``).
+    Values have shape ``(n,)``, those of arrays ``(n, size)``; structs have a field of numpy for each of theirs
+    (``value["x"]``).
     """
 
     time: numpy.ndarray
@@ -34,7 +35,8 @@ class Signal(NamedTuple):
 class RunData:
     """Why a run ended, what was communicated and when, which process ran when.
 
-    ``signals`` has the external ports under their names and the internal channels under their hierarchical names (``Jiwy.horizontal.status``).
+    ``signals`` has the external ports under their names and the internal channels under their hierarchical names
+    (``Jiwy.horizontal.status``).
     """
 
     def __init__(

@@ -64,8 +64,10 @@ def simulate(
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
-    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present instant. Signals and what the
-    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal comes before.
+    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit,
+    ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present
+    instant. Signals and what the program raises end the run with an outcome, not with an exception. Raises
+    NoEnvironmentError and BodyError, and Stopped if a signal comes before.
     """
     chosen = chosen_environment(network, environment)
     recorder = recorder if recorder is not None else Recorder()

@@ -1,7 +1,8 @@
 """Imports a generated package from memory.
 
-The text of each module is registered with ``linecache``, so that tracebacks and the places of faults show the generated code as if it
-stood on disk. The runtime that the package would carry is the installed one: one runtime a process, compiled once.
+The text of each module is registered with ``linecache``, so that tracebacks and the places of faults show the generated
+code as if it stood on disk. The runtime that the package would carry is the installed one: one runtime a process,
+compiled once.
 """
 
 from __future__ import annotations

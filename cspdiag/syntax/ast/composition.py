@@ -94,7 +94,9 @@ class Parallel(Step):
 
 @node
 class Alternative(Step):
-    """``P [] Q [] ...`` or, prioritized, ``P []> Q []> ...``; every branch is a guarded process or a replicated alternative."""
+    """``P [] Q [] ...`` or, prioritized, ``P []> Q []> ...``; every branch is a guarded process or a replicated
+    alternative.
+    """
 
     prioritized: bool
     branches: tuple[Composition, ...]

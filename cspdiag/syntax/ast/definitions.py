@@ -184,7 +184,9 @@ class EnvironmentDefinition(Node):
 
 @node
 class Assertion(Node):
-    """``assert P deadlock free`` and its kin; ``specification``, ``model`` and ``hidden`` (ports of the process) belong to ``refines``."""
+    """``assert P deadlock free`` and its kin; ``specification``, ``model`` and ``hidden`` (ports of the process) belong
+    to ``refines``.
+    """
 
     doc: str | None
     process: Identifier

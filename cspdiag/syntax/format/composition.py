@@ -13,8 +13,8 @@ from cspdiag.syntax.format.layout import SPACE, Mark, Separator
 class CompositionFormatter(ExpressionFormatter):
     """Writes compositions.
 
-    A chain of operators stays broken where its author broke it. Broken, ``;`` ends its line and every other operator has a
-    line of its own.
+    A chain of operators stays broken where its author broke it. Broken, ``;`` ends its line and every other operator
+    has a line of its own.
     """
 
     def composition(self, node: ast.Composition, before: Separator = "") -> None:

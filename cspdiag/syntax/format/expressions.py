@@ -103,7 +103,9 @@ class ExpressionFormatter:
                     self.expression(link.right, " ")
 
     def _conditional(self, node: ast.Conditional) -> None:
-        """``if a then b`` and, where it is broken, each ``else`` on a line of its own; ``else if`` goes on in the same column."""
+        """``if a then b`` and, where it is broken, each ``else`` on a line of its own; ``else if`` goes on in the same
+        column.
+        """
         with self.writer.group():
             self.token()
             self.expression(node.condition, " ")
@@ -144,7 +146,8 @@ class ExpressionFormatter:
     def _bracketed(self, items: Sequence[T], write: Callable[[T, Separator], None]) -> None:
         """A list up to its closing bracket.
 
-        It is broken if it does not fit, or if its author broke it after the bracket; then the author's other new lines stay, too.
+        It is broken if it does not fit, or if its author broke it after the bracket; then the author's other new lines
+        stay, too.
         """
         with self.writer.group():
             broken = bool(items) and self.writer.keep_broken()

@@ -1,7 +1,7 @@
 """Text with places where lines may break, and the choice of where they do.
 
-The pieces form a flat list. A group is kept on one line if it fits and holds no ``NewLine``; otherwise each ``Break`` that is
-directly in it becomes a new line (Oppen, "Prettyprinting", 1980; Wadler, "A prettier printer", 1998).
+The pieces form a flat list. A group is kept on one line if it fits and holds no ``NewLine``; otherwise each ``Break``
+that is directly in it becomes a new line (Oppen, "Prettyprinting", 1980; Wadler, "A prettier printer", 1998).
 """
 
 from __future__ import annotations
@@ -150,8 +150,8 @@ class _Renderer:
 def _widths(pieces: list[Piece]) -> dict[int, int | None]:
     """What has to fit on the line, for each piece that has to choose.
 
-    For the opening of a group: the group on one line, with the text that follows up to the next possible break; None if it
-    cannot be on one line. For a break that fills: what follows up to the next break of its group, or up to the first
+    For the opening of a group: the group on one line, with the text that follows up to the next possible break; None if
+    it cannot be on one line. For a break that fills: what follows up to the next break of its group, or up to the first
     new line before that.
     """
     ends, unbreakable = _extents(pieces)

@@ -112,7 +112,9 @@ class Writer:
         return broken
 
     def take(self, separator: Separator = "") -> None:
-        """Write the next token after ``separator``, or after the comments before it where they give it a line of its own."""
+        """Write the next token after ``separator``, or after the comments before it where they give it a line of its
+        own.
+        """
         self._separator = separator
         self.comments()
         self._put_separator()
@@ -163,8 +165,9 @@ class Writer:
     def begin_line(self, *, blank: bool | None = None) -> bool:
         """Begin the line of the next item, after the comments before it.
 
-        ``blank`` forces (True) or suppresses (False) an empty line between the last item and what follows; otherwise the text
-        decides. Returns whether the item follows the last one directly: without an empty line or a comment line.
+        ``blank`` forces (True) or suppresses (False) an empty line between the last item and what follows; otherwise
+        the text decides. Returns whether the item follows the last one directly: without an empty line or a comment
+        line.
         """
         directly = True
         decided = blank
@@ -224,7 +227,8 @@ class Writer:
     def group(self, before: Separator | None = None) -> Iterator[None]:
         """What is kept on one line if it fits.
 
-        With ``before`` the separator and the comments before the next token come before the group, so that they do not break it.
+        With ``before`` the separator and the comments before the next token come before the group, so that they do not
+        break it.
         """
         if before is not None:
             self.separate(before)

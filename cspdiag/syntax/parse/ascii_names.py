@@ -10,7 +10,9 @@ _SPELLED_OUT = dict(
 
 
 def ascii_name(word: str) -> str | None:
-    """A name of letters that everybody can type, for one of others: ``groesse``, ``omega``; None where none comes to mind."""
+    """A name of letters that everybody can type, for one of others: ``groesse``, ``omega``; None where none comes to
+    mind.
+    """
     from unicodedata import name, normalize
 
     letters = []

@@ -84,8 +84,9 @@ class Lexer:
     """Walks through a file.
 
     After ``advance`` the attributes ``kind`` (a terminal), ``text``, ``start`` and ``end`` describe the present token,
-    ``before`` the one before. ``comments`` has all comments passed so far, ``docs`` those of them that are doc comments, by the
-    offset of the token that follows. What is wrong with single characters, strings and comments is reported on the way.
+    ``before`` the one before. ``comments`` has all comments passed so far, ``docs`` those of them that are doc
+    comments, by the offset of the token that follows. What is wrong with single characters, strings and comments is
+    reported on the way.
     """
 
     def __init__(self, source: SourceFile, scanner: Scanner, report: Report) -> None:

@@ -28,7 +28,8 @@ _AFTER_FIRST_NAME = frozenset([":", "=", "-", ",", ".", "["])
 def skip(automaton: Automaton, states: list[int], lexer: Lexer) -> int:
     """Advances to a token at which reading can go on; returns how many of the states to keep.
 
-    That is a definition, a declaration or equation that begins on a line of its own, the end of the block, or the end of the text.
+    That is a definition, a declaration or equation that begins on a line of its own, the end of the block, or the end
+    of the text.
     """
     depth = 0
     while lexer.kind != END:
@@ -59,7 +60,9 @@ def begins_definition(lexer: Lexer) -> bool:
 
 
 def begins_part(lexer: Lexer) -> bool:
-    """Whether the keyword of a port, a block, a declaration or an equation stands first on its line, with what must follow."""
+    """Whether the keyword of a port, a block, a declaration or an equation stands first on its line, with what must
+    follow.
+    """
     if lexer.kind not in _PARTS or not lexer.first_on_line():
         return False
     following = lexer.next_character()

@@ -1,7 +1,7 @@
 """The parse tables: made by Lark from the grammar once, kept in the cache of the user, used without Lark after that.
 
-Importing Lark and loading its own cached tables takes half of the time in which ``cspdiag check`` has to start and answer.
-The tables are therefore kept as plain lists and dictionaries, which ``marshal`` reads in a millisecond.
+Importing Lark and loading its own cached tables takes half of the time in which ``cspdiag check`` has to start and
+answer. The tables are therefore kept as plain lists and dictionaries, which ``marshal`` reads in a millisecond.
 """
 
 from __future__ import annotations
@@ -25,9 +25,10 @@ _FORMAT = 1
 class Rule(NamedTuple):
     """How a reduction makes one value of the values of its right-hand side.
 
-    ``build`` names the method of the tree builder. It is None for a rule that hands on its only child, and empty for the
-    helper rules of repetitions, whose values are lists. ``kept`` has the positions of the children that are handed over:
-    None for an optional part that is absent, a negative number ``~i`` for a list at position ``i`` that is spliced in.
+    ``build`` names the method of the tree builder. It is None for a rule that hands on its only child, and empty for
+    the helper rules of repetitions, whose values are lists. ``kept`` has the positions of the children that are handed
+    over: None for an optional part that is absent, a negative number ``~i`` for a list at position ``i`` that is
+    spliced in.
     """
 
     origin: str
@@ -39,8 +40,8 @@ class Rule(NamedTuple):
 class Tables(NamedTuple):
     """An LALR(1) automaton and what the lexer needs.
 
-    ``actions[state]`` maps a terminal to the next state, or to ``~rule`` for a reduction; ``gotos[state]`` maps the origin of a
-    reduced rule to the next state; ``symbols[state]`` is the symbol over which a state is entered.
+    ``actions[state]`` maps a terminal to the next state, or to ``~rule`` for a reduction; ``gotos[state]`` maps the
+    origin of a reduced rule to the next state; ``symbols[state]`` is the symbol over which a state is entered.
     """
 
     actions: list[dict[str, int]]

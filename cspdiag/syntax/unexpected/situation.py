@@ -84,7 +84,9 @@ class Situation:
         return self.automaton.terminal_texts.get(symbol, "")
 
     def open_symbols(self) -> Iterator[tuple[str, int]]:
-        """What is begun and not finished, innermost first: symbols and their offsets, without what is within closed brackets."""
+        """What is begun and not finished, innermost first: symbols and their offsets, without what is within closed
+        brackets.
+        """
         symbols = self.automaton.tables.symbols
         closed = 0
         for height in range(len(self.starts) - 1, -1, -1):

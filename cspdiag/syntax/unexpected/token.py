@@ -1,7 +1,8 @@
 """Why a token cannot stand where it stands, in words of the language, and how to go on reading.
 
-Each function recognizes one kind of mistake, here those of single tokens, in ``unexpected_structure.py`` those of blocks, brackets and
-operator chains, in ``unexpected_habits.py`` forms of other languages. The first one that recognizes a situation explains it.
+Each function recognizes one kind of mistake, here those of single tokens, in ``unexpected_structure.py`` those of
+blocks, brackets and operator chains, in ``unexpected_habits.py`` forms of other languages. The first one that
+recognizes a situation explains it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Mistakes in single words: misspelled keywords, words of other languages, and numbers without digits on one side of their point."""
+"""Mistakes in single words: misspelled keywords, words of other languages, and numbers without digits on one side of
+their point.
+"""
 
 from __future__ import annotations
 

@@ -26,10 +26,12 @@ _PART = ": "
 
 @record
 class Goal:
-    """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification sees.
+    """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification
+    sees.
 
-    ``cycle``: from this entry of the script on everything is repeated, after ``period`` entries. ``ends``: all is to end without anything more that can be seen. ``further``: a specification may see
-    more than the trace has; whether it allows that is asked afterwards.
+    ``cycle``: from this entry of the script on everything is repeated, after ``period`` entries. ``ends``: all is to
+    end without anything more that can be seen. ``further``: a specification may see more than the trace has; whether it
+    allows that is asked afterwards.
     """
 
     trace: Trace

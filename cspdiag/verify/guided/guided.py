@@ -39,7 +39,9 @@ AT_LEAST = 2_000
 
 
 class Guided:
-    """The program of a network, compiled without optimization, as often as it takes; ``found`` is the package with which scripts were found."""
+    """The program of a network, compiled without optimization, as often as it takes; ``found`` is the package with
+    which scripts were found.
+    """
 
     def __init__(self, network: Network, files: Mapping[str, str], found: LoadedPackage, limits: Limits) -> None:
         self._limits = limits
@@ -74,10 +76,11 @@ class Guided:
     def follow(
         self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool, further: bool = False
     ) -> GuidedRun:
-        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated
-        until the times repeat themselves.
+        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest;
+        from ``cycle`` on they are repeated until the times repeat themselves.
 
-        ``further``: processes have gone round more often than the trace says. Others may do so meanwhile, also where a specification sees it, and what is offered once is offered late.
+        ``further``: processes have gone round more often than the trace says. Others may do so meanwhile, also where a
+        specification sees it, and what is offered once is offered late.
         """
         if further:
             entries = (*put_off(entries[:cycle], self._events), *entries[cycle:])
@@ -105,7 +108,9 @@ class Guided:
         return best
 
     def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
-        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a standstill."""
+        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a
+        standstill.
+        """
         first = self._run(script, goal, Decisions(), strict=False)
         others = bool(first.happened)
         yield first

@@ -11,7 +11,8 @@ from cspdiag.verify.guided.script import Happened, Standing
 
 @record
 class GuidedRun:
-    """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal, None if it has.
+    """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal,
+    None if it has.
 
     ``cut`` is the number of decisions after which it was lost.
     """

@@ -1,9 +1,10 @@
 """A run of the program on its real runtime, led to where a counterexample goes.
 
-It obeys what every run obeys: who runs goes on until it must wait, processes of higher priority come first, delays end when they say, samples come at
-the ticks of their periods, and time passes only while nobody is ready or a submodel computes. Left to the guide are which of the ready processes of one level
-is next, which of the guards of ``[]`` that are ready is taken, how long a submodel computes, and what comes from outside, and when. What it tries
-otherwise in another attempt is a ``Decisions``.
+It obeys what every run obeys: who runs goes on until it must wait, processes of higher priority come first, delays end
+when they say, samples come at the ticks of their periods, and time passes only while nobody is ready or a submodel
+computes. Left to the guide are which of the ready processes of one level is next, which of the guards of ``[]`` that
+are ready is taken, how long a submodel computes, and what comes from outside, and when. What it tries otherwise in
+another attempt is a ``Decisions``.
 """
 
 from __future__ import annotations
@@ -159,7 +160,9 @@ class Run:
             raise AstrayError("times or values change each time round, so that this may come to an end")
 
     def _has_repeated(self) -> bool:
-        """Whether all rounds to come will be as those that were: tasks, values, delays and samples are as they were before."""
+        """Whether all rounds to come will be as those that were: tasks, values, delays and samples are as they were
+        before.
+        """
         number = self._script.next()
         done = len(self._script.entries) if number is None else number
         goal = self._goal
@@ -186,7 +189,9 @@ class Run:
         return self._error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
 
     def _is_to_come(self) -> bool:
-        """Whether what a specification is to see in the end, or the end, has not come, though all processes have done their part once."""
+        """Whether what a specification is to see in the end, or the end, has not come, though all processes have done
+        their part once.
+        """
         if self._goal.ends:
             return not self._root.ended
         return self._goal.further and self._expected is not None and self._seen < len(self._expected)
@@ -205,7 +210,9 @@ class Run:
         return missed is None
 
     def _next(self) -> Party | None:
-        """The process that is next: of the highest level that has any, the one of which something is wanted earliest, or as decided."""
+        """The process that is next: of the highest level that has any, the one of which something is wanted earliest,
+        or as decided.
+        """
         self._collect()
         level = min((level for level, entries in self._ready.items() if entries), default=None)
         if level is None:

@@ -45,7 +45,9 @@ class Guide(Protocol):
         ...
 
     def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
-        """Which of the guards that are ready the current task takes: index, action and channel of each, in the order that is fair."""
+        """Which of the guards that are ready the current task takes: index, action and channel of each, in the order
+        that is fair.
+        """
         ...
 
     def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:

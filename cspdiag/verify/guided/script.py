@@ -18,8 +18,9 @@ LATER = 1 << 60
 class Passed:
     """Something that a task is to do; ``path`` is its process, ``name`` what proofs call the task.
 
-    ``action`` and ``index`` (of a guard) as in ``gates.Option``; ``miss`` where a sample is found overwritten. ``together``: its order among those beside it is open, as when a submodel
-    reads its inputs. ``value`` is what the environment is to offer.
+    ``action`` and ``index`` (of a guard) as in ``gates.Option``; ``miss`` where a sample is found overwritten.
+    ``together``: its order among those beside it is open, as when a submodel reads its inputs. ``value`` is what the
+    environment is to offer.
     """
 
     key: Key

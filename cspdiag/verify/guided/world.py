@@ -35,7 +35,9 @@ class Lines(dict[str, _Line]):
 
 
 class World:
-    """What a program meets outside. ``defaults`` are the values of inputs, by channel, of which the script wants nothing; ``met`` counts the instants."""
+    """What a program meets outside. ``defaults`` are the values of inputs, by channel, of which the script wants
+    nothing; ``met`` counts the instants.
+    """
 
     def __init__(
         self,
@@ -82,7 +84,9 @@ class World:
 
     @property
     def situation(self) -> tuple[int, ...]:
-        """How long delays have still to last, and how long ago all samples came at once: what times there are to come depends on that."""
+        """How long delays have still to last, and how long ago all samples came at once: what times there are to come
+        depends on that.
+        """
         periods = lcm(*(port.period for port in self._sampled if _listens(port)))
         return scheduler.now % periods, *sorted(
             instant - scheduler.now for instant, timers in scheduler.timers._at.items() for _ in timers
@@ -109,7 +113,9 @@ class World:
 
     @property
     def computing(self) -> Sequence[int]:
-        """Until when the current task may compute, the most promising first: until a sample is missed where one has to be, or not at all."""
+        """Until when the current task may compute, the most promising first: until a sample is missed where one has to
+        be, or not at all.
+        """
         following = self.next_instant()
         if following is None:
             return (scheduler.now,)

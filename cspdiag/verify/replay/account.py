@@ -20,10 +20,11 @@ LONGEST = 24
 
 
 def with_values(found: Counterexample, replay: Replay, network: Network) -> Counterexample:
-    """The counterexample with the values that the environment offered, and those of the communications in their order, where it has none itself or a range.
+    """The counterexample with the values that the environment offered, and those of the communications in their order,
+    where it has none itself or a range.
 
-    Left open stay other channels on which the run communicated more or less often than the counterexample says, as on those with several readers of each value; a value that the run did not have there
-    is left open, too.
+    Left open stay other channels on which the run communicated more or less often than the counterexample says, as on
+    those with several readers of each value; a value that the run did not have there is left open, too.
     """
     every = (*found.steps, *found.cycle)
     times = Counter(step.channel for step in every if step.kind in PASSING)

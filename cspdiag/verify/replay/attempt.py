@@ -182,7 +182,9 @@ class Attempt:
                 raise DivergenceError(f"`{step}` does not come about")
 
     def _choose_ready(self, step: TraceStep) -> None:
-        """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that is alone in its alternative is no choice."""
+        """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that
+        is alone in its alternative is no choice.
+        """
         path = step.parties[0][1]
         for option, candidate in self._offers(("ready", "read", "write"), step.channel):
             if not belongs(candidate.path, path):
@@ -208,7 +210,9 @@ class Attempt:
         ]
 
     def _choose_silently(self, step: TraceStep, *, necessary: bool = False) -> bool:
-        """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
+        """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the
+        step cannot come.
+        """
         silent = [
             (option, candidate)
             for option, candidate in self._offers(("skip",), None)
@@ -359,7 +363,9 @@ class Attempt:
         return judgement
 
     def _end_silently(self) -> None:
-        """Nobody stays where a guard is always ready, also that of an interrupt: transition systems leave out steps that make no difference."""
+        """Nobody stays where a guard is always ready, also that of an interrupt: transition systems leave out steps
+        that make no difference.
+        """
         for interruption in list(conductor.interruptions):
             if interruption in conductor.interruptions and interruption.options[0].action == "skip":
                 interruption.fire()
@@ -373,7 +379,9 @@ class Attempt:
                 self._settle()
 
     def _is_stuck(self, gate: Gate) -> bool:
-        """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they wait."""
+        """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they
+        wait.
+        """
         waits = {option.channel for option in gate.options if option.channel}
         return any(belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
 

@@ -1,7 +1,7 @@
 """Steps the generated program through a trace: does it do what the transition system was found to do?
 
-Values that the trace leaves open are tried one after the other, and then how often loops go round. What is found so has still to be done by the program as it always
-runs, with its priorities and in exact times (``guided``).
+Values that the trace leaves open are tried one after the other, and then how often loops go round. What is found so has
+still to be done by the program as it always runs, with its priorities and in exact times (``guided``).
 """
 
 from __future__ import annotations
@@ -35,10 +35,12 @@ def replay(
     *,
     exactly: bool = False,
 ) -> Replay:
-    """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the ``judge`` has to find something wrong.
+    """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the
+    ``judge`` has to find something wrong.
 
-    ``exactly``: with the values that the trace gives; without, a trace of a proof is one of the program also where other values pass.
-    Raises BodyError for a hand-written body that cannot be made, and LimitError when the time of the ``limits`` is up.
+    ``exactly``: with the values that the trace gives; without, a trace of a proof is one of the program also where
+    other values pass. Raises BodyError for a hand-written body that cannot be made, and LimitError when the time of the
+    ``limits`` is up.
     """
     limits = limits or Limits()
     package = LoadedPackage(network.name, files, replaying_runtime())

@@ -1,7 +1,8 @@
 """Where processes halt in a replay: before each communication, delay and choice, until the trace has come to it.
 
-Between two gates a process runs as always, on the same runtime. So a replay changes nothing but the order in which processes get on, and what each alternative
-chooses: it is one of the runs that the program can have when its processes take any time.
+Between two gates a process runs as always, on the same runtime. So a replay changes nothing but the order in which
+processes get on, and what each alternative chooses: it is one of the runs that the program can have when its processes
+take any time.
 """
 
 from __future__ import annotations
@@ -28,8 +29,9 @@ Action = Literal["read", "write", "ready", "wait", "after", "skip"]
 class Option:
     """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
 
-    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out, ``skip`` the guard that is always ready. ``duration``, in
-    nanoseconds, belongs to ``wait`` and ``after``, ``value`` to ``write``.
+    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out,
+    ``skip`` the guard that is always ready. ``duration``, in nanoseconds, belongs to ``wait`` and ``after``, ``value``
+    to ``write``.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset({"value"})
@@ -75,7 +77,9 @@ class Gate:
 
 @dataclass
 class Interruption:
-    """An interrupt whose body runs: ``fire`` takes the guard and abandons the body at the gate at which it halts; ``abandon`` leaves the guard to wait."""
+    """An interrupt whose body runs: ``fire`` takes the guard and abandons the body at the gate at which it halts;
+    ``abandon`` leaves the guard to wait.
+    """
 
     task: Task
     options: tuple[Option]
@@ -115,7 +119,9 @@ class Conductor:
         self.__init__()  # type: ignore[misc]
 
     def hold(self, *options: Option, together: bool = False) -> Generator[None, None, Option | None]:
-        """Halts the current task until one of the options is its turn; None in a run that is not conducted. See ``Gate``."""
+        """Halts the current task until one of the options is its turn; None in a run that is not conducted. See
+        ``Gate``.
+        """
         task = scheduler.current
         if task.cancelled:
             raise Cancelled

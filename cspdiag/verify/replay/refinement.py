@@ -28,7 +28,9 @@ def _text(value: Any, kind: Type) -> str:
 
 
 def judge(question: Question, specified: Callable[[ToldApart], System], network: Network, limits: Limits) -> Judge:
-    """Says how a run does not refine the specification, which is followed with the very values that the environment gave; it raises LimitError when the limits are reached."""
+    """Says how a run does not refine the specification, which is followed with the very values that the environment
+    gave; it raises LimitError when the limits are reached.
+    """
     hidden = Labels(System((), ()), question.unseen)
     ports = {port.name: port.type for port in network.external_ports if not hidden.hides(port.name)}
     inputs = {port.name for port in network.external_ports if port.direction == "in" and port.name in ports}

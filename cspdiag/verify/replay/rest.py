@@ -1,4 +1,6 @@
-"""How processes stand at the end of a replay: what they offer to the environment, and whether something goes on without it."""
+"""How processes stand at the end of a replay: what they offer to the environment, and whether something goes on without
+it.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ _BY_ITSELF = frozenset({"skip", "wait", "after"})
 
 @record
 class Resting:
-    """``offers`` are options at ports of the outermost process; ``goes_on``: some process can get on by itself, or two with each other."""
+    """``offers`` are options at ports of the outermost process; ``goes_on``: some process can get on by itself, or two
+    with each other.
+    """
 
     offers: tuple[Option, ...]
     goes_on: bool

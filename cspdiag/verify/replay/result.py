@@ -19,7 +19,8 @@ Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | N
 class Replay:
     """How far the program followed a trace.
 
-    ``divergence`` says why it did not to the end; None if it did. ``communications`` are (channel, value) in order; ``deadlock`` is what the runtime says at the end.
+    ``divergence`` says why it did not to the end; None if it did. ``communications`` are (channel, value) in order;
+    ``deadlock`` is what the runtime says at the end.
     """
 
     steps: int

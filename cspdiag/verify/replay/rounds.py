@@ -1,7 +1,9 @@
-"""Further rounds of loops whose end is computed: proofs leave open when such a loop ends, so that a trace goes round as seldom as it can.
+"""Further rounds of loops whose end is computed: proofs leave open when such a loop ends, so that a trace goes round as
+seldom as it can.
 
-A process that is not where the trace has it goes on by itself until it is there: it reads what the environment offers, always the same, writes what the environment takes, and lets delays
-pass. Where a specification sees that, the judge of the whole run says in the end whether it is allowed.
+A process that is not where the trace has it goes on by itself until it is there: it reads what the environment offers,
+always the same, writes what the environment takes, and lets delays pass. Where a specification sees that, the judge of
+the whole run says in the end whether it is allowed.
 """
 
 from __future__ import annotations
@@ -73,7 +75,9 @@ class Rounds:
         return self._left_in_all <= 0
 
     def reach(self, number: int, step: TraceStep) -> None:
-        """Lets the processes of the step of this number go on until they can take it, or are at their end if that is what they come to."""
+        """Lets the processes of the step of this number go on until they can take it, or are at their end if that is
+        what they come to.
+        """
         for name, path in self._needed(step):
             if step.kind in _LEAVING:
                 self._go_on(number, name, path, partial(_has_ended, name, path))
@@ -81,7 +85,9 @@ class Rounds:
                 self._go_on(number, name, path, partial(self._is_ready, step, name, path))
 
     def come_to_rest(self) -> None:
-        """Lets processes go on until those that never go on are where the trace has them; if all stand still, the others until their end."""
+        """Lets processes go on until those that never go on are where the trace has them; if all stand still, the
+        others until their end.
+        """
         number = len(self._trace.steps)
         if self._trace.failure not in STANDSTILLS:
             return

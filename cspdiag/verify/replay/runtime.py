@@ -1,4 +1,6 @@
-"""The runtime of a replay: the same channels and alternatives, with a gate before each use of them, and an environment that offers what the trace says."""
+"""The runtime of a replay: the same channels and alternatives, with a gate before each use of them, and an environment
+that offers what the trace says.
+"""
 
 from __future__ import annotations
 

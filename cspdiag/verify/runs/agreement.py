@@ -36,9 +36,11 @@ def agrees(value: Any, type_: Type, told: str | None) -> bool:
 
 
 def differing(steps: Sequence[_Valued], made: Sequence[tuple[str, Any]], types: Mapping[str, Type]) -> dict[int, Any]:
-    """For each channel on which a run had other values, the number of the first such step, and the value that it had; None if it had fewer.
+    """For each channel on which a run had other values, the number of the first such step, and the value that it had;
+    None if it had fewer.
 
-    ``made`` are its communications, (channel, value) in order. Where a run passes a channel more or less often than the steps, as with further rounds of a loop, theirs are in order among its own.
+    ``made`` are its communications, (channel, value) in order. Where a run passes a channel more or less often than the
+    steps, as with further rounds of a loop, theirs are in order among its own.
     """
     numbers: defaultdict[str, list[int]] = defaultdict(list)
     for number, step in enumerate(steps):
@@ -75,7 +77,9 @@ def _first_unlike(told: Sequence[str | None], had: Sequence[Any], type_: Type) -
 
 
 def difference(trace: Trace, made: Sequence[tuple[str, Any]], types: Mapping[str, Type]) -> tuple[int, str] | None:
-    """The first step of a trace with another value than a run had, by its number, and what is different there; None if there is none."""
+    """The first step of a trace with another value than a run had, by its number, and what is different there; None if
+    there is none.
+    """
     steps = (*trace.steps, *trace.cycle)
     for number, value in differing(steps, made, types).items():
         step = steps[number]

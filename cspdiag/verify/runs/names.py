@@ -11,7 +11,9 @@ from cspdiag.verify.runs.trace import TraceStep
 
 UNFIT = 3
 WRITTEN = " (written)"
-"""With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
+"""With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event
+of its own.
+"""
 
 
 def in_words(text: str, top: str) -> str:

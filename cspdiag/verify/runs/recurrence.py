@@ -1,4 +1,5 @@
-"""When a run has come to where it was: every task stands where it stood, and what decides how it goes on has the values that it had.
+"""When a run has come to where it was: every task stands where it stood, and what decides how it goes on has the values
+that it had.
 
 What a state does not have is what a run is free in: who of one level gets on first, and which guard of ``[]`` is taken.
 """
@@ -53,7 +54,9 @@ def counting_to_faults(network: Network) -> frozenset[str]:
 
 
 def _deciding_nothing(network: Network, *, faults: bool = True) -> frozenset[str]:
-    """What may count for ever, and neither a condition nor a delay depends on it, nor ``faults``: variables, buffers and states of control laws, by path."""
+    """What may count for ever, and neither a condition nor a delay depends on it, nor ``faults``: variables, buffers
+    and states of control laws, by path.
+    """
     decides = deciding(Program(network), faults=faults)
     names = {
         definition.name: [
@@ -78,7 +81,9 @@ def _may_count(of: Type) -> bool:
 
 
 def _standing(root: Task) -> Iterator[tuple[object, ...]]:
-    """Where in the code each task stands, in the order of the branches, and how often it has gone round in what is replicated."""
+    """Where in the code each task stands, in the order of the branches, and how often it has gone round in what is
+    replicated.
+    """
     pending = [root]
     while pending:
         task = pending.pop()

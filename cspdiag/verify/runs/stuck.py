@@ -1,6 +1,8 @@
-"""Who never goes on, in a state that a run has really come to: the greatest set of tasks of which every possible partner is in it or has ended.
+"""Who never goes on, in a state that a run has really come to: the greatest set of tasks of which every possible
+partner is in it or has ended.
 
-A task that waits for a delay, a sample or the environment is not in it, and so nobody is for whom it may still come, wherever it is now.
+A task that waits for a delay, a sample or the environment is not in it, and so nobody is for whom it may still come,
+wherever it is now.
 """
 
 from __future__ import annotations
@@ -46,7 +48,9 @@ class Partners:
         self._raising += [instance.path for instance in network.instances if instance.class_name in raising]
 
     def stuck(self, root: Task, outside: Collection[str]) -> list[Task]:
-        """The tasks below ``root`` that never go on and do not wait for branches of their own; ``outside`` are the channels of the environment."""
+        """The tasks below ``root`` that never go on and do not wait for branches of their own; ``outside`` are the
+        channels of the environment.
+        """
         leaves, parents = _tasks(root)
         waits = {task: list(waits_of(task)) for task in leaves}
         found = {task for task in leaves if not any(_comes_by_itself(wait, outside) for wait in waits[task])}
@@ -66,7 +70,9 @@ class Partners:
             found -= freed
 
     def _channels_of(self, task: Task) -> set[int]:
-        """Those that a task may still come to, as far as that is known: of what is written by hand, all that it can reach."""
+        """Those that a task may still come to, as far as that is known: of what is written by hand, all that it can
+        reach.
+        """
         return channels_used_by(task) if path_of(task) in self._by_hand else channels_to_come(task)
 
     def _may_come(self, task: Task, wait: Wait, live: list[Task], uses: dict[Task, set[int]]) -> bool:

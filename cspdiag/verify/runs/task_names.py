@@ -8,7 +8,9 @@ from cspdiag.runtime.composition import Branches, parallel, prioritized_parallel
 from cspdiag.runtime.kernel.scheduler import Task
 
 Key: TypeAlias = tuple[int, ...]
-"""Names a task: the numbers of the parallel branches that lead to it from the outermost process. Tasks of one name follow each other."""
+"""Names a task: the numbers of the parallel branches that lead to it from the outermost process. Tasks of one name
+follow each other.
+"""
 
 
 _PARALLELS = (parallel.__code__, prioritized_parallel.__code__)
@@ -32,7 +34,9 @@ class TaskNames:
         return tuple(reversed(numbers))
 
     def told(self, task: Task) -> tuple[str, ...]:
-        """What a trace may call a task: the path of the process that it executes, and its number among the parallel branches of that."""
+        """What a trace may call a task: the path of the process that it executes, and its number among the parallel
+        branches of that.
+        """
         path = path_of(task)
         join = task.join
         while isinstance(join, Branches) and len(join.tasks) == 1:
@@ -41,7 +45,9 @@ class TaskNames:
         return (path, f"{path}.{self._position(task, join) + 1}") if isinstance(join, Branches) else (path,)
 
     def called(self, task: Task) -> str:
-        """What proofs call a task that has no other name: its process, or that with its number if it is a parallel branch inside of it."""
+        """What proofs call a task that has no other name: its process, or that with its number if it is a parallel
+        branch inside of it.
+        """
         path = path_of(task)
         join = task.join
         while isinstance(join, Branches):

@@ -24,7 +24,9 @@ class DivergenceError(CspdiagError):
 
 @record
 class TraceStep:
-    """What is to happen next; ``parties`` are the processes that take part: their names, and the paths of the instances that they belong to."""
+    """What is to happen next; ``parties`` are the processes that take part: their names, and the paths of the instances
+    that they belong to.
+    """
 
     kind: str
     channel: str
@@ -44,7 +46,8 @@ class TraceStep:
 class Trace:
     """A counterexample of ``process``, compiled with ``settings``.
 
-    ``stuck`` are the processes that never go on after it, each with the channels at which it waits. ``exact``: the proof left nothing open, so that what was done once can be done again and again.
+    ``stuck`` are the processes that never go on after it, each with the channels at which it waits. ``exact``: the
+    proof left nothing open, so that what was done once can be done again and again.
     """
 
     process: str
@@ -68,7 +71,9 @@ class Trace:
 
     @property
     def round(self) -> str:
-        """What is repeated for ever where nothing is communicated: the delays, or who does something that no diagram shows."""
+        """What is repeated for ever where nothing is communicated: the delays, or who does something that no diagram
+        shows.
+        """
         delays = [
             f"`{step.channel.rpartition(': ')[2]}` of {self._names(step)}" for step in self.cycle if step.kind == "time"
         ]
@@ -80,7 +85,9 @@ class Trace:
         return ", ".join(f"`{name.removeprefix(f'{self.process}.')}`" for name, _ in step.parties)
 
     def hides(self, channel: str) -> bool:
-        """Whether a specification does not see a channel of the environment, or the array of ports that it is an element of."""
+        """Whether a specification does not see a channel of the environment, or the array of ports that it is an
+        element of.
+        """
         return channel in self.hidden or channel.rpartition("[")[0] in self.hidden
 
 

@@ -1,7 +1,8 @@
-"""Which channels a task that waits may still come to: those that are named after the place where it waits, in whatever may follow there.
+"""Which channels a task that waits may still come to: those that are named after the place where it waits, in whatever
+may follow there.
 
-A statement of generated code waits at most once, when all that it names has been looked up. What a loop goes over and the handler of an interrupt are
-looked up before and used later: then all counts that the function names.
+A statement of generated code waits at most once, when all that it names has been looked up. What a loop goes over and
+the handler of an interrupt are looked up before and used later: then all counts that the function names.
 """
 
 from __future__ import annotations

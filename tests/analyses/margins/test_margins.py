@@ -162,7 +162,9 @@ def test_inputs_that_stand_have_the_values_that_they_have_from_the_beginning() -
 
 
 def test_a_plant_that_steps_much_more_often_than_the_law() -> None:
-    """A filter f' = a f + (1 - a) u on a grid of 1 us: over a period T it goes the part 1 - a^n of the way, and L = K (1 - a^n) / (z (z - a^n))."""
+    """A filter f' = a f + (1 - a) u on a grid of 1 us: over a period T it goes the part 1 - a^n of the way, and L = K
+    (1 - a^n) / (z (z - a^n)).
+    """
     pole = 0.9999
     text = INTEGRATOR.replace("der x = u / 1<s>", f"next x = {pole} * x + {1 - pole:.4f} * u")
     text = text.replace("environment Bench for Main {{", "environment Bench for Main step 1 us {{")

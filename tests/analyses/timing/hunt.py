@@ -1,7 +1,9 @@
-"""Holds what is proved of random programs against runs of them: ``python -m tests.analyses.timing.hunt --random 5000`` looks at so many.
+"""Holds what is proved of random programs against runs of them: ``python -m tests.analyses.timing.hunt --random 5000``
+looks at so many.
 
-Each program that is proved schedulable is run four times on a processor that takes time (nothing, the longest times, and others between), with inputs that change in a
-random way. It is wrong if a sample is missed, or if nothing or no time goes on. Prints what is wrong, how many were proved, and why others were not.
+Each program that is proved schedulable is run four times on a processor that takes time (nothing, the longest times,
+and others between), with inputs that change in a random way. It is wrong if a sample is missed, or if nothing or no
+time goes on. Prints what is wrong, how many were proved, and why others were not.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ from tests.analyses.timing.random.shapes import Shapes
 
 @dataclass
 class Found:
-    """What came of some programs: how many were answered in each way, those that are wrong, and the reasons of those that were not proved."""
+    """What came of some programs: how many were answered in each way, those that are wrong, and the reasons of those
+    that were not proved.
+    """
 
     answers: Counter[str] = field(default_factory=Counter)
     wrong: list[tuple[int, str]] = field(default_factory=list)
@@ -27,7 +31,9 @@ class Found:
 
 
 def hunt(first: int, count: int) -> Found:
-    """Look at the valid programs with sampled loops of so many seeds, from a first one on; in every third some loops meet."""
+    """Look at the valid programs with sampled loops of so many seeds, from a first one on; in every third some loops
+    meet.
+    """
     found = Found()
     for seed in range(first, first + count):
         network = build((Meetings if seed % 3 == 2 else Shapes)(seed).text)

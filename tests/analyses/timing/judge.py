@@ -1,6 +1,7 @@
 """Runs programs on a processor that takes time, and says whether a sample was missed.
 
-Computing takes nothing, the longest time that is stated, or something in between; the runtime itself decides what happens.
+Computing takes nothing, the longest time that is stated, or something in between; the runtime itself decides what
+happens.
 """
 
 from __future__ import annotations
@@ -68,7 +69,9 @@ def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, 
 
 @contextmanager
 def _alarm(seconds: float) -> Iterator[list[bool]]:
-    """Gives a list that is no longer empty once it has rung: a run that is ended by it may come to its end as if it had failed."""
+    """Gives a list that is no longer empty once it has rung: a run that is ended by it may come to its end as if it had
+    failed.
+    """
 
     def ring() -> NoReturn:
         rung.append(True)

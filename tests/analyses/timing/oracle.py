@@ -1,4 +1,5 @@
-"""A processor simulated unit by unit, from the instants that are worst for one task: what the analysis of response times must agree with.
+"""A processor simulated unit by unit, from the instants that are worst for one task: what the analysis of response
+times must agree with.
 
 Nothing is shared with the analysis: there are no fixed points here, only queues.
 """

@@ -1,4 +1,5 @@
-"""A processor of ours that takes time: the runtime runs programs on a clock that stands still but for what laws compute and for waiting.
+"""A processor of ours that takes time: the runtime runs programs on a clock that stands still but for what laws compute
+and for waiting.
 
 So this is the real scheduler, the real order of ports, and the real composition.
 """
@@ -46,7 +47,9 @@ def read(path: str) -> SourceFile:
 def run(
     network: Network, times: Callable[[str], int], until: int, ended: Callable[[str, int], None] | None = None
 ) -> Run:
-    """Run a program whose laws, by their paths, take some times; ``ended`` is told of each law that has computed, and when it began."""
+    """Run a program whose laws, by their paths, take some times; ``ended`` is told of each law that has computed, and
+    when it began.
+    """
 
     def slow(running: Any) -> None:
         def timed(path: str, calculate: Callable[..., Any]) -> Callable[..., Any]:

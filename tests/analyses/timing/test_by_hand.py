@@ -161,6 +161,7 @@ def test_a_chain_of_three_loops_adds_periods_and_responses() -> None:
     assert {loop.response for loop in report.loops} == {600 * US}
     (chain,) = [chain for chain in report.chains if chain.source == "a"]
     assert chain.loops == ("first", "second", "third")
-    # Of the first two a period, a response, and the response of who takes the value; the output changes a period after the last sample.
+    # Of the first two a period, a response, and the response of who takes the value; the output changes a period after
+    # the last sample.
     passed = 2 * MS + 2 * 600 * US + 5 * MS + 2 * 600 * US
     assert (chain.reaction, chain.age) == (passed + 20 * MS, passed + 10 * MS)

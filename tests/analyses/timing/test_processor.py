@@ -1,4 +1,6 @@
-"""The program itself on a processor that takes time: its laws never take longer than the bounds, and some take exactly as long."""
+"""The program itself on a processor that takes time: its laws never take longer than the bounds, and some take exactly
+as long.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Random programs: whatever they are made of, the analyses say something, and a run never does more at an instant than was bounded."""
+"""Random programs: whatever they are made of, the analyses say something, and a run never does more at an instant than
+was bounded.
+"""
 
 from __future__ import annotations
 

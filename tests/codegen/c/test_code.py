@@ -138,7 +138,9 @@ MODELS = ("jiwy", "cascade", "dining", "emergency", "watchdog", "buffer")
 
 @pytest.mark.parametrize(("name", "level"), [*product(MODELS, (0, 1))])
 def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
-    """Long lines, empty bodies, comparisons in the wrong sense, commas that evaluate, pointers to what is pointed to, double parentheses."""
+    """Long lines, empty bodies, comparisons in the wrong sense, commas that evaluate, pointers to what is pointed to,
+    double parentheses.
+    """
     package = pipeline.generate(network(name), read, "c", level)
     objections = {
         "empty body": r"\{\s*(/\*([^*]|\*[^/])*\*/\s*)*\}",

@@ -1,8 +1,9 @@
-"""``python -m tests.conformance.random --count 5000``: random programs with at least five communications on every target.
+"""``python -m tests.conformance.random --count 5000``: random programs with at least five communications on every
+target.
 
-Each is run as readable and as optimized Python, and in C at ``-O0`` and ``-O1`` under each compiler; one in twenty with the address and undefined
-behaviour sanitizers too. What differs is made smaller, printed and written to a folder; then it ends with 1. One process; with ``--seconds`` it stops by itself, and
-says from which seed to go on.
+Each is run as readable and as optimized Python, and in C at ``-O0`` and ``-O1`` under each compiler; one in twenty with
+the address and undefined behaviour sanitizers too. What differs is made smaller, printed and written to a folder; then
+it ends with 1. One process; with ``--seconds`` it stops by itself, and says from which seed to go on.
 """
 
 from __future__ import annotations

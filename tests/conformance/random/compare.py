@@ -63,7 +63,8 @@ def difference(text: str, names: Sequence[str], compiler: str | None = None, *, 
 def smallest(
     program: Program, told: str, names: Sequence[str], compiler: str | None, seconds: float, *, sanitized: bool = False
 ) -> tuple[Program, str]:
-    """A smaller program that differs in the same way as ``program`` was told to, as small as it is found in so many seconds, and how it does.
+    """A smaller program that differs in the same way as ``program`` was told to, as small as it is found in so many
+    seconds, and how it does.
 
     What differs once and not again is given back as it is.
     """

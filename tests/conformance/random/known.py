@@ -1,7 +1,9 @@
-"""Random programs that compute with what is known before they run: parameters near the limits of their types, replicators, constants, arrays of them.
+"""Random programs that compute with what is known before they run: parameters near the limits of their types,
+replicators, constants, arrays of them.
 
-Nearly everything stands below a ``catch Fault``, and much of it faults: in assignments, conditions, indices, times of delays and guards, and equations of
-laws. Each process and each law is there with several arguments, for which other parts of it fault.
+Nearly everything stands below a ``catch Fault``, and much of it faults: in assignments, conditions, indices, times of
+delays and guards, and equations of laws. Each process and each law is there with several arguments, for which other
+parts of it fault.
 """
 
 from __future__ import annotations

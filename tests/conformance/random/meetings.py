@@ -1,7 +1,7 @@
 """Random programs of processes that meet: short compositions over all kinds of channels that communicate often.
 
-They nest what ``tests.properties`` seldom does: interrupts in interrupts, parallels in alternatives in loops, handlers that fault, ends that nobody
-uses. A program is drawn from ``random.Random``: the same one for the same seed.
+They nest what ``tests.properties`` seldom does: interrupts in interrupts, parallels in alternatives in loops, handlers
+that fault, ends that nobody uses. A program is drawn from ``random.Random``: the same one for the same seed.
 """
 
 from __future__ import annotations

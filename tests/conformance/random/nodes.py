@@ -8,7 +8,9 @@ from dataclasses import dataclass, field, replace
 
 @dataclass(frozen=True)
 class Node:
-    """A composition, as an operand: ``form`` with a ``{}`` for each child, or the children joined by ``operator`` where there is one."""
+    """A composition, as an operand: ``form`` with a ``{}`` for each child, or the children joined by ``operator`` where
+    there is one.
+    """
 
     form: str = "skip"
     children: tuple[Node, ...] = ()
@@ -42,7 +44,9 @@ class Node:
 
 @dataclass(frozen=True)
 class Program:
-    """Processes by name with their declarations and compositions, and the rest of the text: ``before`` and ``after`` them."""
+    """Processes by name with their declarations and compositions, and the rest of the text: ``before`` and ``after``
+    them.
+    """
 
     before: str
     leaves: tuple[tuple[str, str, Node], ...]

@@ -1,4 +1,6 @@
-"""What must hold of a drawing wherever its parts stand: no line runs through words, no words lie on each other or leave the sheet."""
+"""What must hold of a drawing wherever its parts stand: no line runs through words, no words lie on each other or leave
+the sheet.
+"""
 
 from __future__ import annotations
 

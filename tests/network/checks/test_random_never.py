@@ -1,7 +1,7 @@
 """Of what a run comes to, nothing says that it never happens.
 
-Random parts with replicators, in several instances of one process, each part in a line of its own where it writes the number of the line.
-``python -m tests.network.checks.test_random_never NUMBER`` tries more programs.
+Random parts with replicators, in several instances of one process, each part in a line of its own where it writes the
+number of the line. ``python -m tests.network.checks.test_random_never NUMBER`` tries more programs.
 """
 
 from __future__ import annotations
@@ -127,7 +127,9 @@ def program(seed: int) -> str:
 
 
 def said_and_run(seed: int) -> tuple[set[int], set[int]] | None:
-    """The lines of which it is said that they never run, and those that do; None where a program is refused for another reason."""
+    """The lines of which it is said that they never run, and those that do; None where a program is refused for another
+    reason.
+    """
     text = program(seed)
     source = SourceFile(name="never.csp", text=text)
     built = pipeline.build(source, lambda _: source)

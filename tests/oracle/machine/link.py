@@ -1,4 +1,6 @@
-"""A program made ready to run: replicated operators written out, every composition numbered, and what each may still use."""
+"""A program made ready to run: replicated operators written out, every composition numbered, and what each may still
+use.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Branches: of a parallel, and the body of an interrupt, which is one branch beside a guard. How they end and are cancelled."""
+"""Branches: of a parallel, and the body of an interrupt, which is one branch beside a guard. How they end and are
+cancelled.
+"""
 
 from __future__ import annotations
 
@@ -127,7 +129,9 @@ class Parallels(Guards):
                 self._cancel(st, st.threads[(*thread.tid, (frame.node, branch))])
 
     def _abandoned(self, st: State, thread: Thread) -> Signal:
-        """The body was ended by the cancellation: the process is an alternative with the guard alone, unless it was chosen."""
+        """The body was ended by the cancellation: the process is an alternative with the guard alone, unless it was
+        chosen.
+        """
         frame = thread.stack[-1]
         thread.stack = thread.stack[:-1]
         node = self.linked.nodes[frame.node]

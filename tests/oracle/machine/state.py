@@ -70,7 +70,9 @@ Waiting = Joint | Choice | Delay | Stopped | Branches
 
 
 class Frame(NamedTuple):
-    """What is to be done later: `seq` (at a step), `mu`, `while`, `catch`, `intr`, `comm`, `guard`, `law-in`, `law-out`."""
+    """What is to be done later: `seq` (at a step), `mu`, `while`, `catch`, `intr`, `comm`, `guard`, `law-in`,
+    `law-out`.
+    """
 
     kind: str
     node: int

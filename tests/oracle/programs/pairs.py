@@ -1,7 +1,7 @@
 """Random pairs of a program and a specification, of which about half refine by construction.
 
-`P` is made of `Q` by taking choices away, or `Q` of `P` by adding some; or `P` computes in another way the value that `Q`
-writes: through a variable, an expression, a struct, an array, a law. The rest has one more change that may matter.
+`P` is made of `Q` by taking choices away, or `Q` of `P` by adding some; or `P` computes in another way the value that
+`Q` writes: through a variable, an expression, a struct, an array, a law. The rest has one more change that may matter.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Programs as text for cspdiag.
 
-A branch of the outermost parallel may be printed as a process of its own (`Program.boxed`); its channels become ports, and
-arrows connect them. That changes how it is written, and not what it means.
+A branch of the outermost parallel may be printed as a process of its own (`Program.boxed`); its channels become ports,
+and arrows connect them. That changes how it is written, and not what it means.
 """
 
 from __future__ import annotations

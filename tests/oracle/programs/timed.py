@@ -1,5 +1,6 @@
-"""Random programs with sampled inputs, for `schedulable`: loops one after another, waits and events between and within them,
-several ports of one period or of several, partners that keep a loop waiting, and supervisors."""
+"""Random programs with sampled inputs, for `schedulable`: loops one after another, waits and events between and within
+them, several ports of one period or of several, partners that keep a loop waiting, and supervisors.
+"""
 
 from __future__ import annotations
 

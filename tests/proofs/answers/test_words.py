@@ -78,7 +78,9 @@ assert Main deadlock free
 
 
 def test_who_would_have_ended_is_not_said_to_have_ended() -> None:
-    """The third branch reads at 1 ms, in every run: that it gives up at 3 ms is only what a proof without times supposes."""
+    """The third branch reads at 1 ms, in every run: that it gives up at 3 ms is only what a proof without times
+    supposes.
+    """
     answer = answer_to(READS_IN_TIME)
     assert answer.outcome == "unknown"
     assert "`3` does not come to `after 2 ms`" in answer.reason

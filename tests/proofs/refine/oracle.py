@@ -32,7 +32,8 @@ class Sight:
 
 
 def refines(body: Statement, specification: Statement, sight: Sight, most: int) -> Truth:
-    """Whether every sequence of communications of ``body``, with its end, is one of the specification; with failures, whether it refuses nothing that may not be refused.
+    """Whether every sequence of communications of ``body``, with its end, is one of the specification; with failures,
+    whether it refuses nothing that may not be refused.
 
     Not known where more than ``most`` pairs of states would have to be looked at.
     """
@@ -68,7 +69,9 @@ def _followed(body: Statement, specification: Statement, sight: Sight, most: int
 
 
 def _may_rest(state: State, allowed: Iterable[State], sight: Sight) -> bool:
-    """Whether a process that is in this state goes on by itself, or offers all that one state of the specification that rests does."""
+    """Whether a process that is in this state goes on by itself, or offers all that one state of the specification that
+    rests does.
+    """
     offers = _offers(state, sight)
     return offers is None or any(
         demanded is not None and demanded <= offers for demanded in (_offers(other, sight) for other in allowed)

@@ -1,4 +1,6 @@
-"""Sequential processes with a few variables, as text and as what they can do: the oracle of refinements, which shares nothing with the transition systems."""
+"""Sequential processes with a few variables, as text and as what they can do: the oracle of refinements, which shares
+nothing with the transition systems.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +71,9 @@ class Condition:
 
 @dataclass(frozen=True)
 class Do:
-    """One step: ``a ? b``, ``x ? n``, ``c ! e``, ``y ! e``, an assignment, a law from ``n`` to ``m``, a delay, a time-out (as a guard), or nothing."""
+    """One step: ``a ? b``, ``x ? n``, ``c ! e``, ``y ! e``, an assignment, a law from ``n`` to ``m``, a delay, a
+    time-out (as a guard), or nothing.
+    """
 
     kind: Literal["read", "write", "assign", "law", "wait", "after", "skip"]
     name: str = ""
@@ -150,7 +154,9 @@ class Alternative:
         return f"({(' []> ' if self.prioritized else ' [] ').join(map(str, self.branches))})"
 
     def possible(self, environment: Environment) -> Iterator[Guarded]:
-        """The branches that may be taken: what comes from outside may come at any time, outputs and ``skip`` are always ready."""
+        """The branches that may be taken: what comes from outside may come at any time, outputs and ``skip`` are always
+        ready.
+        """
         enabled = [branch for branch in self.branches if branch.when is None or branch.when.holds(environment)]
         at_once = [branch for branch in enabled if branch.guard.kind in ("write", "skip")]
         soonest = min((branch.guard.value for branch in enabled if branch.guard.kind == "after"), default="")

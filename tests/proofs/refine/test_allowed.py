@@ -1,4 +1,6 @@
-"""What specifications say of single runs: agreement with the search over all of them, and values that a proof leaves open."""
+"""What specifications say of single runs: agreement with the search over all of them, and values that a proof leaves
+open.
+"""
 
 from __future__ import annotations
 

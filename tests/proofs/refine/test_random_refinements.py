@@ -1,4 +1,5 @@
-"""Random refinements: what is proved and what is refuted agrees with an oracle that follows both processes through everything.
+"""Random refinements: what is proved and what is refuted agrees with an oracle that follows both processes through
+everything.
 
 ``python -m tests.proofs.refine.test_random_refinements N`` looks at so many.
 """
@@ -22,7 +23,8 @@ MOST = 4_000
 
 
 def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...], str]:
-    """A process, a specification that is often much like it, numbers for its inputs, and the port that the specification does not see, if any.
+    """A process, a specification that is often much like it, numbers for its inputs, and the port that the
+    specification does not see, if any.
 
     The numbers are those of both texts, and their neighbours.
     """

@@ -1,4 +1,6 @@
-"""Refinement in traces and in stable failures: known specifications, what a violation says, and agreement with traces and failures written out."""
+"""Refinement in traces and in stable failures: known specifications, what a violation says, and agreement with traces
+and failures written out.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""A specification is taken at its word: what of it is not followed is not any value, and what priorities and times rule out is not allowed."""
+"""A specification is taken at its word: what of it is not followed is not any value, and what priorities and times rule
+out is not allowed.
+"""
 
 from __future__ import annotations
 

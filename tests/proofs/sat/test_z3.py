@@ -1,4 +1,6 @@
-"""z3 in place of python-sat: its own where it is installed, and everywhere a stub with the part of its interface that is used."""
+"""z3 in place of python-sat: its own where it is installed, and everywhere a stub with the part of its interface that
+is used.
+"""
 
 from __future__ import annotations
 

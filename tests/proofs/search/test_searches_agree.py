@@ -1,4 +1,6 @@
-"""The searches answer as the plain interpretation does, on random systems: deadlock, knots, numbers of states and lengths of shortest traces."""
+"""The searches answer as the plain interpretation does, on random systems: deadlock, knots, numbers of states and
+lengths of shortest traces.
+"""
 
 from __future__ import annotations
 

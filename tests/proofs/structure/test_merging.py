@@ -16,7 +16,9 @@ from tests.proofs.systems.random_networks import FORMS, plain_knot, random_netwo
 
 
 def split(system: System) -> System:
-    """The system with two events for each of two parties or more: the first party takes one in even states, the other in odd ones."""
+    """The system with two events for each of two parties or more: the first party takes one in even states, the other
+    in odd ones.
+    """
     count = len(system.events)
     components = []
     for index, component in enumerate(system.components):

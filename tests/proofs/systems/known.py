@@ -1,7 +1,8 @@
-"""Systems of which the number of states, the deadlocks and the length of the shortest trace are known, built directly from machines.
+"""Systems of which the number of states, the deadlocks and the length of the shortest trace are known, built directly
+from machines.
 
-They come from the literature (Dijkstra; Milner; Welch, Justo and Willcock; Bartlett, Scantlebury and Wilkinson; Martin); every machine has events of two
-parties, or of one with the environment.
+They come from the literature (Dijkstra; Milner; Welch, Justo and Willcock; Bartlett, Scantlebury and Wilkinson;
+Martin); every machine has events of two parties, or of one with the environment.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from typing import TypeAlias
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, EventKind, System
 
 Table: TypeAlias = Mapping[str, Sequence[tuple[str, str]]]
-"""For each state, its edges: the name of an event (``tau`` is internal) and the state after it. The first state is the initial one."""
+"""For each state, its edges: the name of an event (``tau`` is internal) and the state after it. The first state is the
+initial one.
+"""
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,9 @@ def cycle(name: str, *events: str) -> Machine:
 
 
 def philosophers(number: int, left_handed: int = 0) -> System:
-    """Philosophers who think, pick left, pick right, eat, put right, put left; ``left_handed`` of them with sides exchanged."""
+    """Philosophers who think, pick left, pick right, eat, put right, put left; ``left_handed`` of them with sides
+    exchanged.
+    """
     machines = []
     for at in range(number):
         one, other = at, (at + 1) % number
@@ -144,7 +149,9 @@ def io_seq_ring(number: int) -> System:
 
 
 def _server(name: str, above: str, below: str | None, starts: bool) -> Machine:
-    """A process that serves requests from above, for which it makes one below; with ``starts`` it also makes requests for itself."""
+    """A process that serves requests from above, for which it makes one below; with ``starts`` it also makes requests
+    for itself.
+    """
     table: dict[str, list[tuple[str, str]]] = {"idle": []}
     if above:
         table["idle"].append((f"request{above}", "asked"))
@@ -219,9 +226,11 @@ MODES = 4
 
 
 def controller(joints: int, commits: bool = False) -> System:
-    """Joints with four modes in sequence, a sensor, a timer, an actuator and an overwriting log each; a supervisor, a stop button, a display.
+    """Joints with four modes in sequence, a sensor, a timer, an actuator and an overwriting log each; a supervisor, a
+    stop button, a display.
 
-    A joint reports the end of its modes, and can be halted between steps; if the last joint ``commits`` to its report, it cannot be halted then.
+    A joint reports the end of its modes, and can be halted between steps; if the last joint ``commits`` to its report,
+    it cannot be halted then.
     """
     machines = [
         Machine("button", {"up": [("press", "down")], "down": [("stop", "up")]}),
@@ -287,7 +296,9 @@ def table_with_butler(seats: int, admitted: int) -> System:
 
 
 def counted_meals(seats: int, meals: int = 3, *, one_left_handed: bool = True) -> System:
-    """Philosophers, the last of the other hand or not, who have so many meals; a fork only counts how often it is taken."""
+    """Philosophers, the last of the other hand or not, who have so many meals; a fork only counts how often it is
+    taken.
+    """
     machines = []
     for at in range(seats):
         picks = [f"{at}.{at}", f"{at}.{(at + 1) % seats}"]

@@ -55,7 +55,9 @@ def deadlocked(system: System, state: State) -> bool:
 
 
 def knotted(system: System, state: State) -> bool:
-    """Some set of components never moves again, if nothing fails later, and a process in it wants to: every set is tried."""
+    """Some set of components never moves again, if nothing fails later, and a process in it wants to: every set is
+    tried.
+    """
     offers = [
         frozenset(event for event, _ in component.edges[local])
         for component, local in zip(system.components, state, strict=True)

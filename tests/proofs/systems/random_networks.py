@@ -16,9 +16,9 @@ FORMS: tuple[Form, ...] = ("cycles", "choices", "resources", "tokens", "anything
 def random_network(seed: int, *, form: Form | None = None, components: int | None = None) -> System:
     """A small system; the same for the same arguments.
 
-    ``cycles``: processes that repeat events in a fixed order or in parallel. ``choices``: they also choose. ``resources``: they take and give back what they
-    share. ``tokens``: they pass something on along rings. ``anything``: random machines with internal steps, events of one and of three parties,
-    failures, ends and stops.
+    ``cycles``: processes that repeat events in a fixed order or in parallel. ``choices``: they also choose.
+    ``resources``: they take and give back what they share. ``tokens``: they pass something on along rings.
+    ``anything``: random machines with internal steps, events of one and of three parties, failures, ends and stops.
     """
     chooser = random.Random(seed)
     chosen: Form = form or chooser.choice(FORMS)
@@ -109,7 +109,9 @@ def _cycles(chooser: random.Random, number: int) -> System:
 
 
 def _choices(chooser: random.Random, number: int) -> System:
-    """Clients and servers: a client asks and waits for the answer, a server takes who comes; some have an opinion of their own."""
+    """Clients and servers: a client asks and waits for the answer, a server takes who comes; some have an opinion of
+    their own.
+    """
     tables: list[Table] = [[[]] for _ in range(number)]
     for channel, (one, two) in enumerate(_edges_of_graph(chooser, number)):
         if chooser.random() < 0.75:

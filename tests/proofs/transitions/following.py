@@ -1,4 +1,6 @@
-"""Follows the communications of a run through a transition system: the system allows whatever the program does, and ends as it ends."""
+"""Follows the communications of a run through a transition system: the system allows whatever the program does, and
+ends as it ends.
+"""
 
 from __future__ import annotations
 
@@ -111,9 +113,11 @@ def follow(
     wanted: Callable[[System, State], bool] = lambda _system, _state: True,
     limit: int = 60_000,
 ) -> State | None:
-    """A state after the communications, at which ``wanted`` holds; None if ``limit`` states were not enough to find one.
+    """A state after the communications, at which ``wanted`` holds; None if ``limit`` states were not enough to find
+    one.
 
-    Communications of the channels ``unseen`` are not looked at. Raises Lost, with what could not be followed, if there is none.
+    Communications of the channels ``unseen`` are not looked at. Raises Lost, with what could not be followed, if there
+    is none.
     """
     start = (system.initial, 0)
     seen = {start}

@@ -1,7 +1,8 @@
-"""Looks for random programs that do what their transition system does not allow: ``python -m tests.proofs.transitions.hunt --random 1000``.
+"""Looks for random programs that do what their transition system does not allow:
+``python -m tests.proofs.transitions.hunt --random 1000``.
 
-With ``--schedules 20`` each program is run so often by the specification too, in any order and with anything from outside; a program that is proved
-free from deadlock comes to none in any of these runs.
+With ``--schedules 20`` each program is run so often by the specification too, in any order and with anything from
+outside; a program that is proved free from deadlock comes to none in any of these runs.
 """
 
 from __future__ import annotations
@@ -35,7 +36,9 @@ class NotAllowedError(Exception):
 
 
 def hunt(count: int, start: int, limit: int, schedules: int = 0, *, shrink: bool) -> Counter[str]:
-    """How the runs of so many programs ended, and how many could not be followed within ``limit`` states. Raises NotAllowedError."""
+    """How the runs of so many programs ended, and how many could not be followed within ``limit`` states. Raises
+    NotAllowedError.
+    """
     found: Counter[str] = Counter()
 
     def look(text: str) -> None:
@@ -55,7 +58,9 @@ def hunt(count: int, start: int, limit: int, schedules: int = 0, *, shrink: bool
 
 
 def schedule(network: Network, count: int, limit: int, system: System | None = None) -> Counter[str]:
-    """How so many runs in any order ended. Raises Lost, with the seed of the run that the system, that of the network unless another is given, does not allow."""
+    """How so many runs in any order ended. Raises Lost, with the seed of the run that the system, that of the network
+    unless another is given, does not allow.
+    """
     system = system or transition_system(network)
     proved = isinstance(prove_deadlock_free(system, Limits(5.0)), Proved)
     found: Counter[str] = Counter({"any order: proved free from deadlock": proved})

@@ -1,4 +1,6 @@
-"""What a small program without inputs may do at all: by the meaning of the language over all its schedules, and by its transition system over all its paths."""
+"""What a small program without inputs may do at all: by the meaning of the language over all its schedules, and by its
+transition system over all its paths.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ class TooManyError(Exception):
 
 
 def outcomes_of_meaning(network: Network) -> set[Outcome]:
-    """Whoever is ready on the highest level may run, and whichever guard of ``[]`` is ready may be taken. Raises TooManyError."""
+    """Whoever is ready on the highest level may run, and whichever guard of ``[]`` is ready may be taken. Raises
+    TooManyError.
+    """
     decisions = Decisions()
 
     class AnyOrder(Scheduler):

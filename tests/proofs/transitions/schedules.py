@@ -1,4 +1,6 @@
-"""Runs of the specification in which all that the language leaves open is drawn: who goes on, which guard is taken, and what the environment offers."""
+"""Runs of the specification in which all that the language leaves open is drawn: who goes on, which guard is taken, and
+what the environment offers.
+"""
 
 from __future__ import annotations
 
@@ -66,7 +68,9 @@ def drawn(type_: Type, random: Random) -> Any:
 
 
 def random_run(network: Network, seed: int, until: int) -> Execution:
-    """One of the runs of a network, up to ``until`` nanoseconds: who of one level goes on, and which guard of ``[]`` is taken, is drawn too."""
+    """One of the runs of a network, up to ``until`` nanoseconds: who of one level goes on, and which guard of ``[]`` is
+    taken, is drawn too.
+    """
     random = Random(seed)
     timeouts = not network.environments or any(entry.on_miss == "timeout" for entry in network.environments)
 

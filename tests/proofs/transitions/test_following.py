@@ -47,7 +47,9 @@ def assert_allowed(network: Network, run: Run, limit: int = 60_000) -> bool:
 def is_followed(
     system: System, network: Network, made: Iterable[tuple[str, Any]], ended: str, limit: int = 60_000
 ) -> bool:
-    """Whether a run that made some communications and ``ended`` was followed; it may take too many states to do so. Raises Lost where it is not allowed."""
+    """Whether a run that made some communications and ``ended`` was followed; it may take too many states to do so.
+    Raises Lost where it is not allowed.
+    """
     communications, unseen = observed(network, made)
     wanted = {"terminated": has_ended, "deadlock": is_stuck}.get(ended)
     if wanted is None or len(communications) > LONGEST:

@@ -83,5 +83,6 @@ def _silent_steps(guests: int, monkeypatch: pytest.MonkeyPatch) -> int:
 
 def test_a_choice_of_many_guards_is_prepared_once_however_many_lead_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
     few, many = (_silent_steps(guests, monkeypatch) for guests in (8, 16))
-    # As many guards again, and as many states again; from each state as many steps back to the choice again: 4 times, not 8.
+    # As many guards again, and as many states again; from each state as many steps back to the choice again: 4 times,
+    # not 8.
     assert 3 * few < many < 5 * few

@@ -1,4 +1,6 @@
-"""Who waits at a channel is known there, and who stops waiting is forgotten: readers, writers and alternatives that are interrupted or choose something else."""
+"""Who waits at a channel is known there, and who stops waiting is forgotten: readers, writers and alternatives that are
+interrupted or choose something else.
+"""
 
 from __future__ import annotations
 

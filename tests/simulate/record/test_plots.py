@@ -534,7 +534,9 @@ environment Bench for Main { turn : Turn  turn.angle -> angle  rounds -> _  puls
 
 
 def test_variables_and_whole_numbers_of_very_different_size_have_panels_of_their_own() -> None:
-    """The greatest of one unit is not far above the least in any panel, of ports and of variables; the panels of a unit follow each other."""
+    """The greatest of one unit is not far above the least in any panel, of ports and of variables; the panels of a unit
+    follow each other.
+    """
     network = pipeline.build(SourceFile(name="shown.csp", text=COUNTS), read_source, alone=True).network
     assert network is not None
     files = pipeline.generate(network, read_source, level=1, traced=True, observed=True, probed=True)

@@ -23,7 +23,8 @@ def run(heater: Path) -> Run:
 
 def test_run_ends_when_the_program_ends(run: Run) -> None:
     assert run.outcome.ended == "terminated"
-    # The button changes at the first grid instant after 400 ms; 25 ms of cooling follow, and the log listens until 480 ms.
+    # The button changes at the first grid instant after 400 ms; 25 ms of cooling follow, and the log listens until 480
+    # ms.
     assert run.outcome.time == 480_000_000
 
 

@@ -291,7 +291,9 @@ def test_loops_of_different_rates_go_on_for_ever() -> None:
 
 
 def test_who_is_stuck_does_not_end() -> None:
-    """Without priorities and times the second process may be left alone; a program that comes to a halt has not ended either."""
+    """Without priorities and times the second process may be left alone; a program that comes to a halt has not ended
+    either.
+    """
     for delay, comes_too_late in (("wait 5 ms", False), ("wait 15 ms", True)):
         text = RACE.replace("DELAY", delay).replace("assert Both deadlock free", "assert Both terminates")
         assert refuted(text) == comes_too_late

@@ -173,7 +173,9 @@ assert Picky deadlock free
 
 
 def test_refutations_of_random_programs_replay() -> None:
-    """Where nothing was left open, every trace that was found is one of the program, unless priorities or times exclude it."""
+    """Where nothing was left open, every trace that was found is one of the program, unless priorities or times exclude
+    it.
+    """
     replays = 0
 
     def read(path: str) -> SourceFile:
@@ -328,7 +330,9 @@ def test_a_value_in_a_buffer_comes_before_a_guard_that_is_always_ready() -> None
 
 
 def test_steps_that_do_not_depend_on_each_other_may_come_in_another_order() -> None:
-    """The value may come into the buffer after the other process has looked, whatever the order in which a proof tells it."""
+    """The value may come into the buffer after the other process has looked, whatever the order in which a proof tells
+    it.
+    """
     program = POLLED.replace("told ! 1 ;", "").replace("; told ? value", "").replace("  polls.told -> keeps.told\n", "")
     program = program.replace("  out told : int\n", "").replace("  in  told : int\n", "")
     asked = pipeline.ask(SourceFile(name="case.csp", text=program), read_source)

@@ -57,7 +57,9 @@ def test_a_range_is_offered_as_one_of_its_numbers(told: str, kind: Type, offered
 
 
 def test_counterexample_tells_what_the_environment_offered() -> None:
-    """The proof knows a range, and the program reads the port once more while it waits: the values are those of the steps."""
+    """The proof knows a range, and the program reads the port once more while it waits: the values are those of the
+    steps.
+    """
     text = """process Sensor {
   in level : int @ 10 ms
   in key   : int

@@ -21,7 +21,9 @@ from cspdiag.verify.runs.trace import Trace, TraceStep
 
 
 class _Record:
-    """Notes the first things that a run does, and leaves everything as it is in any run. ``visible`` are those at ports, in order."""
+    """Notes the first things that a run does, and leaves everything as it is in any run. ``visible`` are those at
+    ports, in order.
+    """
 
     def __init__(self, network: Network, most: int) -> None:
         self.entries: list[Passed] = []
@@ -89,7 +91,9 @@ class _Observed:
 
 
 def followed(network: Network, until: int, most: int) -> tuple[list[Passed], GuidedRun]:
-    """The first ``most`` things that a network does in its first environment, and a guided run that is to do the same, with nothing else at its ports."""
+    """The first ``most`` things that a network does in its first environment, and a guided run that is to do the same,
+    with nothing else at its ports.
+    """
     files = pipeline.generate(network, read_source, level=0)
     package = LoadedPackage(network.name, files, guided_runtime())
     record = _Record(network, most)

@@ -1,6 +1,7 @@
 """All schedules of small closed programs, by the plain interpreter of the language: can they come to a deadlock?
 
-Whoever is ready on the highest level may run, and whichever guard of ``[]`` is ready may be taken; times are exact. Nothing of this is shared with replays.
+Whoever is ready on the highest level may run, and whichever guard of ``[]`` is ready may be taken; times are exact.
+Nothing of this is shared with replays.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ class TooManyError(Exception):
 
 
 def endings(network: Network, most: int) -> set[str]:
-    """How a program without ports may end, over all its schedules. Raises TooManyError where there are more than ``most``."""
+    """How a program without ports may end, over all its schedules. Raises TooManyError where there are more than
+    ``most``.
+    """
     decisions = Decisions()
 
     class AnyOrder(Scheduler):

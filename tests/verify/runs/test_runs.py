@@ -35,7 +35,9 @@ def test_what_a_program_has_done_it_can_be_led_to_do_again() -> None:
 
 
 def test_refuted_is_what_some_schedule_comes_to() -> None:
-    """The answer for small closed programs, and what an interpreter finds that tries all their schedules in exact times."""
+    """The answer for small closed programs, and what an interpreter finds that tries all their schedules in exact
+    times.
+    """
     seen = Counter[tuple[str, bool]]()
     for number in (*range(30), 412, 860):
         text = small_program(Random(number))

@@ -1,4 +1,6 @@
-"""Who never goes on: the greatest set of processes of which every possible partner is in it or has ended, in a state that a run has really come to."""
+"""Who never goes on: the greatest set of processes of which every possible partner is in it or has ended, in a state
+that a run has really come to.
+"""
 
 from __future__ import annotations
 

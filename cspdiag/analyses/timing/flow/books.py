@@ -58,7 +58,9 @@ def is_owed(books: Books, offer: Offer) -> bool:
 
 
 def is_first(books: Books, offer: Offer, *, surely: bool = False) -> bool:
-    """Whether this may be a first read by a process that follows the period already: it has the sample of the present tick."""
+    """Whether this may be a first read by a process that follows the period already: it has the sample of the present
+    tick.
+    """
     others = False
     for key, period, standing in books:
         if key == offer.key and standing != Standing.AHEAD:

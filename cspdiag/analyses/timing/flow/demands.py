@@ -17,9 +17,10 @@ LARGEST_NUMBER_OF_COMMUNICATIONS = 1_000
 
 @record
 class Demand:
-    """Recurring work of a thread at a level of priority. ``origin`` is the thread whose samples cause it, -1 for none; ``late`` tells that it comes
-    only when that one has communicated. ``behind`` is how much later than at its period a job may come besides, since something was kept for it. For ``held`` the thread
-    itself lets time pass in it, without using the processor.
+    """Recurring work of a thread at a level of priority. ``origin`` is the thread whose samples cause it, -1 for none;
+    ``late`` tells that it comes only when that one has communicated. ``behind`` is how much later than at its period a
+    job may come besides, since something was kept for it. For ``held`` the thread itself lets time pass in it, without
+    using the processor.
     """
 
     thread: int
@@ -56,8 +57,9 @@ class _Begun:
 class Demands:
     """The demands of all threads, and those that threads cause in others by communicating with them.
 
-    ``grid`` is the shortest time between two events of one input in nanoseconds, None where nothing tells. ``capacities`` are the numbers of values that
-    channels hold, ``restarted`` the threads that may begin again, each with the shortest time between.
+    ``grid`` is the shortest time between two events of one input in nanoseconds, None where nothing tells.
+    ``capacities`` are the numbers of values that channels hold, ``restarted`` the threads that may begin again, each
+    with the shortest time between.
     """
 
     def __init__(
@@ -228,7 +230,9 @@ def _unknown_rate(one: Behaviour, job: Job) -> Refusal:
 
 
 def begun_by(one: Behaviour, job: Job) -> Iterator[tuple[str, bool, int]]:
-    """What a job communicates, and what a thread without samples then waits to communicate: channels and sides, and how often."""
+    """What a job communicates, and what a thread without samples then waits to communicate: channels and sides, and how
+    often.
+    """
     yield from job.path.communications()
     for stop in job.path.stops:
         if not one.thread.places[stop].is_idle:
@@ -259,7 +263,9 @@ def _larger(one: Demand, other: Demand) -> Demand:
 
 
 def across(groups: Iterable[list[Demand]]) -> list[Demand]:
-    """What one of several groups of threads demands at most: slot by slot the largest, the groups never being active together."""
+    """What one of several groups of threads demands at most: slot by slot the largest, the groups never being active
+    together.
+    """
     slots: dict[tuple[int, int, bool], list[Demand]] = {}
     for group in groups:
         own: dict[tuple[int, int, bool], list[Demand]] = {}

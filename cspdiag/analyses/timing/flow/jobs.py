@@ -1,4 +1,5 @@
-"""The jobs of a thread: everything that it does from any wait that it may come to, with the samples that it follows there.
+"""The jobs of a thread: everything that it does from any wait that it may come to, with the samples that it follows
+there.
 
 All ways are followed, from the beginning on. A thread that follows samples of a period may wait only where the next of
 them ends the wait, for a known time, or for partners; and from a sample on it has to take those of its other ends, too,
@@ -30,7 +31,8 @@ from cspdiag.base.record import record
 
 State = tuple[int, Books]
 Step = tuple[State, int, bool, Offer | None, bool]
-"""Where it goes on: the state, the delay before, whether others run meanwhile, the communication, if it is waited for."""
+"""Where it goes on: the state, the delay before, whether others run meanwhile, the communication, if it is waited for.
+"""
 
 LARGEST_NUMBER_OF_NODES = 2_000
 

@@ -10,7 +10,8 @@ LARGEST_NUMBER_OF_PAIRS = 40_000
 def may_get_stuck(one: Thread, other: Thread, between: frozenset[str]) -> bool:
     """Whether both may wait for the other alone, and neither for what the other offers.
 
-    ``between`` are the channels that only these two use. All else that they wait for is taken to come at any time; who has ended may begin anew.
+    ``between`` are the channels that only these two use. All else that they wait for is taken to come at any time; who
+    has ended may begin anew.
     """
     seen = {(one.entry, other.entry)}
     pending = list(seen)

@@ -18,7 +18,8 @@ from cspdiag.model.constants.durations import duration
 
 @dataclass
 class Together:
-    """A loop with the partners it waits for: their work for one of its samples is one piece, at the level of the least urgent of them.
+    """A loop with the partners it waits for: their work for one of its samples is one piece, at the level of the least
+    urgent of them.
 
     Whoever of them is ready runs, so that the work is done when nothing of it and nothing more urgent is left to do.
     """
@@ -34,7 +35,9 @@ class Together:
 
 
 class Partners:
-    """Follows the rendezvous of one loop of a thread, whose samples have a period; without one, of what else it does between its samples."""
+    """Follows the rendezvous of one loop of a thread, whose samples have a period; without one, of what else it does
+    between its samples.
+    """
 
     def __init__(
         self,
@@ -72,7 +75,9 @@ class Partners:
         )
 
     def _add(self, found: Together, who: Behaviour, end: End, count: int, fewest: int) -> None:
-        """``who`` waits for a communication on a side of a channel, up to ``count`` times in a sample, ``fewest`` at least."""
+        """``who`` waits for a communication on a side of a channel, up to ``count`` times in a sample, ``fewest`` at
+        least.
+        """
         channel, writes = end
         others = [one for one in self.demands.taking_part(channel, writes=writes) if one is not who]
         if not others:
@@ -113,7 +118,9 @@ class Partners:
         )
 
     def _is_bounded(self, partner: Behaviour, end: End, times: int) -> bool:
-        """Whether the partner comes to the channel as soon as it has done its work, wherever it waits. ``times`` it is wanted in each sample, 0 where that varies."""
+        """Whether the partner comes to the channel as soon as it has done its work, wherever it waits. ``times`` it is
+        wanted in each sample, 0 where that varies.
+        """
         channel, writes = end
         name = f"`{_short(partner.thread.path)}`"
         if not self.surroundings.is_alive(partner.number, self.owner.number):
@@ -237,7 +244,9 @@ class Partners:
                 self._check_order(asking, partner, offer.channel, not offer.writes)
 
     def _who_has_asked(self, server: Behaviour, wait: int, answer: Offer) -> Behaviour | None:
-        """The one thread that has made the server come to this wait, and now waits for its answer with nothing in between; None if that is not so for certain."""
+        """The one thread that has made the server come to this wait, and now waits for its answer with nothing in
+        between; None if that is not so for certain.
+        """
         clients = self.demands.taking_part(answer.channel, writes=not answer.writes)
         if len(clients) != 1 or clients[0].number == server.number:
             return None

@@ -20,8 +20,8 @@ Spot = tuple[int, int]
 
 @dataclass
 class Stage:
-    """A sampled loop as something that values pass: at ``spots`` it hands them on, and ``taken`` are those of them where another loop begins
-    what is done, between the samples of its own. ``mode`` is the thread and its cycle.
+    """A sampled loop as something that values pass: at ``spots`` it hands them on, and ``taken`` are those of them
+    where another loop begins what is done, between the samples of its own. ``mode`` is the thread and its cycle.
     """
 
     period: int
@@ -35,8 +35,8 @@ class Stage:
 
 @record
 class Hop:
-    """From a spot to another one: in the same sample, or to a sample of the stage ``to``. ``waits`` is the time from the sample until that one has the value, at
-    most; in the same sample only what it may lie in a channel.
+    """From a spot to another one: in the same sample, or to a sample of the stage ``to``. ``waits`` is the time from
+    the sample until that one has the value, at most; in the same sample only what it may lie in a channel.
     """
 
     to: int
@@ -114,8 +114,9 @@ class Passing:
         return self._kind(net) == "var" or spot not in self._stages[to].taken
 
     def _until_taken(self, net: str, stage: Stage, to: Stage, spot: Spot) -> int:
-        """Who writes is done a response after its sample. In a rendezvous within a sample of who reads, that has the value then; otherwise it lies there until the
-        next value comes, and in a buffer of which a sample takes one until those before it have been taken.
+        """Who writes is done a response after its sample. In a rendezvous within a sample of who reads, that has the
+        value then; otherwise it lies there until the next value comes, and in a buffer of which a sample takes one
+        until those before it have been taken.
         """
         kind = self._kind(net)
         if kind == "var" or spot in to.taken:

@@ -21,10 +21,10 @@ class Path:
 
     That is all work, the part before the first switch to another thread, the longest step after it, the number of
     switches, of delays and how long these are together, of communications for each channel and side (``meets`` where it
-    waits for them, ``gives`` where it does not), the laws that compute on the way, the outputs that are written, and the
-    places that hand values on. ``least`` is the work that every way takes, ``fewest`` the communications that it waits
-    for on every way, ``is_only`` where there is but one. ``nodes`` are the waits that it may come to with the books
-    there, and ``keeps`` the periods of samples that are still followed then.
+    waits for them, ``gives`` where it does not), the laws that compute on the way, the outputs that are written, and
+    the places that hand values on. ``least`` is the work that every way takes, ``fewest`` the communications that it
+    waits for on every way, ``is_only`` where there is but one. ``nodes`` are the waits that it may come to with the
+    books there, and ``keeps`` the periods of samples that are still followed then.
     """
 
     work: int = 0

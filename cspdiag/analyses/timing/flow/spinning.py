@@ -1,4 +1,6 @@
-"""Threads that may go on for ever while no time passes, with each other or each by itself, so that nothing else ever runs."""
+"""Threads that may go on for ever while no time passes, with each other or each by itself, so that nothing else ever
+runs.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,11 @@ from cspdiag.base.graphs import strong_components
 
 
 class Spinning:
-    """Looks for sets of threads each of which goes round with communications of the set alone, and for loops that only compute.
+    """Looks for sets of threads each of which goes round with communications of the set alone, and for loops that only
+    compute.
 
-    From all that may go round at all, those are left out whose partners do not; what is left in the end may spin. A loop of computing spins
-    unless it is known to come to its end.
+    From all that may go round at all, those are left out whose partners do not; what is left in the end may spin. A
+    loop of computing spins unless it is known to come to its end.
     """
 
     def __init__(self, threads: Sequence[Thread]) -> None:
@@ -23,7 +26,9 @@ class Spinning:
         self._timed: dict[int, bool] = {}
 
     def refusals(self) -> list[Refusal]:
-        """One for each channel on which some threads may communicate without end, and for each loop that may compute without end."""
+        """One for each channel on which some threads may communicate without end, and for each loop that may compute
+        without end.
+        """
         supplied: dict[End, set[int]] | None = None
         while True:
             rounds = {k: list(self._rounds(k, supplied)) for k in range(len(self._threads))}

@@ -12,8 +12,8 @@ Key = tuple[int, int, int]
 
 
 class Contention:
-    """The demands of threads, and of those that run beside them. Threads are numbered as ``with_forks`` of the outermost one lists them; ``own``
-    has the demands of each.
+    """The demands of threads, and of those that run beside them. Threads are numbered as ``with_forks`` of the
+    outermost one lists them; ``own`` has the demands of each.
     """
 
     def __init__(self, threads: Sequence[Thread], own: Mapping[int, list[Demand]]) -> None:
@@ -33,7 +33,9 @@ class Contention:
         return self.below(0)
 
     def group_of(self, number: int) -> tuple[int, int] | None:
-        """The parallel that a thread is a branch of: who starts it, and which of its parallels it is. None for the outermost thread."""
+        """The parallel that a thread is a branch of: who starts it, and which of its parallels it is. None for the
+        outermost thread.
+        """
         return self._parents.get(number)
 
     def is_alive(self, one: int, other: int) -> bool:

@@ -1,7 +1,8 @@
 """From inputs to outputs through loops that pass values on: how long a change takes, and how old a value may be.
 
-Within a sample of a loop a value goes from law to law and to the outputs. What a law computes before it is handed what it computes with, and what another loop computes,
-is a sample later: a value lies in a variable or a channel until it is taken up at one of the samples of who reads it, at most a period and a response of who writes it (Davare and others,
+Within a sample of a loop a value goes from law to law and to the outputs. What a law computes before it is handed what
+it computes with, and what another loop computes, is a sample later: a value lies in a variable or a channel until it is
+taken up at one of the samples of who reads it, at most a period and a response of who writes it (Davare and others,
 Period optimization for hard real-time distributed automotive systems, 2007).
 """
 
@@ -17,12 +18,16 @@ LARGEST_NUMBER_OF_WAYS = 10_000
 """Ways from loop to loop that are followed; of programs with more of them some chains are left out."""
 
 Latency = Callable[[str, int, int], "tuple[int, int] | None"]
-"""Of an output, by its net, the age and the delay of what a loop of a period and a response writes to it; None if it is none."""
+"""Of an output, by its net, the age and the delay of what a loop of a period and a response writes to it; None if it is
+none.
+"""
 
 
 @record
 class _Way:
-    """A value on its way: the stages in which it was, each with what it passed there, their names, and the time until the next one has taken it up."""
+    """A value on its way: the stages in which it was, each with what it passed there, their names, and the time until
+    the next one has taken it up.
+    """
 
     stages: tuple[int, ...] = ()
     passed: tuple[frozenset[Spot], ...] = ()
@@ -63,7 +68,9 @@ def _sources(passing: Passing, stages: Sequence[Stage]) -> Iterator[tuple[int, s
 
 
 def _in_sample(passing: Passing, at: int, entries: frozenset[Spot]) -> dict[Spot, int]:
-    """The spots that a value passes in one sample of a stage, each with the time that it may have lain in channels meanwhile."""
+    """The spots that a value passes in one sample of a stage, each with the time that it may have lain in channels
+    meanwhile.
+    """
     known: dict[tuple[Spot, tuple[Spot, ...]], int] = {}
     pending: list[tuple[Spot, tuple[Spot, ...], int]] = [(spot, (), 0) for spot in sorted(entries)]
     while pending:
@@ -82,7 +89,9 @@ def _in_sample(passing: Passing, at: int, entries: frozenset[Spot]) -> dict[Spot
 
 
 def _comes_in_time(passing: Passing, at: int, left: tuple[Spot, ...], spot: Spot) -> bool:
-    """Whether a value that comes back to a thread comes before what is done there next; ``left`` are the spots at which it left threads."""
+    """Whether a value that comes back to a thread comes before what is done there next; ``left`` are the spots at which
+    it left threads.
+    """
     return all(part != spot and passing.is_in_order(at, part, spot) for part in left if part[0] == spot[0])
 
 

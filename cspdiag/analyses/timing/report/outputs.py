@@ -26,7 +26,9 @@ class Outputs:
         return tuple(_short(net) for net in sorted(written, key=self._order.__getitem__))
 
     def interval(self, written: Iterable[str], period: int, response: int | None) -> tuple[int, int] | None:
-        """From a sample to outputs that are based on it, the shortest and the longest time; None without outputs or without a bound."""
+        """From a sample to outputs that are based on it, the shortest and the longest time; None without outputs or
+        without a bound.
+        """
         ports = [self._ports[net] for net in written if net in self._ports]
         if not ports or response is None:
             return None
@@ -35,15 +37,17 @@ class Outputs:
         return shortest, max(_latency(port, period, response)[0] for port in ports)
 
     def latency(self, net: str, period: int, response: int) -> tuple[int, int] | None:
-        """The age of a sample when an output that is based on it is handed over, and the delay from a sample to the first output that is based on it or a
-        later one, at most; None where the net leads to no output.
+        """The age of a sample when an output that is based on it is handed over, and the delay from a sample to the
+        first output that is based on it or a later one, at most; None where the net leads to no output.
         """
         port = self._ports.get(net)
         return None if port is None else _latency(port, period, response)
 
 
 def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
-    """A latched output changes at the first of its ticks after it was written, by the last value that was; an immediate one when it is written."""
+    """A latched output changes at the first of its ticks after it was written, by the last value that was; an immediate
+    one when it is written.
+    """
     ticks = _latch(port)
     if ticks is None:
         return response, response

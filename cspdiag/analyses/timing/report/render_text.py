@@ -121,7 +121,9 @@ def time(nanoseconds: int) -> str:
 
 
 def _aligned(rows: Sequence[tuple[str, ...]], right: int | None = None) -> Iterator[str]:
-    """Columns: the first and the last to the left, the rest to the right; with ``right`` only the last so many to the right."""
+    """Columns: the first and the last to the left, the rest to the right; with ``right`` only the last so many to the
+    right.
+    """
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     last = len(widths) - 1
     for row in rows:

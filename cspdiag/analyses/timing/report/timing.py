@@ -53,8 +53,9 @@ class _Loop:
 def timing_report(network: Network, measured: Mapping[str, int] | None = None) -> TimingReport:
     """Analyse the sampled loops of a program.
 
-    Execution times are those that its submodels and processes state by ``wcet``, or the ``measured`` ones, in nanoseconds by path. What processes
-    themselves do between laws counts nothing unless they state a time. Whatever has no bound is refused, with the reason.
+    Execution times are those that its submodels and processes state by ``wcet``, or the ``measured`` ones, in
+    nanoseconds by path. What processes themselves do between laws counts nothing unless they state a time. Whatever has
+    no bound is refused, with the reason.
     """
     threads = Threads(network, measured or {})
     used = tuple(sorted(set(measured or {}) & set(threads.instances)))
@@ -146,7 +147,9 @@ def _level(thread: Thread) -> tuple[int, ...]:
 def _waited_between(
     one: Behaviour, demands: Demands, surroundings: Contention, refusals: list[Refusal]
 ) -> tuple[int, int]:
-    """How much partners compute at most for what a thread does between its samples, and the level of the least urgent of them."""
+    """How much partners compute at most for what a thread does between its samples, and the level of the least urgent
+    of them.
+    """
     longest, level = 0, one.level
     for job in one.jobs:
         if job.is_owed and job.path.meets and job.offer is not None and job.offer.kind != "sample":
@@ -157,7 +160,9 @@ def _waited_between(
 
 
 def _loops(one: Behaviour, demands: Demands, surroundings: Contention, refusals: list[Refusal]) -> Iterator[_Loop]:
-    """The sampled loops of a thread: those waits for samples that it comes back to, or after which it follows their inputs further."""
+    """The sampled loops of a thread: those waits for samples that it comes back to, or after which it follows their
+    inputs further.
+    """
     grouped: dict[tuple[str, int], list[Job]] = {}
     for job in one.jobs:
         if job.offer is None or job.offer.kind != "sample":
@@ -230,7 +235,8 @@ class _Analysis:
             if lateness == self.lateness or not matters:
                 return rows
             self._come_late(lateness)
-        # Nothing of a loop that is in time comes later than a period after its tick: if all are even so, the bounds hold.
+        # Nothing of a loop that is in time comes later than a period after its tick: if all are even so, the bounds
+        # hold.
         most = dict(self.lateness)
         for loop in self.loops:
             most[loop.owner.number] = max(loop.period, most[loop.owner.number])
@@ -345,7 +351,8 @@ class _Analysis:
     def _as_own(self, part: Demand, below: int) -> Task:
         """What a thread does between its samples, to itself.
 
-        Time that it lets pass is as good as work, after which a step ``below`` may have begun; and what comes later may be served first.
+        Time that it lets pass is as good as work, after which a step ``below`` may have begun; and what comes later may
+        be served first.
         """
         task = self._as_task(part)
         held = part.held + part.delays * below + part.meets * self.waited[part.thread][0]

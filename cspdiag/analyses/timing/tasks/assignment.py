@@ -1,7 +1,7 @@
 """Advice on priorities: an order under which every deadline is met, if there is one.
 
-Audsley, "On priority assignment in fixed priority scheduling" (2001): level by level from the least urgent; a task that meets its
-deadline there may have it, whatever the order of the others.
+Audsley, "On priority assignment in fixed priority scheduling" (2001): level by level from the least urgent; a task that
+meets its deadline there may have it, whatever the order of the others.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from cspdiag.base.record import replaced
 def feasible_order(tasks: Sequence[Task]) -> list[int] | None:
     """Indexes of the tasks from the most to the least urgent, or None where no order meets every deadline.
 
-    Of several that may have a level it goes to the one with the longest deadline, so that the order is the usual one where that is possible.
+    Of several that may have a level it goes to the one with the longest deadline, so that the order is the usual one
+    where that is possible.
     """
     open_ = list(range(len(tasks)))
     order: list[int] = []

@@ -1,6 +1,7 @@
 """What earliest deadline first could do with the same tasks: the processor's demand, for comparison.
 
-Jeffay, Stanat and Martel (1991) for steps that nothing preempts; the search is the quick processor-demand analysis of Zhang and Burns (2009).
+Jeffay, Stanat and Martel (1991) for steps that nothing preempts; the search is the quick processor-demand analysis of
+Zhang and Burns (2009).
 """
 
 from __future__ import annotations

@@ -11,7 +11,9 @@ from cspdiag.network.ir.network import Network, ProcessClass
 
 @record
 class Measured:
-    """The longest step of a law, of a process with its own laws, or of a thread with everything that is flattened into it, in nanoseconds."""
+    """The longest step of a law, of a process with its own laws, or of a thread with everything that is flattened into
+    it, in nanoseconds.
+    """
 
     path: str
     longest: int
@@ -19,10 +21,11 @@ class Measured:
 
 
 def times_of_laws(network: Network, measured: Iterable[Measured]) -> dict[str, int]:
-    """For each law, and each process written by hand, the longest time that it can have taken, as far as that was measured.
+    """For each law, and each process written by hand, the longest time that it can have taken, as far as that was
+    measured.
 
-    A law is given its own time, or that of a step of the process that runs it, or of the thread: what else the step did counts as the law's,
-    which is too much rather than too little.
+    A law is given its own time, or that of a step of the process that runs it, or of the thread: what else the step did
+    counts as the law's, which is too much rather than too little.
     """
     given = {entry.path: entry for entry in measured}
     found: dict[str, int] = {}

@@ -1,8 +1,9 @@
 """Worst response times under fixed priorities with steps that nothing preempts.
 
-Joseph and Pandya (1986) with jitter, blocking and arbitrary deadlines (Audsley and others, 1993; Tindell, 1994), the last step that cannot be
-preempted (George, Rivierre and Spuri, 1996; Bril, Lukkien and Verhaegh, 2009), and first come, first served within a level (George and others, section
-on FIFO). Time is discrete: who blocks has started at least one unit before.
+Joseph and Pandya (1986) with jitter, blocking and arbitrary deadlines (Audsley and others, 1993; Tindell, 1994), the
+last step that cannot be preempted (George, Rivierre and Spuri, 1996; Bril, Lukkien and Verhaegh, 2009), and first come,
+first served within a level (George and others, section on FIFO). Time is discrete: who blocks has started at least one
+unit before.
 
 The response is measured from the nominal release, k·period, to the end of the last step.
 """
@@ -24,8 +25,9 @@ LARGEST_NUMBER_OF_JOBS = 100_000
 
 @record
 class Response:
-    """The bound for one task: ``worst`` response, latest ``start`` of a job's last step, both from the nominal release; ``blocking`` by
-    less urgent steps. ``worst`` and ``start`` are None where the level is overloaded, so that there is no bound.
+    """The bound for one task: ``worst`` response, latest ``start`` of a job's last step, both from the nominal release;
+    ``blocking`` by less urgent steps. ``worst`` and ``start`` are None where the level is overloaded, so that there is
+    no bound.
     """
 
     worst: int | None
@@ -109,8 +111,8 @@ class _Queue:
         return Response(worst + task.jitter, latest + task.jitter, blocking)
 
     def _work(self, busy: int, task: Task) -> list[tuple[int, int]]:
-        """The instants of a busy period, from its beginning, after which a job of the task may wait longest, each with the work that has arrived at the
-        level by then.
+        """The instants of a busy period, from its beginning, after which a job of the task may wait longest, each with
+        the work that has arrived at the level by then.
         """
         if self._arrivals is None:
             arriving: dict[int, int] = {0: 0}
@@ -130,7 +132,9 @@ class _Queue:
 
 
 def _own(task: Task, arrival: int) -> int:
-    """What to add to the work of a level for a job of the task that arrives now: its own earlier jobs were no later than it is."""
+    """What to add to the work of a level for a job of the task that arrives now: its own earlier jobs were no later
+    than it is.
+    """
     return (arrival // task.period - (arrival + task.jitter) // task.period) * task.work
 
 
@@ -178,7 +182,9 @@ def _least_start(before: int, interference: _Interference) -> int:
 
 
 def _lower_bound(before: int, demands: _Interference, load: float) -> int:
-    """Not more than the least fixed point: each task demands at least its share of the time. The margin makes up for rounding."""
+    """Not more than the least fixed point: each task demands at least its share of the time. The margin makes up for
+    rounding.
+    """
     if load > 0.999:
         return before
     certain = before + sum([work * jitter / period for period, work, jitter in demands])

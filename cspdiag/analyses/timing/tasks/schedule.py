@@ -1,7 +1,8 @@
-"""One hyperperiod, simulated: every job takes its longest time, and all periods begin together, as those of a program do.
+"""One hyperperiod, simulated: every job takes its longest time, and all periods begin together, as those of a program
+do.
 
-It shows the schedule, it does not bound it: under scheduling without preemption a job that ends early may make another late, which the
-response-time analysis takes into account and this does not.
+It shows the schedule, it does not bound it: under scheduling without preemption a job that ends early may make another
+late, which the response-time analysis takes into account and this does not.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ LARGEST_NUMBER_OF_JOBS = 20_000
 
 @record
 class Slice:
-    """A step of a job that runs: the index of its task, when the job was released, and from when to when it ran, in nanoseconds."""
+    """A step of a job that runs: the index of its task, when the job was released, and from when to when it ran, in
+    nanoseconds.
+    """
 
     task: int
     release: int
@@ -29,7 +32,9 @@ class Slice:
 
 @record
 class Schedule:
-    """What ran in ``length`` nanoseconds; ``is_whole`` unless the hyperperiod is longer, or had too many jobs to look at."""
+    """What ran in ``length`` nanoseconds; ``is_whole`` unless the hyperperiod is longer, or had too many jobs to look
+    at.
+    """
 
     hyperperiod: int
     length: int
@@ -47,8 +52,8 @@ def hyperperiod(tasks: Sequence[Task]) -> int:
 
 
 def simulate(tasks: Sequence[Task], *, limit: int | None = None, hyperperiods: int = 1, first: int = 0) -> Schedule:
-    """Run the tasks from one tick of all of them over some hyperperiods, or up to ``limit`` nanoseconds. ``first`` is the number of the first job of each: 1
-    as when a program starts, which has its first sample after a period.
+    """Run the tasks from one tick of all of them over some hyperperiods, or up to ``limit`` nanoseconds. ``first`` is
+    the number of the first job of each: 1 as when a program starts, which has its first sample after a period.
     """
     whole = hyperperiod(tasks)
     length = hyperperiods * whole if limit is None else min(hyperperiods * whole, limit)

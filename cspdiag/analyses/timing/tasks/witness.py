@@ -1,4 +1,6 @@
-"""A schedule in which a loop is late: that a bound is longer than a period does not show that the loop ever takes so long."""
+"""A schedule in which a loop is late: that a bound is longer than a period does not show that the loop ever takes so
+long.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,9 @@ from cspdiag.analyses.timing.threads.graph import Thread
 def find_witness(
     threads: Sequence[Thread], behaviours: Sequence[Behaviour], order: Mapping[str, int]
 ) -> Witness | None:
-    """The first sample that is late where all loops are independent and go but one way, so that there is only one schedule with all times at their
-    longest; None where there is no such sample or the program is not as simple as that. ``order`` numbers the inputs, by their nets.
+    """The first sample that is late where all loops are independent and go but one way, so that there is only one
+    schedule with all times at their longest; None where there is no such sample or the program is not as simple as
+    that. ``order`` numbers the inputs, by their nets.
     """
     if len(behaviours) != len(threads) or not _start_together(threads) or _may_fail(threads):
         return None
@@ -37,7 +40,9 @@ def find_witness(
 
 
 def is_overloaded(threads: Sequence[Thread], behaviours: Sequence[Behaviour]) -> bool:
-    """Whether there is more work than time for certain: in one sample, whichever way it goes, or by loops alone that all run for ever and go but one way."""
+    """Whether there is more work than time for certain: in one sample, whichever way it goes, or by loops alone that
+    all run for ever and go but one way.
+    """
     if _may_fail(threads):
         return False
     load = Fraction()
@@ -106,7 +111,9 @@ def _start_together(threads: Sequence[Thread]) -> bool:
 
 
 def _is_plain(one: Behaviour, job: Job) -> bool:
-    """Whether a job is one step that a sample begins, after which the next sample is waited for, and nothing else can happen."""
+    """Whether a job is one step that a sample begins, after which the next sample is waited for, and nothing else can
+    happen.
+    """
     path = job.path
     is_alone = len(one.thread.places[job.wait].offers) == 1 and path.is_only and path.stops == {job.wait}
     is_sample = job.offer is not None and job.offer.kind == "sample"
@@ -127,7 +134,9 @@ def _orders(order: Mapping[str, int]) -> Iterator[Callable[[tuple[Task, Behaviou
 
 
 def _first_late(tasks: Sequence[Task]) -> Witness | None:
-    """The first sample of a run of the program that is late; what comes after it is not looked at, since a sample may have been missed."""
+    """The first sample of a run of the program that is late; what comes after it is not looked at, since a sample may
+    have been missed.
+    """
     begun: dict[tuple[int, int], int] = {}
     late: list[tuple[int, Witness]] = []
     for part in simulate(tasks, hyperperiods=2, first=1).slices:

@@ -1,7 +1,8 @@
 """The control flow of each thread of a program: where it computes, where it waits and for what.
 
-A thread is what the scheduler switches between: the outermost process, and every branch of a parallel that has a loop in it. The branches of a
-parallel without loops are work of the thread that starts them, one after another, since one processor runs them so.
+A thread is what the scheduler switches between: the outermost process, and every branch of a parallel that has a loop
+in it. The branches of a parallel without loops are work of the thread that starts them, one after another, since one
+processor runs them so.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ WaitKind = Literal["sample", "event", "delay", "partner", "join"]
 class Offer:
     """What a waiting thread goes on with.
 
-    ``channel`` is the path of the net; ``period`` that of a sampled input, or how long a delay lasts, 0 where it is computed, and ``takes_time`` if that is
-    longer than zero; ``key`` tells apart who keeps books of the
-    samples of an input, and without ``takes`` a sample is only looked for; ``writes`` tells the side of a rendezvous;
-    ``is_certain`` unless it is there only where a condition holds, or abandons what waits. ``opens`` are the inputs, with their periods, that branches which
-    are abandoned may have followed.
+    ``channel`` is the path of the net; ``period`` that of a sampled input, or how long a delay lasts, 0 where it is
+    computed, and ``takes_time`` if that is longer than zero; ``key`` tells apart who keeps books of the samples of an
+    input, and without ``takes`` a sample is only looked for; ``writes`` tells the side of a rendezvous; ``is_certain``
+    unless it is there only where a condition holds, or abandons what waits. ``opens`` are the inputs, with their
+    periods, that branches which are abandoned may have followed.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -60,13 +61,16 @@ class Move:
 
 @dataclass(slots=True)
 class Place:
-    """A point of a thread: it computes for ``cost`` and goes on to one of ``successors``, or waits for one of ``offers``; an end has neither.
+    """A point of a thread: it computes for ``cost`` and goes on to one of ``successors``, or waits for one of
+    ``offers``; an end has neither.
 
-    ``leaf`` is the law or process that computes, ``outputs`` are the nets that it writes to the outside. ``breaks`` tells that another thread may run before it goes on.
-    ``starts`` is the path of a process that begins here, without samples of its own yet, and ``opens`` are the inputs that parts which begin together
-    follow, though they come one after another here. ``polls`` tells that it takes an offer only where it need not wait for it, and may go on without. ``raises`` tells an end by
-    an exception, ``halts`` a ``stop``. ``gives`` are the channels that it writes without ever waiting for who reads them. ``move`` is what it
-    hands on, of a write before who reads is waited for, of a read after who writes was.
+    ``leaf`` is the law or process that computes, ``outputs`` are the nets that it writes to the outside. ``breaks``
+    tells that another thread may run before it goes on. ``starts`` is the path of a process that begins here, without
+    samples of its own yet, and ``opens`` are the inputs that parts which begin together follow, though they come one
+    after another here. ``polls`` tells that it takes an offer only where it need not wait for it, and may go on
+    without. ``raises`` tells an end by an exception, ``halts`` a ``stop``. ``gives`` are the channels that it writes
+    without ever waiting for who reads them. ``move`` is what it hands on, of a write before who reads is waited for, of
+    a read after who writes was.
     """
 
     span: Span
@@ -128,8 +132,8 @@ class Circle:
 
 @dataclass(slots=True)
 class Thread:
-    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for, each at the place in ``joins``.
-    ``shared`` are the processes, with the periods, of which other threads read sampled inputs, too;
+    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for, each at the
+    place in ``joins``. ``shared`` are the processes, with the periods, of which other threads read sampled inputs, too;
     ``begins_at_once`` where the program begins with it.
     """
 

@@ -20,9 +20,11 @@ from cspdiag.network.ir.walk import parts
 
 @record
 class Context:
-    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside.
+    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those
+    inside.
 
-    ``before`` gives what is known of the variables of the process when the action begins; ``is_first`` where it begins but once.
+    ``before`` gives what is known of the variables of the process when the action begins; ``is_first`` where it begins
+    but once.
     """
 
     thread: Thread
@@ -40,8 +42,9 @@ class Context:
 
 
 class Places:
-    """Makes the places of threads. ``missing`` are the laws without a worst-case execution time; ``measured`` gives times by
-    path, in nanoseconds, that count instead of stated ones. ``unseen`` says of what no analysis can know how it communicates.
+    """Makes the places of threads. ``missing`` are the laws without a worst-case execution time; ``measured`` gives
+    times by path, in nanoseconds, that count instead of stated ones. ``unseen`` says of what no analysis can know how
+    it communicates.
     """
 
     def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
@@ -81,7 +84,9 @@ class Places:
         return waits
 
     def resumed(self, context: Context, where: Step | Declared, target: int) -> int:
-        """Within a process that states its time, every step takes that long; where a fault is caught, what is computed next may be one."""
+        """Within a process that states its time, every step takes that long; where a fault is caught, what is computed
+        next may be one.
+        """
         fault = self.handler(context, "Fault")
         if context.stated is None and fault is None:
             return target

@@ -396,7 +396,9 @@ class Threads(Places):
         return joins
 
     def _abandoned_by_others(self, action: ParallelSteps, context: Context) -> Context:
-        """Within parallel parts, which come one after another here: an exception of one abandons what another waits for, at once."""
+        """Within parallel parts, which come one after another here: an exception of one abandons what another waits
+        for, at once.
+        """
         raised = {"Fault", "Timeout", *self._raised_in(action, context.path)}
         handlers = [handler for name, handler in context.handlers if name in raised]
         abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]

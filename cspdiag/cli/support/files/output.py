@@ -59,12 +59,13 @@ def replace_files(files: Mapping[str, bytes]) -> None:
 def write_package(folder: str, files: Mapping[str, str], target: str, *, program: str = "", force: bool) -> None:
     """Write the files of a package that was generated for ``target``, by path relative to ``folder``.
 
-    All files are written beside the folder first and then moved to their places. Files of an earlier generation for the target that are no
-    longer generated are removed, with the folders that this leaves empty; files that were never generated stay, and so does what was
-    generated for another target. Whatever breaks this off, what was generated is known as such the next time. ``program`` is the path of
-    the program's text from ``folder``, if it has one. Raises UsageError, having written nothing, where
-    a file was changed or put there by hand or belongs to another target, unless ``force``, where the folder or one in it is a symbolic link,
-    so that files would be written or removed elsewhere, and where something else is in the way; OSError where a file cannot be written.
+    All files are written beside the folder first and then moved to their places. Files of an earlier generation for the
+    target that are no longer generated are removed, with the folders that this leaves empty; files that were never
+    generated stay, and so does what was generated for another target. Whatever breaks this off, what was generated is
+    known as such the next time. ``program`` is the path of the program's text from ``folder``, if it has one. Raises
+    UsageError, having written nothing, where a file was changed or put there by hand or belongs to another target,
+    unless ``force``, where the folder or one in it is a symbolic link, so that files would be written or removed
+    elsewhere, and where something else is in the way; OSError where a file cannot be written.
     """
     folder = folder.rstrip(os.sep)
     listed = manifest_name(target)
@@ -106,7 +107,9 @@ def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
 
 @contextmanager
 def _staging(folder: str) -> Iterator[str]:
-    """A new folder beside ``folder``, which is removed in the end. An OSError speaks of the file in ``folder`` that was meant."""
+    """A new folder beside ``folder``, which is removed in the end. An OSError speaks of the file in ``folder`` that was
+    meant.
+    """
     staging = _new_staging(folder)
     try:
         yield staging

@@ -40,7 +40,9 @@ def require_file(option: str, path: str | Path | None, endings: Sequence[str] = 
 
 
 def require_different(named: Mapping[str, str | Path | None]) -> None:
-    """Refuse two names of one file, by what named them: what is written later would replace what is read or written before."""
+    """Refuse two names of one file, by what named them: what is written later would replace what is read or written
+    before.
+    """
     known: dict[str, str] = {}
     for option, path in named.items():
         if path is None or os.fspath(path) == STANDARD_INPUT or _is_no_file(path):

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from cspdiag.proofs.verdict import LimitError, Limits
 
 LATER = 0.5
-"""Seconds after the time limit at which the alarm rings, and then again and again: whoever looks at the clock ends by himself before, and has more to tell."""
+"""Seconds after the time limit at which the alarm rings, and then again and again: whoever looks at the clock ends by
+himself before, and has more to tell.
+"""
 
 SOON = 0.01
 """Seconds after which it rings once more where it must not interrupt."""
@@ -26,8 +28,9 @@ SOON = 0.01
 def ended_by_alarm(limits: Limits) -> Iterator[None]:
     """Raises LimitError in the body, wherever it is, soon after the time is up.
 
-    What is interrupted may not take that for something else: processes of the program do not catch it, and what a library makes of it counts as it does.
-    On systems that have no timers with signals, and outside of the main thread, it does nothing.
+    What is interrupted may not take that for something else: processes of the program do not catch it, and what a
+    library makes of it counts as it does. On systems that have no timers with signals, and outside of the main thread,
+    it does nothing.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
@@ -42,7 +45,8 @@ def ended_by_alarm(limits: Limits) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, SOON, LATER)
         elif rings:
             if not has_rung:
-                # What is cut off may not end properly when it is collected, and is then of no interest: to no function that could be cut off itself.
+                # What is cut off may not end properly when it is collected, and is then of no interest: to no function
+                # that could be cut off itself.
                 sys.unraisablehook = id
                 warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
             has_rung = True

@@ -26,7 +26,9 @@ def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
 
 
 def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
-    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave warnings to standard error."""
+    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave
+    warnings to standard error.
+    """
     from cspdiag.proofs.answers.findings import diagnostics_of
 
     colour = wants_colour(arguments.color, standard_error())

@@ -1,6 +1,7 @@
 """Remembers what was proved, so that a program that has not changed costs nothing.
 
-An entry has what was printed, and the digest of every file that was read for it. The version of cspdiag, and the installed files themselves, are part of the key.
+An entry has what was printed, and the digest of every file that was read for it. The version of cspdiag, and the
+installed files themselves, are part of the key.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ class Printed:
 
 
 class Cache:
-    """What ``verify`` said with certain options about a file; what cannot be read or written is as if it were not there."""
+    """What ``verify`` said with certain options about a file; what cannot be read or written is as if it were not
+    there.
+    """
 
     def __init__(self, options: str) -> None:
         self._name = f"{sha256(f'{_installed()} {options}'.encode()).hexdigest()}.json"

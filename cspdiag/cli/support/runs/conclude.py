@@ -23,7 +23,8 @@ _Writer = Callable[[Path], object]
 def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
     """Write what was asked for, tell how the run ended, and return the exit code.
 
-    The files of a run that was stopped are written like those of any other. A signal during that, after a run that ended by itself, ends the command.
+    The files of a run that was stopped are written like those of any other. A signal during that, after a run that
+    ended by itself, ends the command.
     """
     from cspdiag.runtime.kernel.signals import name_of_signal
     from cspdiag.runtime.kernel.stopping import Stopped, stopping

@@ -1,6 +1,7 @@
 """The line that tells while a program runs: simulated time, speed, and the mode of each part.
 
-On a terminal it is rewritten all the time, unless somebody else works there now; into a file or a pipe a new one is written once in a while.
+On a terminal it is rewritten all the time, unless somebody else works there now; into a file or a pipe a new one is
+written once in a while.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ class Running(Protocol):
 
 
 def is_in_foreground() -> bool:
-    """Whether this process is one of those that the terminal of standard error is for now: a shell has not put it into the background."""
+    """Whether this process is one of those that the terminal of standard error is for now: a shell has not put it into
+    the background.
+    """
     try:
         return os.tcgetpgrp(standard_error().fileno()) == os.getpgrp()
     except (OSError, AttributeError):
@@ -53,7 +56,8 @@ def _columns() -> int:
 class Progress:
     """Writes the line to standard error from a thread of its own, so that the run pays nothing for it.
 
-    ``interval`` is in seconds. Used as a context manager around the run; ``attach`` is to be called when the network is there.
+    ``interval`` is in seconds. Used as a context manager around the run; ``attach`` is to be called when the network is
+    there.
     """
 
     def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup], interval: float | None = None) -> None:

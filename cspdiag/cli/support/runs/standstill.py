@@ -63,10 +63,11 @@ class InThread:
 
 
 class Standstill:
-    """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing for it.
+    """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing
+    for it.
 
-    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the outermost process. Says once that the instant is the same
-    at two looks, ``patience`` seconds apart.
+    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the
+    outermost process. Says once that the instant is the same at two looks, ``patience`` seconds apart.
     """
 
     def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:

@@ -1,6 +1,7 @@
 """What headers of control laws that are written by hand must declare: the types of the ports, checked by the compiler.
 
-Values are copied between ports and members as they are in memory: a member of another type would hold something else, and nobody would say so.
+Values are copied between ports and members as they are in memory: a member of another type would hold something else,
+and nobody would say so.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ class _Member:
 
 
 def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:
-    """A file that does not compile if a header by hand has members of other types than the ports; nothing without such headers."""
+    """A file that does not compile if a header by hand has members of other types than the ports; nothing without such
+    headers.
+    """
     found = list(dict.fromkeys(_members(network, names, types)))
     if not found:
         return {}

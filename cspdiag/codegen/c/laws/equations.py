@@ -31,7 +31,9 @@ Target = Code | Variable
 
 @record
 class EquationWriter:
-    """Prints assignments. ``place`` says where something stands in the text; ``external`` gives the lvalue of a nested body in C."""
+    """Prints assignments. ``place`` says where something stands in the text; ``external`` gives the lvalue of a nested
+    body in C.
+    """
 
     printer: Printer
     place: Callable[[Declared], str]
@@ -40,7 +42,9 @@ class EquationWriter:
     body_name: Callable[[ExternalCall], str]
 
     def assign(self, target: Target, value: Expression, place: str | None, fault_at: str = "") -> list[Statement]:
-        """``target = value;`` with what has to be done before it, and a look for a fault behind it where there may be one."""
+        """``target = value;`` with what has to be done before it, and a look for a fault behind it where there may be
+        one.
+        """
         found = self.printer.evaluate(value)
         look = self.check(place or fault_at) if found.faults else []
         return [*found.setup, set_to(target, found.code, place), *look]

@@ -63,9 +63,9 @@ def run_law(
 ) -> InlinedLaw:
     """The statements of one run.
 
-    ``printer.signal`` gives the lvalues of signals, states and constants; ``types_of`` their types, inputs read before included. ``owner`` is
-    the struct of the process. ``check`` gives what looks for a fault behind a statement of a place. ``local`` are the signals that only the run
-    needs, with their names: it defines them.
+    ``printer.signal`` gives the lvalues of signals, states and constants; ``types_of`` their types, inputs read before
+    included. ``owner`` is the struct of the process. ``check`` gives what looks for a fault behind a statement of a
+    place. ``local`` are the signals that only the run needs, with their names: it defines them.
     """
     return _Run(action, class_, owner, printer, place, check, dict(types_of), local).result()
 

@@ -43,8 +43,9 @@ LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k
 class Integration:
     """Writes the slopes of continuous states as a function, and the Runge-Kutta (or Euler) step that calls it.
 
-    ``name`` is the function's; ``owner`` the struct that has constants and parameters. ``local`` gives the C name of every signal that moves or is
-    held, ``types`` their types; ``states`` are the continuous states and ``held`` what else the slopes read that does not change meanwhile.
+    ``name`` is the function's; ``owner`` the struct that has constants and parameters. ``local`` gives the C name of
+    every signal that moves or is held, ``types`` their types; ``states`` are the continuous states and ``held`` what
+    else the slopes read that does not change meanwhile.
     """
 
     name: str

@@ -1,4 +1,6 @@
-"""Submodel classes as pairs of C files: a struct of ports, parameters and states, `reset`, and `calculate` for one sample."""
+"""Submodel classes as pairs of C files: a struct of ports, parameters and states, `reset`, and `calculate` for one
+sample.
+"""
 
 from __future__ import annotations
 
@@ -186,7 +188,9 @@ class LawFiles:
     # ---- The source
 
     def _printer(self, local: Iterable[str], *, initializing: bool = False) -> Printer:
-        """Names in ``local`` are local variables, the others members; parameters are arguments while the law is initialized."""
+        """Names in ``local`` are local variables, the others members; parameters are arguments while the law is
+        initialized.
+        """
         known = set(local)
         given = {item.name for item in self.class_.parameters}
 
@@ -364,5 +368,7 @@ class LawFiles:
 
 
 def law_files(class_: SubmodelClass, names: PackageNames, types: CTypes) -> dict[str, str]:
-    """The header and the source of a submodel class; nothing for one that is written in C by hand, whose files are copied."""
+    """The header and the source of a submodel class; nothing for one that is written in C by hand, whose files are
+    copied.
+    """
     return {} if class_.external is not None else LawFiles(class_, names, types).files()

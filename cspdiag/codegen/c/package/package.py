@@ -1,4 +1,6 @@
-"""A package in C: a pair of files a class, the network, the environments, the kernel beside them, and what builds it all."""
+"""A package in C: a pair of files a class, the network, the environments, the kernel beside them, and what builds it
+all.
+"""
 
 from __future__ import annotations
 
@@ -83,7 +85,8 @@ class Scenario:
 
 
 def lowered_for_c(network: Network, level: int, *, observed: bool = False) -> Network:
-    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each can be told of.
+    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each
+    can be told of.
 
     The last one is kept as long as its network: the package and the question what it takes of memory need the same.
     """
@@ -107,8 +110,9 @@ def _lowered(network: Network, level: int, observed: bool) -> Network:
 def generate(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
-    ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts in another
-    language, TemplateError for a mistake in a template that was put in the place of one of the target.
+    ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a
+    program that has parts in another language, TemplateError for a mistake in a template that was put in the place of
+    one of the target.
     """
     render = renderer("c", options.templates)
     refuse(network, modules)

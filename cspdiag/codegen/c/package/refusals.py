@@ -15,7 +15,8 @@ from cspdiag.network.ir.walk import parts
 def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
     """Raises TargetError with every part that C cannot express, its place, and what to write instead.
 
-    Devices of an environment are no part of a package in C: there, they are functions that ``network_initialize`` is given.
+    Devices of an environment are no part of a package in C: there, they are functions that ``network_initialize`` is
+    given.
     """
     found: dict[str, None] = {}
     for kind, definition, body in _bodies(network):

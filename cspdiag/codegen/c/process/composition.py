@@ -177,7 +177,9 @@ class Composition(Writer):
         return [While(None, (*setup, *choose(negated(condition), [run("break")]), *body)), *behind]
 
     def _body(self, action: Repeat | WhileLoop) -> tuple[list[Statement], list[Statement]]:
-        """The body of a loop and what follows the loop: one in which the process cannot wait is told of, as no state of the process tells of it."""
+        """The body of a loop and what follows the loop: one in which the process cannot wait is told of, as no state of
+        the process tells of it.
+        """
         waiting = self._waiting_places()
         body = self.statements(action.body)
         if not body or self._waiting_places() > waiting:

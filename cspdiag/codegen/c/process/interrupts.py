@@ -13,7 +13,9 @@ from cspdiag.network.ir.actions import InterruptOn, RunInstance
 
 
 def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
-    """Runs the body; the guard's process follows if the guard has ended it. Without the guard, whose condition does not hold, it is just called."""
+    """Runs the body; the guard's process follows if the guard has ended it. Without the guard, whose condition does not
+    hold, it is just called.
+    """
     body = writer.branch(step.body)
     name = step.body.instance if isinstance(step.body, RunInstance) else branch_name(step.body)
     member = writer.members.names.fresh(writer.prefixed(f"interrupt_{identifier(name)}"))

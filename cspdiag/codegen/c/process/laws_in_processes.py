@@ -195,7 +195,9 @@ def _had(writer: Writer, step: Step, read: _Read, offers: _Offers | None = None)
 
 
 def _writing(writer: Writer, step: Step, name: str, writes: Sequence[_Write], *, told: bool = False) -> list[Statement]:
-    """Writes all; see ``_reading``. An output of the program that is written after another communication was begun needs an offer too."""
+    """Writes all; see ``_reading``. An output of the program that is written after another communication was begun
+    needs an offer too.
+    """
     remark = [writer.remark(step)] if told else []
     waiting = [write for write in writes if not write.sink.at_once]
     first = writes.index(waiting[0]) if waiting else len(writes)

@@ -1,7 +1,7 @@
 """Levels of priority: which queue the branches of prioritized parallels stand in.
 
-The language compares the ranks of nested ``||>`` from the outermost inwards. Counting the branches at each depth of the whole program
-gives every rank a fixed distance in levels from the parent's, in that order.
+The language compares the ranks of nested ``||>`` from the outermost inwards. Counting the branches at each depth of the
+whole program gives every rank a fixed distance in levels from the parent's, in that order.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ class Levels:
         return self._sizes[0]
 
     def below(self, class_: str, depth: int, rank: int) -> int:
-        """By how many levels a branch is below its parent; ``depth`` counts the prioritized parallels around it in the class."""
+        """By how many levels a branch is below its parent; ``depth`` counts the prioritized parallels around it in the
+        class.
+        """
         if rank == 0:
             return 0
         outer = min(self.depths[class_], default=0)  # ``separate_depths`` has left one; none: it never runs
@@ -67,7 +69,9 @@ class Levels:
 
 
 def separate_depths(network: Network) -> Network:
-    """The network in which every class with prioritized parallels runs at one depth of them: the others are cloned, ``Cell_at_2``."""
+    """The network in which every class with prioritized parallels runs at one depth of them: the others are cloned,
+    ``Cell_at_2``.
+    """
     levels = Levels(network)
     if all(len(depths) <= 1 for name, depths in levels.depths.items() if name in levels.prioritized):
         return network

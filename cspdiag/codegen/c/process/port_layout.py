@@ -16,7 +16,9 @@ TAKEN = frozenset(
 
 
 class PortLayout:
-    """The members for the ports of one class; an array of ports is an array where all elements are connected in one way."""
+    """The members for the ports of one class; an array of ports is an array where all elements are connected in one
+    way.
+    """
 
     def __init__(self, process: ProcessClass) -> None:
         self.names = Names(TAKEN)

@@ -41,8 +41,9 @@ class Facts:
 class ProcessFiles:
     """The header and the source of one process class by name, and what has a number in it.
 
-    ``observed`` are the names and definitions of its groups (without a definition) and flattened processes in the order of their numbers behind
-    that of the process, ``reports`` the channels that were optimized away, with their types; all by path below the process.
+    ``observed`` are the names and definitions of its groups (without a definition) and flattened processes in the order
+    of their numbers behind that of the process, ``reports`` the channels that were optimized away, with their types;
+    all by path below the process.
     """
 
     files: dict[str, str]

@@ -30,7 +30,9 @@ Waiting: TypeAlias = Literal[
 
 @dataclass
 class Handler:
-    """What an exception does that is raised within an extent of the composition: ``state`` and ``label`` are the same place."""
+    """What an exception does that is raised within an extent of the composition: ``state`` and ``label`` are the same
+    place.
+    """
 
     state: str
     label: str

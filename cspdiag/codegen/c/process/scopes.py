@@ -1,4 +1,6 @@
-"""Named groups, and processes that were flattened into the one that ran them: what observers are told, and ends that close."""
+"""Named groups, and processes that were flattened into the one that ran them: what observers are told, and ends that
+close.
+"""
 
 from __future__ import annotations
 

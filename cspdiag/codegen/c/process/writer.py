@@ -1,4 +1,6 @@
-"""What the writing of a composition has in common: step functions under construction, their states, and values that outlive a wait."""
+"""What the writing of a composition has in common: step functions under construction, their states, and values that
+outlive a wait.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,8 @@ class Writer:
     struct: str
     routines: list[Routine] = field(default_factory=list)
     initial: list[Plain] = field(default_factory=list)
-    """What the function that initializes the process has to do for the composition besides, in the order of the text."""
+    """What the function that initializes the process has to do for the composition besides, in the order of the text.
+    """
     tables: list[Statement] = field(default_factory=list)
     """Constant tables that step functions refer to."""
     functions: list[tuple[Statement, ...]] = field(default_factory=list)
@@ -71,7 +74,9 @@ class Writer:
         self.scope: str | None = None
         """The path of the flattened process alone."""
         self.observed: list[tuple[str, str]] = []
-        """Groups and scopes so far, which observers know by the numbers behind that of the process: paths below it and definitions."""
+        """Groups and scopes so far, which observers know by the numbers behind that of the process: paths below it and
+        definitions.
+        """
         self._singles: dict[tuple[str, str], str] = {}
         self._slots: dict[tuple[str, str], list[Member]] = {}
         self._offers: dict[str, int] = {}
@@ -124,7 +129,9 @@ class Writer:
         return f"{around}_{name}" if around and not _begins_with(name, around) else name
 
     def branch(self, action: Action, hint: str | None = None) -> Code:
-        """The member of the ``csp_process`` that runs an action beside others; it is made if the action is no process of its own."""
+        """The member of the ``csp_process`` that runs an action beside others; it is made if the action is no process
+        of its own.
+        """
         if isinstance(action, RunInstance) and isinstance(self.class_of(action.instance), ProcessClass):
             return self.members.member(action.instance).field("process")
         wanted = self.prefixed(hint or branch_name(action))
@@ -268,7 +275,9 @@ class Writer:
     def operand(
         self, expression: Expression, where: str, name: str, hint: str = "computed"
     ) -> tuple[list[Statement], Code]:
-        """What must be done first, and the value; a value that can fault is kept in a slot of that name until the next of that ``hint``."""
+        """What must be done first, and the value; a value that can fault is kept in a slot of that name until the next
+        of that ``hint``.
+        """
         found = self.printer.evaluate(expression)
         if not found.faults:
             return [], found.code
@@ -288,7 +297,9 @@ class Writer:
     def protected(
         self, body: Sequence[Statement], handler: Handler, handling: Sequence[Statement], *, passes: bool, where: str
     ) -> list[Statement]:
-        """A body, what is done where something in it fails, and, if control ``passes`` the end of the body, what follows both."""
+        """A body, what is done where something in it fails, and, if control ``passes`` the end of the body, what
+        follows both.
+        """
         label = self.current.label(handler, where)
         if not label:
             return list(body)

@@ -1,4 +1,6 @@
-"""Expressions of the network as C expressions: least parentheses, checked integers, IEEE reals, a defined order of faults."""
+"""Expressions of the network as C expressions: least parentheses, checked integers, IEEE reals, a defined order of
+faults.
+"""
 
 from __future__ import annotations
 
@@ -93,7 +95,9 @@ def _sure(_: str) -> None:
 
 @record
 class Evaluation:
-    """An expression in C: what has to be done before the statement in which it stands, and whether it can note a fault itself."""
+    """An expression in C: what has to be done before the statement in which it stands, and whether it can note a fault
+    itself.
+    """
 
     setup: tuple[Statement, ...]
     code: Code
@@ -121,8 +125,9 @@ class _Progress:
 class Printer:
     """Prints the expressions of one class; the functions give the C lvalue of a name where the expression stands.
 
-    C does not say which operand comes first, so operands that can fault are evaluated before the statement, in their order, where there is more
-    than one. ``written`` gives a pointer to what tells whether a variable was written, where that is not sure.
+    C does not say which operand comes first, so operands that can fault are evaluated before the statement, in their
+    order, where there is more than one. ``written`` gives a pointer to what tells whether a variable was written, where
+    that is not sure.
     """
 
     types: CTypes

@@ -8,7 +8,9 @@ from cspdiag.codegen.shared.plain_text import one_line
 
 
 def quoted(text: str) -> str:
-    """A string literal; it holds the text in UTF-8, and no trigraph. Of the name of a file, bytes that are no UTF-8 stay what they are."""
+    """A string literal; it holds the text in UTF-8, and no trigraph. Of the name of a file, bytes that are no UTF-8
+    stay what they are.
+    """
     written = re.sub(r"(?<=\?)\?", r"\?", "".join(map(_character, text)))
     return f'"{written}"'
 

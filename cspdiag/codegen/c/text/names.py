@@ -61,7 +61,9 @@ _LIBRARIES = _words(
     anl crypt nsl resolv mvec thread_db z bz2 lzma ssl crypto ncurses curses readline uuid ffi
     """
 )
-"""What ``-lNAME`` finds on machines and in tool chains: a library of ours beside it would be linked in its place, or to itself."""
+"""What ``-lNAME`` finds on machines and in tool chains: a library of ours beside it would be linked in its place, or to
+itself.
+"""
 
 _TARGETS = _words(
     "all clean depend edit_cache help install list_install_components package package_source preinstall rebuild_cache test zero_check"
@@ -101,7 +103,9 @@ HEADERS = _words(
     "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef stdint stdio "
     "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore strings termios unistd"
 )
-"""Headers of the language and of POSIX: the folder of the package is searched first, so that a header of ours would stand in for one of these."""
+"""Headers of the language and of POSIX: the folder of the package is searched first, so that a header of ours would
+stand in for one of these.
+"""
 
 FILES = (
     "types",
@@ -124,8 +128,8 @@ _OF_NETWORK = _words("external present brought port_table process_name channel_n
 class PackageNames:
     """The names that all files of one package share.
 
-    A class has one name: of its struct, its files, and what its functions begin with. A constant, and a literal of an enum, is a name of
-    the whole program in C.
+    A class has one name: of its struct, its files, and what its functions begin with. A constant, and a literal of an
+    enum, is a name of the whole program in C.
     """
 
     def __init__(self, network: Network) -> None:

@@ -35,7 +35,9 @@ def rolled(groups: Sequence[Sequence[Plain]]) -> list[Plain | Block]:
 
 
 def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plain]]) -> list[Plain | Block]:
-    """The same where ``make`` gives the statements of the group at a position: of a loop no more than two turns are made."""
+    """The same where ``make`` gives the statements of the group at a position: of a loop no more than two turns are
+    made.
+    """
     result: list[Plain | Block] = []
     start = 0
     while start < len(outlines):
@@ -60,7 +62,9 @@ def _outline(group: Sequence[Plain]) -> Outline:
 
 
 def _shape(item: object, counts: list[Count]) -> Hashable:
-    """What two trees have in common that differ in nothing but their numbers, which are added to ``counts`` in their order."""
+    """What two trees have in common that differ in nothing but their numbers, which are added to ``counts`` in their
+    order.
+    """
     if isinstance(item, str):
         return item
     if isinstance(item, Count):
@@ -96,7 +100,9 @@ def _repeated(outlines: Sequence[Outline], start: int) -> tuple[int, int]:
 
 
 def _turns(outlines: Sequence[Outline], start: int, period: int) -> int:
-    """How often ``period`` groups come from ``start``, every number changed by the same steps, not all of them by nothing."""
+    """How often ``period`` groups come from ``start``, every number changed by the same steps, not all of them by
+    nothing.
+    """
     turns = 1
     steps: list[int] = []
     while True:

@@ -22,7 +22,9 @@ class Remark:
 
 @record
 class Plain:
-    """An expression statement, a definition, a jump. ``remark`` stands behind it, or above what does not fit on a line with it."""
+    """An expression statement, a definition, a jump. ``remark`` stands behind it, or above what does not fit on a line
+    with it.
+    """
 
     code: Code
     end: str = ";"
@@ -188,7 +190,9 @@ def in_block(statements: Sequence[Statement]) -> list[Statement]:
 
 
 def jumps_to(label: str, statements: Sequence[Statement]) -> bool:
-    """Whether anything in the statements goes to a label: by ``goto``, or as a macro of the kernel that is given the label."""
+    """Whether anything in the statements goes to a label: by ``goto``, or as a macro of the kernel that is given the
+    label.
+    """
     return any(isinstance(node, Jump) and node.label == label for node in nodes(tuple(statements))) or any(
         isinstance(node, Call) and Atom(label) in node.arguments for node in nodes(tuple(statements))
     )

@@ -30,7 +30,9 @@ _INT_MAXIMUM = 2**31 - 1
 
 
 class CTypes:
-    """The C types of a package. Every value can be assigned, passed and returned: an array is a struct with one member ``at``."""
+    """The C types of a package. Every value can be assigned, passed and returned: an array is a struct with one member
+    ``at``.
+    """
 
     def __init__(self, names: PackageNames) -> None:
         self.names = names
@@ -139,7 +141,8 @@ class CTypes:
         return any(isinstance(part, RealType) for part in scalars(type_))
 
     def finite_check(self, type_: Type, value: Code, port: Code) -> Code | None:
-        """A call that notes a fault if a part of the value that is written to an external output is no finite number; None if it always is.
+        """A call that notes a fault if a part of the value that is written to an external output is no finite number;
+        None if it always is.
 
         ``port`` is the name of the port as a string.
         """

@@ -1,7 +1,7 @@
 """Which processes have to notice themselves that they were cancelled.
 
-A process that is cancelled while it is ready goes on to its next communication. In most programs nothing of that can be seen, and it is abandoned
-where it stands; its code then has no test before each communication.
+A process that is cancelled while it is ready goes on to its next communication. In most programs nothing of that can be
+seen, and it is abandoned where it stands; its code then has no test before each communication.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from cspdiag.network.ir.walk import instances_run, parts
 def checked_classes(network: Network) -> frozenset[str]:
     """The process classes whose code asks before each communication if it was cancelled.
 
-    Those that may be interrupted, because how the body ends decides what comes then. Those with branches below a handler, where what they did to
-    variables that live on is seen after it. And all that these run.
+    Those that may be interrupted, because how the body ends decides what comes then. Those with branches below a
+    handler, where what they did to variables that live on is seen after it. And all that these run.
     """
     classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
     again = run_again(network)

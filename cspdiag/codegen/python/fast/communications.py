@@ -25,7 +25,8 @@ def text(line: str) -> Line:
 class Communications:
     """Writes the communications of one process class.
 
-    ``checked``: whether the code asks before each communication if it was cancelled. ``traced``: whether channels inside are reported.
+    ``checked``: whether the code asks before each communication if it was cancelled. ``traced``: whether channels
+    inside are reported.
     """
 
     spelling: Spelling

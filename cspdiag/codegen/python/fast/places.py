@@ -1,4 +1,6 @@
-"""What the code of one optimized process calls its parts: attributes of ``self``, and the local variables that they are bound to."""
+"""What the code of one optimized process calls its parts: attributes of ``self``, and the local variables that they are
+bound to.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ AT_ONCE = frozenset({"var", "constant", "discard"})
 
 @dataclass
 class Spelling:
-    """Names of one process class. ``bound`` collects the attributes that its code uses, each bound to a local variable of the same name."""
+    """Names of one process class. ``bound`` collects the attributes that its code uses, each bound to a local variable
+    of the same name.
+    """
 
     process: ProcessClass
     network: Network

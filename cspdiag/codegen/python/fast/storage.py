@@ -19,8 +19,8 @@ from cspdiag.network.ir.walk import parts
 def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozenset[str]:
     """The variables that can be local: no instance has them, no guard, and every read surely comes after a write.
 
-    ``again`` tells that the process may be run more than once, with its variables as they were left; ``probed`` that those with a unit
-    are watched from outside.
+    ``again`` tells that the process may be run more than once, with its variables as they were left; ``probed`` that
+    those with a unit are watched from outside.
     """
     variables = {channel.name: channel for channel in process.channels if channel.kind == "var"}
     shared = {

@@ -1,6 +1,8 @@
-"""What guards need when their alternative begins: conditions, values and durations, evaluated guard by guard in the order of the text.
+"""What guards need when their alternative begins: conditions, values and durations, evaluated guard by guard in the
+order of the text.
 
-What can fault has a statement of its own, so that the fault that comes first is the one that is reported, at its line; the rest stands where it is used.
+What can fault has a statement of its own, so that the fault that comes first is the one that is reported, at its line;
+the rest stands where it is used.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ from cspdiag.network.ir.faults import is_known_at_start
 
 @dataclass
 class GuardNames:
-    """The local variables of a process for what guards need: the same ones in each alternative, as they are used up where it begins."""
+    """The local variables of a process for what guards need: the same ones in each alternative, as they are used up
+    where it begins.
+    """
 
     fresh: Callable[[str], str]
     locals: dict[str, str] = field(default_factory=dict)

@@ -1,4 +1,6 @@
-"""How an instance inside a process is made: the call of its constructor, with arguments and what its ports are attached to."""
+"""How an instance inside a process is made: the call of its constructor, with arguments and what its ports are attached
+to.
+"""
 
 from __future__ import annotations
 

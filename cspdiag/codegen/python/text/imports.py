@@ -32,7 +32,9 @@ class Imports:
         return name
 
     def standard(self, module: str, name: str | None = None) -> str:
-        """A name of the standard library, qualified where the module has it for something of its own, or a module of it."""
+        """A name of the standard library, qualified where the module has it for something of its own, or a module of
+        it.
+        """
         if name is None or name in self._taken:
             self._modules.add(module)
             return module if name is None else f"{module}.{name}"
@@ -54,7 +56,9 @@ class Imports:
         return self.runtime(name)
 
     def caught(self, name: str) -> list[str]:
-        """What a handler of an exception of the text catches: a ``Fault`` is also what Python raises for a division by zero."""
+        """What a handler of an exception of the text catches: a ``Fault`` is also what Python raises for a division by
+        zero.
+        """
         of_python = ["ArithmeticError"] if name == "Fault" and name not in self.names.exceptions else []
         return [self.exception(name), *of_python]
 

@@ -98,7 +98,9 @@ class Names:
 
 @cache
 def member_names(texts: tuple[str, ...], taken: frozenset[str]) -> Mapping[str, str]:
-    """Names of the members of one class, none of which begins with an underscore: a tuple with names refuses such, an enumeration has its own."""
+    """Names of the members of one class, none of which begins with an underscore: a tuple with names refuses such, an
+    enumeration has its own.
+    """
     names = Names(taken)
     plain = {text: text.lstrip("_") or "unnamed" for text in texts}
     wanted = {text: f"n{rest}" if rest[0].isdigit() else rest for text, rest in plain.items()}

@@ -22,7 +22,9 @@ class Findings:
         self.placed = placed
         self.report = report
         self.tolerated = False
-        """Whether nothing is said of the parts that are joined now: a missed sample is caught there, or it is not certain that they are reached."""
+        """Whether nothing is said of the parts that are joined now: a missed sample is caught there, or it is not
+        certain that they are reached.
+        """
         self.limit = NEVER
         """Within how many nanoseconds the parts that are joined now are surely cut off."""
         self.said: set[tuple[Key, Span]] = set()

@@ -1,7 +1,9 @@
-"""The beginning of the outermost process, stepped through as far as nothing in it is left open: there it is known when each sample comes.
+"""The beginning of the outermost process, stepped through as far as nothing in it is left open: there it is known when
+each sample comes.
 
-It starts at time 0. A first read waits for the next sample, unless the process follows that period already; whoever comes two periods after the sample
-that was read last has missed one. Where anything else decides (data, events, partners, parallel parts) nothing more is said.
+It starts at time 0. A first read waits for the next sample, unless the process follows that period already; whoever
+comes two periods after the sample that was read last has missed one. Where anything else decides (data, events,
+partners, parallel parts) nothing more is said.
 """
 
 from __future__ import annotations
@@ -34,7 +36,9 @@ _STEPS = 200
 
 @record
 class Late:
-    """A sample of ``port`` that is missed: nanoseconds since its last read, and what took most of them, waiting for ``slower`` if that was a read."""
+    """A sample of ``port`` that is missed: nanoseconds since its last read, and what took most of them, waiting for
+    ``slower`` if that was a read.
+    """
 
     port: Key
     earlier: Span

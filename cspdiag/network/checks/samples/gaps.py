@@ -14,10 +14,11 @@ _LOOKED_AT = 64
 
 @record
 class Gap:
-    """What certainly lies between two reads: nanoseconds of waiting, and an event that is waited for, with the place of what takes most.
+    """What certainly lies between two reads: nanoseconds of waiting, and an event that is waited for, with the place of
+    what takes most.
 
-    ``credit`` is how much of it the samples take that are read meanwhile, one period each; it is negative after an event ``beside`` the samples, which
-    may come when the next one is due.
+    ``credit`` is how much of it the samples take that are read meanwhile, one period each; it is negative after an
+    event ``beside`` the samples, which may come when the next one is due.
     """
 
     duration: int = 0

@@ -1,9 +1,11 @@
-"""Processes that must miss samples: what they do between two reads of a sampled input takes longer than the samples come.
+"""Processes that must miss samples: what they do between two reads of a sampled input takes longer than the samples
+come.
 
-From its first read on, and until the process ends, each sample of an input is taken before the next one comes. So a sequential part
-is summed up by what lies before its reads of each input, after them, and between (``sample_reads``). Ways are those that may be taken: whatever conditions come to,
-and events whenever they like, but only one between two reads. Times are the least that is certain: what nobody knows (a partner, computing) takes no time, and a loop
-without reads one turn. What parallel branches both read has books of its own in each, and is left alone.
+From its first read on, and until the process ends, each sample of an input is taken before the next one comes. So a
+sequential part is summed up by what lies before its reads of each input, after them, and between (``sample_reads``).
+Ways are those that may be taken: whatever conditions come to, and events whenever they like, but only one between two
+reads. Times are the least that is certain: what nobody knows (a partner, computing) takes no time, and a loop without
+reads one turn. What parallel branches both read has books of its own in each, and is left alone.
 """
 
 from __future__ import annotations
@@ -253,7 +255,9 @@ class _Sequence:
         return Gap(waits, None, branch.event.span) if waits else None
 
     def _branch(self, branch: Branch, until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT) -> Part:
-        """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples; its guard stands ``beside`` a part, with a book of its own."""
+        """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples; its guard
+        stands ``beside`` a part, with a book of its own.
+        """
         event = branch.event
         if isinstance(event, InputEvent | ReadyEvent):
             key = end_key(event.source)
@@ -317,7 +321,9 @@ class _Sequence:
         return one_of([within(body, limit) if is_time_out else body, left])
 
     def _replaced_at_once(self, action: InterruptOn) -> Part:
-        """A body that is cancelled before it reads or waits, and the branch that follows; only by an exception can it end before."""
+        """A body that is cancelled before it reads or waits, and the branch that follows; only by an exception can it
+        end before.
+        """
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = True
         body = self._apart(action.body)

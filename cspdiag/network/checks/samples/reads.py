@@ -1,7 +1,9 @@
-"""What parts of a composition do to one who follows samples: the reads in them, and the time around these, joined as the parts are.
+"""What parts of a composition do to one who follows samples: the reads in them, and the time around these, joined as
+the parts are.
 
-How late a process is, is the time since the sample came that it has read last. A delay makes it later; a read takes a period off, or all of it where the
-process waits for the sample. It is too late where it comes to a read two periods after. So each part turns one lateness into another: the greatest one, on any way.
+How late a process is, is the time since the sample came that it has read last. A delay makes it later; a read takes a
+period off, or all of it where the process waits for the sample. It is too late where it comes to a read two periods
+after. So each part turns one lateness into another: the greatest one, on any way.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ from cspdiag.network.checks.samples.gaps import NOTHING, Gap, either, then
 from cspdiag.network.shapes import Key
 
 Book: TypeAlias = tuple[Key, int]
-"""A sampled input, and the number of the book that a process keeps of it: parts in sequence share the first, parallel branches that both read have others."""
+"""A sampled input, and the number of the book that a process keeps of it: parts in sequence share the first, parallel
+branches that both read have others.
+"""
 
 MANY = 1 << 40
 """More reads than anybody counts: those of a loop inside."""
@@ -27,9 +31,10 @@ MANY = 1 << 40
 class Reads:
     """The reads of one sampled input in a part: None is what no way through it does.
 
-    ``before`` lies before a read, ``past`` on a way without one, ``after`` after a read, ``drift`` on a whole way with reads: their periods are its
-    credit. ``held`` is how late one is, at least, who followed the samples and did not read one, because something else came first; ``pending`` how late at
-    a read inside that comes after that. ``least`` and ``most`` count reads.
+    ``before`` lies before a read, ``past`` on a way without one, ``after`` after a read, ``drift`` on a whole way with
+    reads: their periods are its credit. ``held`` is how late one is, at least, who followed the samples and did not
+    read one, because something else came first; ``pending`` how late at a read inside that comes after that. ``least``
+    and ``most`` count reads.
     """
 
     before: Gap | None
@@ -50,7 +55,9 @@ class Reads:
 
 @node
 class Part:
-    """What a part of a composition takes: ``time`` on a way through it, None where there is none; ``exits`` are what it does before it raises an exception."""
+    """What a part of a composition takes: ``time`` on a way through it, None where there is none; ``exits`` are what it
+    does before it raises an exception.
+    """
 
     time: Gap | None
     reads: Mapping[Book, Reads]
@@ -171,7 +178,9 @@ def least_time(parts: list[Part]) -> Gap | None:
 
 
 def any_way(book: Book, parts: list[Part], span: Span) -> Reads:
-    """Reads on one of several ways, nobody knows which: nothing is certain but the least of them, and that a sample which is late is read."""
+    """Reads on one of several ways, nobody knows which: nothing is certain but the least of them, and that a sample
+    which is late is read.
+    """
     ends: list[Gap | None] = []
     for each in parts:
         found = each.reads.get(book)

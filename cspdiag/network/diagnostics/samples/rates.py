@@ -149,7 +149,9 @@ class SamplesMissed(Diagnostic):
 
 
 def _guarded(port: str, read: Span) -> str | None:
-    """A branch that does what reads a port in the text, which is a communication, a guard or a control law; None where that is more, or replicated."""
+    """A branch that does what reads a port in the text, which is a communication, a guard or a control law; None where
+    that is more, or replicated.
+    """
     text = read.text
     if text == port or re.fullmatch(rf"{re.escape(port)}\s*\?\s*[\w.]+", text):
         return f"{text} -> ..."

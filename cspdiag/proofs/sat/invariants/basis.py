@@ -1,8 +1,9 @@
 """The linear invariants that hold with equality: a basis of all of them, computed exactly and sparsely.
 
-A state of a component weighs what the steps on a way to it have added. An event adds to each of its parties an amount of that party's own, and to all together
-nothing; a step that a component takes alone adds nothing. That leaves an equation for every circle in the graph of a component, the same for all of one
-shape. The solutions are the P-invariants of the network (Murata, "Petri nets: properties, analysis and applications", 1989, section V).
+A state of a component weighs what the steps on a way to it have added. An event adds to each of its parties an amount
+of that party's own, and to all together nothing; a step that a component takes alone adds nothing. That leaves an
+equation for every circle in the graph of a component, the same for all of one shape. The solutions are the P-invariants
+of the network (Murata, "Petri nets: properties, analysis and applications", 1989, section V).
 """
 
 from __future__ import annotations
@@ -36,7 +37,9 @@ class _Paths:
 
 
 def invariants_with_equality(structure: Structure, limits: Limits) -> list[Weights]:
-    """Weights of the states, 0 for every initial one, of which the sum is 0 in every reachable state. Raises LimitError."""
+    """Weights of the states, 0 for every initial one, of which the sum is 0 in every reachable state. Raises
+    LimitError.
+    """
     of_shape = {id(shape): shape for shape in structure.shapes}
     known = {key: _paths(shape) for key, shape in of_shape.items()}
     paths = [known[id(shape)] for shape in structure.shapes]

@@ -15,7 +15,8 @@ MOST_SUMS = 100_000
 def sum_clauses(encoding: Encoding, weights: Weights, *, equal: bool = False) -> list[Clause]:
     """Clauses that the sum of the weights is at most 0, or ``equal`` to it; none if there were too many.
 
-    Every partial sum that matters has a variable (Eén and Sörensson, "Translating pseudo-Boolean constraints into SAT", 2006).
+    Every partial sum that matters has a variable (Eén and Sörensson, "Translating pseudo-Boolean constraints into SAT",
+    2006).
     """
     values = [_by_value(encoding.variables[component], weight) for component, weight in weights.items()]
     if not all(values):
@@ -59,5 +60,7 @@ def _by_value(variables: dict[int, int], weight: dict[int, int]) -> dict[int, li
 
 
 def excluding(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> Clause:
-    """The clause that excludes a candidate which violates the invariant, and all that agree with it where there are weights."""
+    """The clause that excludes a candidate which violates the invariant, and all that agree with it where there are
+    weights.
+    """
     return [-encoding.variables[component][candidate[component]] for component in weights]

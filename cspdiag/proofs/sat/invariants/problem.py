@@ -17,8 +17,9 @@ Weights: TypeAlias = dict[int, dict[int, int]]
 class Problem:
     """Places are numbered; ``first[i]`` maps the states of component ``i`` to their places.
 
-    ``free`` are the changes (from a place, to a place) that a component makes alone; ``events`` have for each event the changes of each of its parties, of which
-    one each is made at once. Each initial place has weight 0: only differences within a component count.
+    ``free`` are the changes (from a place, to a place) that a component makes alone; ``events`` have for each event the
+    changes of each of its parties, of which one each is made at once. Each initial place has weight 0: only differences
+    within a component count.
     """
 
     initial: tuple[int, ...]

@@ -1,7 +1,8 @@
-"""The solver for weights, in a process that can be ended at any time: ``python -m cspdiag.proofs.sat.invariants.process``.
+"""The solver for weights, in a process that can be ended at any time:
+``python -m cspdiag.proofs.sat.invariants.process``.
 
-The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It takes no more memory than it is given: where it needs
-more it ends, and there is no answer.
+The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It takes
+no more memory than it is given: where it needs more it ends, and there is no answer.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ MARGIN = 1e-9
 
 
 class WeightsProcess:
-    """Asks the process; a context that starts it when it is first needed, and ends it, at the latest when the time is up."""
+    """Asks the process; a context that starts it when it is first needed, and ends it, at the latest when the time is
+    up.
+    """
 
     def __init__(self, problem: Problem, limits: Limits) -> None:
         self._problem = problem
@@ -41,7 +44,9 @@ class WeightsProcess:
             self._process.communicate()
 
     def weights(self, candidate: Sequence[int]) -> list[float] | None:
-        """Weights of the places that exclude a candidate, as the solver believes; None if there are none, or when the time is up."""
+        """Weights of the places that exclude a candidate, as the solver believes; None if there are none, or when the
+        time is up.
+        """
         places = [of[state] for of, state in zip(self._problem.places, candidate, strict=True)]
         try:
             process = self._started()
@@ -77,7 +82,8 @@ class WeightsProcess:
 class _Program:
     """The linear program: the least sum of absolute weights with which a candidate exceeds the initial state by 1.
 
-    Its variables are the positive and the negative parts of the weights, and for every party of an event the most that it may add.
+    Its variables are the positive and the negative parts of the weights, and for every party of an event the most that
+    it may add.
     """
 
     def __init__(self, problem: dict[str, Any]) -> None:

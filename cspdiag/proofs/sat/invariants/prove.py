@@ -1,9 +1,11 @@
 """Tier 2: proof by SAT and traps, refined by linear invariants: what counters and hubs keep in balance.
 
-The places of a network (the states of its components) carry weights. Those of which no step changes the sum are clauses from the start (``invariants_basis``). Where no
-step increases it, a candidate of which the sum is greater than that of the initial state is not reachable: a rational solution of the dual of the marking equation
-(Murata, "Petri nets: properties, analysis and applications", 1989, sections IV and V; Esparza and Melzer, 2000). Such weights come from a solver that computes with
-floating-point numbers, in a process of its own; they are made rational and count only if the condition holds for every step exactly.
+The places of a network (the states of its components) carry weights. Those of which no step changes the sum are clauses
+from the start (``invariants_basis``). Where no step increases it, a candidate of which the sum is greater than that of
+the initial state is not reachable: a rational solution of the dual of the marking equation (Murata, "Petri nets:
+properties, analysis and applications", 1989, sections IV and V; Esparza and Melzer, 2000). Such weights come from a
+solver that computes with floating-point numbers, in a process of its own; they are made rational and count only if the
+condition holds for every step exactly.
 """
 
 from __future__ import annotations
@@ -32,7 +34,8 @@ DENOMINATORS = (1, 2, 6, 12, 60, 2520)
 def by_invariants(question: Question, limits: Limits, examine: Examination | None = None) -> Verdict:
     """Prove the property by SAT, traps and invariants, or give the candidate that is left.
 
-    ``examine`` may find a refutation from a candidate before all are excluded. Invariants that were found for another question about the system are used.
+    ``examine`` may find a refutation from a candidate before all are excluded. Invariants that were found for another
+    question about the system are used.
     """
     structure = question.structure
     problem = problem_of(structure)

@@ -1,7 +1,8 @@
 """What is known of the classes of a network before any process is followed.
 
-**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or they flow into such; and parameters by which a
-delay takes time or none. Only their values are followed. **Deciding** are those that decide a condition or how long a delay lasts: what a run does next, and when.
+**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or
+they flow into such; and parameters by which a delay takes time or none. Only their values are followed. **Deciding**
+are those that decide a condition or how long a delay lasts: what a run does next, and when.
 """
 
 from __future__ import annotations
@@ -56,7 +57,9 @@ NOTHING: ToldApart = {}
 
 
 class Facts:
-    """What follows from the classes of a program alone, from how the values at its ports are to be ``told_apart``, and from its being a ``specification``."""
+    """What follows from the classes of a program alone, from how the values at its ports are to be ``told_apart``, and
+    from its being a ``specification``.
+    """
 
     def __init__(
         self, program: Program, told_apart: ToldApart = NOTHING, specification: AsSpecification | None = None
@@ -142,7 +145,9 @@ class Facts:
 
 
 def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
-    """What a run goes by: the items whose values decide a condition, how long a delay or a time-out lasts, or, with ``faults``, whether a computation ends in one."""
+    """What a run goes by: the items whose values decide a condition, how long a delay or a time-out lasts, or, with
+    ``faults``, whether a computation ends in one.
+    """
     seeds = _deciding_faults(program) if faults else set()
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):

@@ -1,4 +1,6 @@
-"""How closely the values at the ports of the outermost process are told apart, where a question asks for more than conditions do."""
+"""How closely the values at the ports of the outermost process are told apart, where a question asks for more than
+conditions do.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ if TYPE_CHECKING:
 class Apart:
     """How the values at a port are told apart.
 
-    Whole numbers of an input are cut before each of the ``cuts``. ``copied``: a specification hands them on, so that of those that are not told apart one is chosen that stands for
-    each. ``values``: the environment gives no others.
+    Whole numbers of an input are cut before each of the ``cuts``. ``copied``: a specification hands them on, so that of
+    those that are not told apart one is chosen that stands for each. ``values``: the environment gives no others.
     """
 
     cuts: frozenset[int] = frozenset()

@@ -24,7 +24,8 @@ def queue(
 ) -> Component:
     """A ``buffer``, or with ``overwrite`` one that drops its oldest value.
 
-    ``writes`` and ``reads`` are the events by value. The contents are told apart where there are few, else only how many there are.
+    ``writes`` and ``reads`` are the events by value. The contents are told apart where there are few, else only how
+    many there are.
     """
     values = list(dict.fromkeys([*writes, *reads]))
     contents = _contents(values, medium.capacity)
@@ -89,7 +90,8 @@ def latch(
 ) -> Component:
     """One reading end of a ``broadcast``: free, or with a value that its reader has not taken.
 
-    The value is ``delivered``, and the writer goes on, when all ends are free; a writer that is cancelled takes it back. While there is one it may be ``seen``.
+    The value is ``delivered``, and the writer goes on, when all ends are free; a writer that is cancelled takes it
+    back. While there is one it may be ``seen``.
     """
     values = list(writes)
     free: list[Edge] = [(event, number + 1) for number, value in enumerate(values) for event in writes[value]]

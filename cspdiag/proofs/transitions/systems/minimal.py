@@ -1,7 +1,8 @@
 """Templates with states merged that no observer can tell apart.
 
-Such states differ in the value of a variable that is written before it is read again. The states are refined until all of a class lead to the same
-classes by the same labels (strong bisimulation, Kanellakis and Smolka 1983); only states with the same words for people are merged.
+Such states differ in the value of a variable that is written before it is read again. The states are refined until all
+of a class lead to the same classes by the same labels (strong bisimulation, Kanellakis and Smolka 1983); only states
+with the same words for people are merged.
 """
 
 from __future__ import annotations

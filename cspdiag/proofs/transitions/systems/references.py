@@ -1,4 +1,5 @@
-"""What a thread communicates through: media as it sees them itself, so that instances that are alike share what they do.
+"""What a thread communicates through: media as it sees them itself, so that instances that are alike share what they
+do.
 
 References are tuples, since they are looked up with every step of a thread. No two classes have values of the same
 shape, so that references of different classes are never equal.

@@ -1,4 +1,6 @@
-"""Systems that do a part of what a whole does: what they do, the whole does too; what they do not do says nothing about the whole."""
+"""Systems that do a part of what a whole does: what they do, the whole does too; what they do not do says nothing about
+the whole.
+"""
 
 from __future__ import annotations
 

@@ -10,9 +10,11 @@ from cspdiag.proofs.transitions.systems.template import Spot, Template
 
 
 class Shape:
-    """The machine of a thread; ``started`` says that it has been started when the system begins, and labels in ``never`` do not happen.
+    """The machine of a thread; ``started`` says that it has been started when the system begins, and labels in
+    ``never`` do not happen.
 
-    ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first, nor can it come back to that.
+    ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first, nor can it come
+    back to that.
     """
 
     def __init__(self, template: Template, *, started: bool, never: frozenset[Label] = frozenset()) -> None:

@@ -1,10 +1,12 @@
 """A network as communicating state machines, kept apart: components joined by events, never their product.
 
-An **event** has parties, the components that must all offer it; it happens when each of them is in a state with an edge that carries it, and moves them
-all at once (the synchronization of CSP, Roscoe, "Understanding Concurrent Systems", chapter 4). Events with a single party are those of the environment, of
-time and of variables: they can happen whenever their party offers them. ``INTERNAL`` edges belong to one component and carry no event.
+An **event** has parties, the components that must all offer it; it happens when each of them is in a state with an edge
+that carries it, and moves them all at once (the synchronization of CSP, Roscoe, "Understanding Concurrent Systems",
+chapter 4). Events with a single party are those of the environment, of time and of variables: they can happen whenever
+their party offers them. ``INTERNAL`` edges belong to one component and carry no event.
 
-A state without edges that is not ``terminal`` never goes on (``stop``); in a terminal state the process has ended, which is no deadlock.
+A state without edges that is not ``terminal`` never goes on (``stop``); in a terminal state the process has ended,
+which is no deadlock.
 """
 
 from __future__ import annotations
@@ -29,13 +31,15 @@ EventKind: TypeAlias = Literal[
 ]  # fmt: skip
 """Kinds of events.
 
-- ``communication``: of two or more processes, or a value that enters a channel with memory; ``take``: it leaves it, or is written to a broadcast; ``delivered``:
-  all readers of a broadcast have taken the value (these are the communications), or its writer takes it back
-- ``external``: with the environment; ``sample`` and ``miss``: a sampled input taken, or found overwritten; ``ready``: a guard that an input from outside is
-  ready; ``time``: a delay or time-out
+- ``communication``: of two or more processes, or a value that enters a channel with memory; ``take``: it leaves it, or
+  is written to a broadcast; ``delivered``: all readers of a broadcast have taken the value (these are the
+  communications), or its writer takes it back
+- ``external``: with the environment; ``sample`` and ``miss``: a sampled input taken, or found overwritten; ``ready``: a
+  guard that an input from outside is ready; ``time``: a delay or time-out
 - ``variable``: an access to a shared ``var``
 - ``start``, ``end`` and ``cancel``: of a parallel composition, all branches at once
-- ``exception``: a branch ends its parallel by ``raise``; ``failure``: by Timeout or Fault, which is no way out for processes that wait for each other
+- ``exception``: a branch ends its parallel by ``raise``; ``failure``: by Timeout or Fault, which is no way out for
+  processes that wait for each other
 """
 
 
@@ -43,8 +47,10 @@ EventKind: TypeAlias = Literal[
 class Event:
     """Something that happens to all its parties at once.
 
-    ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible`` events are those that a specification sees:
-    they pass an external port. ``instant`` is a delay that may be over at once, so that no time need pass. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something else, ``.`` is no process; nothing where that is not told.
+    ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible``
+    events are those that a specification sees: they pass an external port. ``instant`` is a delay that may be over at
+    once, so that no time need pass. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something
+    else, ``.`` is no process; nothing where that is not told.
     """
 
     channel: str
@@ -73,7 +79,9 @@ def with_value(channel: str, value: str | None) -> str:
 
 @record
 class Place:
-    """What a process is doing in a state, for people: ``waits to write fork[1]``, where the text says so, and the path of the innermost process that does it."""
+    """What a process is doing in a state, for people: ``waits to write fork[1]``, where the text says so, and the path
+    of the innermost process that does it.
+    """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
 
@@ -84,10 +92,13 @@ class Place:
 
 @record
 class Component:
-    """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a tracked variable.
+    """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a tracked
+    variable.
 
-    ``edges[state]`` are the edges out of a state; ``terminal`` the states in which it has ended. ``places`` describes states to people, and may lack some.
-    ``failed`` are those of the terminal states in which a missed sample has ended it. ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the instance's path from the outermost process.
+    ``edges[state]`` are the edges out of a state; ``terminal`` the states in which it has ended. ``places`` describes
+    states to people, and may lack some. ``failed`` are those of the terminal states in which a missed sample has ended
+    it. ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the
+    instance's path from the outermost process.
     """
 
     name: str
@@ -102,7 +113,9 @@ class Component:
 
 @record
 class Abstraction:
-    """Something that the transition system leaves open although the program decides it; a refutation that depends on it must be replayed."""
+    """Something that the transition system leaves open although the program decides it; a refutation that depends on it
+    must be replayed.
+    """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
 
@@ -114,9 +127,10 @@ class Abstraction:
 class System:
     """Components and the events that join them. Every component that has an edge with an event is one of its parties.
 
-    A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a channel that no process uses from the other
-    side. In ``terminal`` are also the states in which a process waits for its branches, or to be started: what is stuck then is another component.
-    ``apart`` says how the values of inputs are told apart, by port.
+    A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a
+    channel that no process uses from the other side. In ``terminal`` are also the states in which a process waits for
+    its branches, or to be started: what is stuck then is another component. ``apart`` says how the values of inputs are
+    told apart, by port.
     """
 
     components: tuple[Component, ...]

@@ -1,4 +1,5 @@
-"""What following one thread of control gives: states and edges in terms of the thread, so that instances that are alike share it.
+"""What following one thread of control gives: states and edges in terms of the thread, so that instances that are alike
+share it.
 
 A thread is the outermost process or one branch of a parallel composition, with everything that it runs in sequence.
 """
@@ -19,7 +20,9 @@ from cspdiag.proofs.transitions.values import Known
 
 @record
 class Spot:
-    """What a thread does in a state: words, the medium that they end with, the place in the text, and the process inside the thread that does it."""
+    """What a thread does in a state: words, the medium that they end with, the place in the text, and the process
+    inside the thread that does it.
+    """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
 
@@ -31,7 +34,9 @@ class Spot:
 
 @dataclass
 class Parallel:
-    """A parallel that a thread runs, whether its branches may be cancelled, and whether a fault of theirs is ``caught``."""
+    """A parallel that a thread runs, whether its branches may be cancelled, and whether a fault of theirs is
+    ``caught``.
+    """
 
     path: Path
     node: Node
@@ -43,8 +48,8 @@ class Parallel:
 class Template:
     """The state machine of a thread.
 
-    ``asked`` are the media whose values or sharing the machine depends on, with the answers; ``written`` what it may write to relevant media; ``touched``
-    the variables that it accesses.
+    ``asked`` are the media whose values or sharing the machine depends on, with the answers; ``written`` what it may
+    write to relevant media; ``touched`` the variables that it accesses.
     """
 
     edges: list[list[tuple[Label, int]]] = field(default_factory=list)

@@ -1,7 +1,9 @@
-"""Alarms: an interrupt sees that its guard is ready and abandons its body, but the communication of the guard is not made yet.
+"""Alarms: an interrupt sees that its guard is ready and abandons its body, but the communication of the guard is not
+made yet.
 
-If the offer is withdrawn before it is made, only the guard is left to wait for. An offer can be withdrawn by an alternative that takes another guard, a
-process that is cancelled or interrupted where it waits, and on ``any`` by somebody who is faster.
+If the offer is withdrawn before it is made, only the guard is left to wait for. An offer can be withdrawn by an
+alternative that takes another guard, a process that is cancelled or interrupted where it waits, and on ``any`` by
+somebody who is faster.
 """
 
 from __future__ import annotations
@@ -35,7 +37,9 @@ Special: TypeAlias = Alarm | Guarded | Bind | Bound | Read
 
 
 class Alarms:
-    """What threads can see of each other's guards: which of the ``alarm`` labels ring, and which late reads some alternative may choose."""
+    """What threads can see of each other's guards: which of the ``alarm`` labels ring, and which late reads some
+    alternative may choose.
+    """
 
     def __init__(self, threads: Iterable[Strand]) -> None:
         watching: list[tuple[Strand, Special]] = []

@@ -78,7 +78,9 @@ class Communications:
         return after.at((frames.Delivering(reference, node), after.stack))
 
     def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | Missed, Configuration]]:
-        """The ways to read an end at which a reader may wait: label, value, and the configuration with its session noted."""
+        """The ways to read an end at which a reader may wait: label, value, and the configuration with its session
+        noted.
+        """
         reference = context.reference(end)
         medium = self.thread.medium(reference)
         where = reading_end(context, end)

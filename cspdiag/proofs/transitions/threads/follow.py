@@ -1,4 +1,6 @@
-"""The silent steps of a thread: what it does on its own, without a choice, until it comes to something that others take part in or may see."""
+"""The silent steps of a thread: what it does on its own, without a choice, until it comes to something that others take
+part in or may see.
+"""
 
 from __future__ import annotations
 
@@ -66,11 +68,15 @@ class Follower(LawSteps):
 
     @cached_property
     def _settled(self) -> dict[Configuration, Configuration]:
-        """Where the thread is after the choices that it came to: to one with many guards it comes back from each of them."""
+        """Where the thread is after the choices that it came to: to one with many guards it comes back from each of
+        them.
+        """
         return {}
 
     def settled(self, start: Configuration) -> Configuration:
-        """Where the thread is once it can do nothing more on its own. A circle of silent steps ends in a frame ``diverges``."""
+        """Where the thread is once it can do nothing more on its own. A circle of silent steps ends in a frame
+        ``diverges``.
+        """
         choices: list[Configuration] = []
         end = self._end_of(start, choices)
         self._settled.update(dict.fromkeys(choices, end))
@@ -346,7 +352,9 @@ class Follower(LawSteps):
         return c.at((frames.Deciding(node, context, ()), rest))
 
     def _deciding(self, c: Configuration, frame: frames.Deciding, rest: Stack) -> Configuration | None:
-        """The conditions of the guards one after the other: None where one does not hold, else what the guard will write, and whether that is left open."""
+        """The conditions of the guards one after the other: None where one does not hold, else what the guard will
+        write, and whether that is left open.
+        """
         node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, Choice)
         branches = node.action.branches

@@ -17,7 +17,8 @@ from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.values import Known
 
 Decided: TypeAlias = "tuple[tuple[Known, bool] | None, ...]"
-"""The guards of an alternative: None where the condition does not hold, else what is written, and whether it may hold."""
+"""The guards of an alternative: None where the condition does not hold, else what is written, and whether it may hold.
+"""
 
 Stage: TypeAlias = Literal["wait", "cancelling", "failing", "abandon", "abandoned"]
 """Where the parent of a parallel is, see ``join_edges``."""

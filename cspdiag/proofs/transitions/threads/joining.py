@@ -49,9 +49,10 @@ def join_edges(
 ) -> list[tuple[Label, Configuration]]:
     """What the parent waits for. ``stage`` is where it is.
 
-    ``wait``: for the end of all branches, or an exception of one; ``cancelling``, with the exception: the branches are told; ``failing``: it waits for
-    their end, and raises it; ``abandon`` and ``abandoned``: the same after an interrupt or its own cancellation. Of several exceptions the first counts, also
-    that of a branch that is cancelled and raises it before its next communication.
+    ``wait``: for the end of all branches, or an exception of one; ``cancelling``, with the exception: the branches are
+    told; ``failing``: it waits for their end, and raises it; ``abandon`` and ``abandoned``: the same after an interrupt
+    or its own cancellation. Of several exceptions the first counts, also that of a branch that is cancelled and raises
+    it before its next communication.
     """
     node, context = frame.node, frame.context
     parallel = (context.path, node)

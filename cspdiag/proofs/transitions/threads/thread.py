@@ -28,8 +28,9 @@ from cspdiag.proofs.transitions.values import MOST_VALUES, UNKNOWN, Known, evalu
 
 
 class Configuration(NamedTuple):
-    """Where a thread is: what is to be done, the next first; the values of its variables; whether it was cancelled and only goes on to its next
-    communication; what a ready guard has read already (medium, value, guard); and values of shared variables that were loaded for the next step.
+    """Where a thread is: what is to be done, the next first; the values of its variables; whether it was cancelled and
+    only goes on to its next communication; what a ready guard has read already (medium, value, guard); and values of
+    shared variables that were loaded for the next step.
     """
 
     stack: Stack
@@ -44,8 +45,8 @@ class Configuration(NamedTuple):
 
 
 class Role(NamedTuple):
-    """What a thread is to others: the outermost process or a branch; one that may be cancelled; one whose faults are caught by whoever started it; one
-    that runs ``once`` at most.
+    """What a thread is to others: the outermost process or a branch; one that may be cancelled; one whose faults are
+    caught by whoever started it; one that runs ``once`` at most.
     """
 
     outermost: bool
@@ -78,7 +79,8 @@ class Restart(Exception):  # noqa: N818
 class Thread:
     """A branch of a parallel, or the outermost process, while it is followed.
 
-    ``widened`` variables, of which ranges are followed, ``dropped`` ones, of which nothing is, and ``unfused`` guards are those found out in earlier rounds.
+    ``widened`` variables, of which ranges are followed, ``dropped`` ones, of which nothing is, and ``unfused`` guards
+    are those found out in earlier rounds.
     """
 
     def __init__(self, occurrence: Occurrence, node: Node | None, role: Role) -> None:
@@ -195,7 +197,9 @@ class Thread:
         return configuration.variables[slot] if slot < len(configuration.variables) else self._initial[slot]
 
     def with_slot(self, configuration: Configuration, key: Slot, value: Known) -> Configuration:
-        """The configuration with another value of a local variable. Trailing initial values are left out, so that equal ones look equal."""
+        """The configuration with another value of a local variable. Trailing initial values are left out, so that equal
+        ones look equal.
+        """
         value = self._followed(key, value)
         slot = self._slot(key)
         present = configuration.variables
@@ -245,7 +249,9 @@ class Thread:
         less.add(key)
 
     def count(self, configuration: Configuration) -> None:
-        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told apart."""
+        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told
+        apart.
+        """
         for slot, value in enumerate(configuration.variables):
             values = self._values[slot]
             values.add(value)

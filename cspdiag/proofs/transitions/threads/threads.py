@@ -68,7 +68,9 @@ class Strands:
             self._follow(strand)
 
     def _read_in_vain(self) -> bool:
-        """Channels that are read and that nobody writes: their readers wait for whatever value never comes. Returns whether there are new ones."""
+        """Channels that are read and that nobody writes: their readers wait for whatever value never comes. Returns
+        whether there are new ones.
+        """
         for medium in [medium for medium in self._asking if medium.kind in CHANNELS and medium.values == set()]:
             medium.admit({UNKNOWN})
             self._news(medium)

@@ -1,7 +1,8 @@
-"""One figure of a run: lanes of what runs, of events and of conditions above; below them curves, a panel for each unit, with their names beside.
+"""One figure of a run: lanes of what runs, of events and of conditions above; below them curves, a panel for each unit,
+with their names beside.
 
-A program of parallel parts that have modes and ports of their own has a column for each. Needs matplotlib (``pip install "cspdiag[plot]"``), which is
-imported when a plot is made.
+A program of parallel parts that have modes and ports of their own has a column for each. Needs matplotlib
+(``pip install "cspdiag[plot]"``), which is imported when a plot is made.
 """
 
 from __future__ import annotations

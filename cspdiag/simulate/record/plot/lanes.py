@@ -1,4 +1,6 @@
-"""Lanes of a plot, as a logic analyser has them: what runs when, events, truth values and literals, each in a row of its own."""
+"""Lanes of a plot, as a logic analyser has them: what runs when, events, truth values and literals, each in a row of
+its own.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,9 @@ class Bar:
 
 @record
 class Lane:
-    """A row: bars, or the steps of a truth value, or events with what they brought; ``arrivals`` are when values of the former came."""
+    """A row: bars, or the steps of a truth value, or events with what they brought; ``arrivals`` are when values of the
+    former came.
+    """
 
     name: str
     bars: Sequence[Bar] = ()
@@ -57,7 +61,9 @@ class Lane:
 
 
 def activity_lanes(run: RunData, groups: Sequence[ModeGroup]) -> list[Lane]:
-    """A lane for each part of the program with its modes one after the other; modes that run at the same time have lanes of their own."""
+    """A lane for each part of the program with its modes one after the other; modes that run at the same time have
+    lanes of their own.
+    """
     found: list[Lane] = []
     for group in groups:
         if not group.modes:

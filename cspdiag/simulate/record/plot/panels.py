@@ -1,4 +1,6 @@
-"""Which curves share a panel: those of one unit and of like size, a port's together; and which of them lie on each other."""
+"""Which curves share a panel: those of one unit and of like size, a port's together; and which of them lie on each
+other.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ _LOOKED_AT = 200
 
 @record
 class Row:
-    """A panel: what its axis says, the size of its values (of several sizes, which), and its number among those of both."""
+    """A panel: what its axis says, the size of its values (of several sizes, which), and its number among those of
+    both.
+    """
 
     unit: str
     size: int

@@ -16,14 +16,18 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
 
 _COLUMNS = 1500
-"""Finer than this nothing is drawn: of what falls into one column the first, the least, the greatest and the last value are left."""
+"""Finer than this nothing is drawn: of what falls into one column the first, the least, the greatest and the last value
+are left.
+"""
 
 
 @record
 class Series:
-    """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end of the run.
+    """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end
+    of the run.
 
-    ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something happens. Durations are in seconds.
+    ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something
+    happens. Durations are in seconds.
     """
 
     name: str

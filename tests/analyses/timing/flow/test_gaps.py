@@ -1,4 +1,6 @@
-"""What a process does between two samples of an input that it follows, wherever that stands in its composition: proved only where all of it is known."""
+"""What a process does between two samples of an input that it follows, wherever that stands in its composition: proved
+only where all of it is known.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Random programs of loops that meet: rounds of communications in an order that all agree on, or nearly, with and without samples of their own."""
+"""Random programs of loops that meet: rounds of communications in an order that all agree on, or nearly, with and
+without samples of their own.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""Random programs of every shape that a composition may have: loops one after another, waits and events anywhere, modes, handlers, partners.
+"""Random programs of every shape that a composition may have: loops one after another, waits and events anywhere,
+modes, handlers, partners.
 
-Most are put together from forms that keep their samples, with now and then something that does not. Nothing here knows what the analysis can prove.
+Most are put together from forms that keep their samples, with now and then something that does not. Nothing here knows
+what the analysis can prove.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Reaction times and data ages: programs whose samples carry their instants run on a processor that takes time, and tell how old their outputs are."""
+"""Reaction times and data ages: programs whose samples carry their instants run on a processor that takes time, and
+tell how old their outputs are.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ def processor(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @dataclass
 class Chained:
-    """A chain of loops from the input ``x0`` to the output ``y``; each has samples of its own and hands on what it was handed."""
+    """A chain of loops from the input ``x0`` to the output ``y``; each has samples of its own and hands on what it was
+    handed.
+    """
 
     source: random.Random
     laws: list[str] = field(default_factory=list)
@@ -61,7 +65,9 @@ class Chained:
         return self.text(count)
 
     def taken_up(self, k: int, name: str, value: str) -> None:
-        """A loop of a thread of its own, which takes up what comes between its samples, perhaps by way of a process that hands it on."""
+        """A loop of a thread of its own, which takes up what comes between its samples, perhaps by way of a process
+        that hands it on.
+        """
         kind = self.source.choice(["", "overwrite 1", "overwrite 3", "buffer 1", "buffer 3"])
         self.diagram += [f"var a{k} : double = 0", f"var b{k} : double = 0", f"channel c{k} : double {kind}"]
         self.diagram += [f"{value} -> a{k}", f"b{k} -> {name}.p"]
@@ -104,7 +110,9 @@ class Chained:
 
 
 def seen(network: Network, times: dict[str, int], source: random.Random | None, until: int) -> tuple[int, int]:
-    """The longest time from a change of the sampled value to an output that knows of it, and the oldest sample behind an output."""
+    """The longest time from a change of the sampled value to an output that knows of it, and the oldest sample behind
+    an output.
+    """
     found = run(network, lambda path: times[path] if source is None else source.randint(1, times[path]), until)
     reaction = age = last = 0
     for passed in found.communications:

@@ -124,7 +124,9 @@ def test_a_hyperperiod_without_end_is_cut_short() -> None:
 
 
 def test_nothing_is_advised_that_was_not_decided() -> None:
-    """Every sample of these loops is in time in this very order, whatever the laws take, though the bounds for all phases are longer."""
+    """Every sample of these loops is in time in this very order, whatever the laws take, though the bounds for all
+    phases are longer.
+    """
     text = loops_of(("a", "4 ms", "1 ms"), ("b", "6 ms", "2500 us"), ("c", "12 ms", "3 ms"), order="||>")
     report = report_of(text)
     assert report.advice is None

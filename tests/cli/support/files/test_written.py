@@ -63,7 +63,9 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_an_output_is_refused_by_its_own_name(
     cspdiag: Command, program: Path, monkeypatch: pytest.MonkeyPatch, command: str, option: str, name: str
 ) -> None:
-    """What the file system says of the folder is all that matters; whoever runs the tests may be allowed to do anything."""
+    """What the file system says of the folder is all that matters; whoever runs the tests may be allowed to do
+    anything.
+    """
 
     def refuse(path: str, flags: int, mode: int = 0o777) -> int:
         raise PermissionError(13, "Permission denied", path)

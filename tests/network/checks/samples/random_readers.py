@@ -1,4 +1,6 @@
-"""Random loops that follow samples, with delays, events, time-outs, interrupts and exceptions between the reads, for W0707."""
+"""Random loops that follow samples, with delays, events, time-outs, interrupts and exceptions between the reads, for
+W0707.
+"""
 
 from __future__ import annotations
 
@@ -133,7 +135,9 @@ class _Reader:
 
 
 def reader(seed: int) -> Program:
-    """A program of one process that follows samples of ``x``, and perhaps of ``z``, in a loop, often after something else."""
+    """A program of one process that follows samples of ``x``, and perhaps of ``z``, in a loop, often after something
+    else.
+    """
     rng = Random(seed)
     events = rng.choice((0, 0, 1, 1, 2))
     made = _Reader(rng, events, ("x", "x", "z") if rng.random() < 0.3 else ("x",))

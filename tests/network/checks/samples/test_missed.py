@@ -77,7 +77,9 @@ def missed(seed: int) -> tuple[bool, bool] | None:
 
 
 def hunt(seeds: range) -> tuple[int, int, list[int]]:
-    """How many programs were said to miss samples, how many did in all, and the seeds of those of which it was said wrongly."""
+    """How many programs were said to miss samples, how many did in all, and the seeds of those of which it was said
+    wrongly.
+    """
     answers = {seed: answer for seed in seeds if (answer := missed(seed)) is not None}
     wrong = [seed for seed, (is_said, is_so) in answers.items() if is_said and not is_so]
     return sum(said for said, _ in answers.values()), sum(so for _, so in answers.values()), wrong

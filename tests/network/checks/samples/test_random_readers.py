@@ -1,4 +1,5 @@
-"""W0707 of random loops, held against all runs of them: where it warns a run misses a sample, and where a run without events misses one it has warned.
+"""W0707 of random loops, held against all runs of them: where it warns a run misses a sample, and where a run without
+events misses one it has warned.
 
 ``python -m tests.network.checks.samples.test_random_readers NUMBER [FIRST]`` tries more programs.
 """

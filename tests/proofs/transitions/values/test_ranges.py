@@ -1,4 +1,6 @@
-"""Ranges of numbers: what is known of a range holds for each of its numbers, and inputs and counters have no more ranges than conditions tell apart."""
+"""Ranges of numbers: what is known of a range holds for each of its numbers, and inputs and counters have no more
+ranges than conditions tell apart.
+"""
 
 from __future__ import annotations
 

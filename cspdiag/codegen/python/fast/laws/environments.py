@@ -1,4 +1,6 @@
-"""Environments at ``-O1``: the plant as flat code, its states in local variables while they are integrated, its constants as values."""
+"""Environments at ``-O1``: the plant as flat code, its states in local variables while they are integrated, its
+constants as values.
+"""
 
 from __future__ import annotations
 

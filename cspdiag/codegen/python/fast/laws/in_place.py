@@ -31,8 +31,9 @@ _SECOND = 1_000_000_000
 class InlineLaw:
     """Writes one inlined control law.
 
-    ``printer.signal`` spells the signals, constants and states of the class, and the objects of external bodies: what is assigned to is spelled the same.
-    ``names`` makes the further local variables that are needed; ``place`` says where something stands in the text.
+    ``printer.signal`` spells the signals, constants and states of the class, and the objects of external bodies: what
+    is assigned to is spelled the same. ``names`` makes the further local variables that are needed; ``place`` says
+    where something stands in the text.
     """
 
     law: RunLaw
@@ -43,7 +44,9 @@ class InlineLaw:
     modules: ExternalModules
 
     def prologue(self) -> Iterable[Statement]:
-        """What is computed once, before the first run and after the constants of the class: the sub-step, where it is not known."""
+        """What is computed once, before the first run and after the constants of the class: the sub-step, where it is
+        not known.
+        """
         if not self._continuous or isinstance(self._sample, float):
             return
         step = self._sub_step
@@ -141,7 +144,9 @@ class InlineLaw:
         return SubStep(real(h), real(h / 2), real(h / 6))
 
     def _integrated(self, moved: list[Statement]) -> Iterable[Statement]:
-        """States are moved beside what they are; ``moved`` is given what lets them take their values, once nothing can fault any more."""
+        """States are moved beside what they are; ``moved`` is given what lets them take their values, once nothing can
+        fault any more.
+        """
         local = {name: self.names.fresh(f"{name}_moved") for name in self._continuous}
         for name, beside in local.items():
             yield assign(beside, self.printer.signal(name))

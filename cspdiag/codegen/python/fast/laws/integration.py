@@ -1,6 +1,7 @@
 """The integration of continuous states with the derivatives in place: one sub-step as plain assignments.
 
-The operations and their order are those of ``-O0``. A factor of two is a float here, which says the same and is multiplied faster.
+The operations and their order are those of ``-O0``. A factor of two is a float here, which says the same and is
+multiplied faster.
 """
 
 from __future__ import annotations
@@ -34,9 +35,9 @@ class SubStep:
 class InlineIntegration:
     """Writes the sub-step of states that are local variables.
 
-    ``states`` are their names in the text, in order. ``step`` is how the sub-step in seconds is spelled; ``t``, the instant in seconds at which it begins,
-    is a local variable of that name if the derivatives depend on time. ``local`` gives the local variable of a state, ``names`` makes
-    the further ones that are needed.
+    ``states`` are their names in the text, in order. ``step`` is how the sub-step in seconds is spelled; ``t``, the
+    instant in seconds at which it begins, is a local variable of that name if the derivatives depend on time. ``local``
+    gives the local variable of a state, ``names`` makes the further ones that are needed.
     """
 
     states: Sequence[str]
