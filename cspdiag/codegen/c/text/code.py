@@ -144,7 +144,10 @@ class Call(Code):
             return f"{self.function}()"
         arguments = listed([argument.document for argument in self.arguments])
         whole = Fill(tuple(map(Flat, arguments)))
-        layouts = (Nest(STEP, whole), Nest(STEP, (SOFT, whole)), Nest(STEP, Fill(arguments)))
+        inside = Fill(arguments)
+        begins_with_operators = isinstance(self.arguments[0], Chain | Conditional)
+        last = (SOFT, inside) if begins_with_operators else inside
+        layouts = (Nest(STEP, whole), Nest(STEP, (SOFT, whole)), Nest(STEP, last))
         return (self.function, "(", Choice(tuple((layout, ")") for layout in layouts)))
 
 

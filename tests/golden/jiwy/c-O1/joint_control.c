@@ -107,8 +107,8 @@ static csp_party *joint_control_homing_run_servo_step(csp_party *party)
                 const double homing_servo_pid_ud_next = csp_real(homing_servo_pid_d);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:11", fails);
                 /* laws.csp:12 */
-                const double homing_servo_pid_ui_next = csp_real((homing_servo_pid_sum
-                            == homing_servo_pid_output)
+                const double homing_servo_pid_ui_next = csp_real(
+                    (homing_servo_pid_sum == homing_servo_pid_output)
                         ? homing_servo_pid_i
                         : self->homing_servo_pid_ui);
                 CSP_FAULT_INSIDE("homing.servo", "laws.csp:12", fails);
@@ -217,8 +217,8 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_party *party)
                 const double alignR_velocity_filtered_next = csp_real(alignR_velocity_velocity);
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:99", fails);
                 /* laws.csp:100 */
-                const double alignR_velocity_ui_next = csp_real((alignR_velocity_sum
-                            == self->alignR_velocity_control)
+                const double alignR_velocity_ui_next = csp_real(
+                    (alignR_velocity_sum == self->alignR_velocity_control)
                         ? alignR_velocity_i
                         : self->alignR_velocity_ui);
                 CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:100", fails);
@@ -327,8 +327,8 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_party *party)
                 const double alignL_velocity_filtered_next = csp_real(alignL_velocity_velocity);
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:99", fails);
                 /* laws.csp:100 */
-                const double alignL_velocity_ui_next = csp_real((alignL_velocity_sum
-                            == self->alignL_velocity_control)
+                const double alignL_velocity_ui_next = csp_real(
+                    (alignL_velocity_sum == self->alignL_velocity_control)
                         ? alignL_velocity_i
                         : self->alignL_velocity_ui);
                 CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:100", fails);
@@ -549,11 +549,10 @@ static csp_party *joint_control_step(csp_party *party)
                             ? self->motionControl_servo_profile_last
                             : self->motionControl_servo_feedback;
                     /* laws.csp:36 */
-                    const double motionControl_servo_profile_velocity =
-                        csp_limit((self->motionControl_servo_reference
-                                    - motionControl_servo_profile_from)
-                                / 0.05,
-                            -6.0, 6.0);
+                    const double motionControl_servo_profile_velocity = csp_limit(
+                        (self->motionControl_servo_reference - motionControl_servo_profile_from)
+                            / 0.05,
+                        -6.0, 6.0);
                     /* laws.csp:37 */
                     const double motionControl_servo_profile_angle =
                         motionControl_servo_profile_from
@@ -586,19 +585,19 @@ static csp_party *joint_control_step(csp_party *party)
                     const double motionControl_servo_assistance = self->gains.friction
                         * csp_limit(motionControl_servo_profile_velocity / 0.05, -1.0, 1.0);
                     /* laws.csp:78 */
-                    self->motionControl_servo_control = csp_real(csp_limit(supply
-                                    * motionControl_servo_pid_output
+                    self->motionControl_servo_control = csp_real(csp_limit(
+                            supply * motionControl_servo_pid_output
                                 + motionControl_servo_assistance,
                             -12.0, supply));
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:78",
                         motion_control_catches_timeout);
                     /* laws.csp:80 */
-                    const double motionControl_servo_standing =
-                        (fabs(self->motionControl_servo_reference
-                                        - self->motionControl_servo_feedback)
-                                < self->gains.tolerance)
-                            ? self->motionControl_servo_arrived + self->motionControl_servo_sample
-                            : 0.0;
+                    const double motionControl_servo_standing = (fabs(
+                                self->motionControl_servo_reference
+                                    - self->motionControl_servo_feedback)
+                            < self->gains.tolerance)
+                        ? self->motionControl_servo_arrived + self->motionControl_servo_sample
+                        : 0.0;
                     /* laws.csp:33 */
                     const double motionControl_servo_profile_last_next =
                         csp_real(motionControl_servo_profile_angle);
@@ -615,10 +614,10 @@ static csp_party *joint_control_step(csp_party *party)
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:11",
                         motion_control_catches_timeout);
                     /* laws.csp:12 */
-                    const double motionControl_servo_pid_ui_next =
-                        csp_real((motionControl_servo_pid_sum == motionControl_servo_pid_output)
-                                ? motionControl_servo_pid_i
-                                : self->motionControl_servo_pid_ui);
+                    const double motionControl_servo_pid_ui_next = csp_real(
+                        (motionControl_servo_pid_sum == motionControl_servo_pid_output)
+                            ? motionControl_servo_pid_i
+                            : self->motionControl_servo_pid_ui);
                     CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:12",
                         motion_control_catches_timeout);
                     /* laws.csp:69 */
