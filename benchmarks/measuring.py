@@ -45,7 +45,8 @@ _RESPOND = {"cspdiag": "responding"}
 BENCHMARKS = (
     Benchmark(
         "commstime", "a communication in a ring of four processes", "ns", _TARGETS | _FUSED | _PEERS,
-        "-O0 300 ns: asyncio 9 times, PyCSP 4; -O1 70 ns: asyncio 38, PyCSP 18, trio 75, faster than Go; fused 10 ns; C 4 ns: Go 25 times",
+        "-O0 300 ns: asyncio 9 times, PyCSP 4; -O1 70 ns: asyncio 38, PyCSP 18, trio 75, faster than Go; fused 10 ns; "
+        "C 4 ns: Go 25 times",
     ),
     Benchmark(
         "alternative-10", "a selection among 10 writers", "ns", _TARGETS | _ALTERNATING,
@@ -77,7 +78,8 @@ BENCHMARKS = (
         {"cspdiag": "proving started", "whole": "proving", "SPIN": "peer_spin"}, "SPIN, with gcc and pan, 20 times",
     ),
     Benchmark(
-        "prove-philosophers-1000", "the same for 1000 philosophers, as a whole process", "ms", _PROVE, "at most 1000 ms",
+        "prove-philosophers-1000", "the same for 1000 philosophers, as a whole process", "ms", _PROVE,
+        "at most 1000 ms",
     ),
     Benchmark("prove-philosophers-10000", "the same for 10 000 philosophers", "ms", _PROVE, "at most 10 000 ms"),
     Benchmark("prove-scheduler-1000", "the same for Milner's scheduler with 1000 cells", "ms", _PROVE, "at most 1000 ms"),

@@ -26,7 +26,10 @@ def model(lines: int) -> str:
     instances = "\n".join(f"    cell{index} : Cell" for index in range(cells))
     relationships = "\n".join(f"    cell{index}.output -> cell{(index + 1) % cells}.input" for index in range(cells))
     composition = "\n    || ".join(f"cell{index}" for index in range(cells))
-    return f"{CELL}\nprocess Ring {{\n  communication {{\n{instances}\n{relationships}\n  }}\n  composition {{\n    {composition}\n  }}\n}}\n"
+    return (
+        f"{CELL}\nprocess Ring {{\n  communication {{\n{instances}\n{relationships}\n  }}\n  composition {{\n    "
+        f"{composition}\n  }}\n}}\n"
+    )
 
 
 def nothing_to_read(path: str) -> SourceFile:

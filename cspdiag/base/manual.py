@@ -88,7 +88,8 @@ def reference() -> str:
         "`make docs`.\n\n"
         "Where exactly one mend can be meant, `cspdiag check --fix` applies it, in imported files, too, and `--diff` "
         "shows it: slips in keywords and names, operators, numbers and types as other languages write them, separators "
-        "that nothing needs, conversions between scales of one quantity. What could be meant in two ways, or would lose "
+        "that nothing needs, conversions between scales of one quantity. What could be meant in two ways, or would "
+        "lose "
         "something, is left to you.\n"
     ]
     for folder, title in FAMILIES.items():

@@ -55,22 +55,31 @@ PASSES: tuple[Pass, ...] = (
     ),
     Pass(
         name="constants",
-        description="Parameters that all instances of a class agree on, and what follows from them, are put in their places.",
+        description=(
+            "Parameters that all instances of a class agree on, and what follows from them, are put in their places."
+        ),
         apply=fold_constants,
     ),
     Pass(
         name="dead",
-        description="What has no effect is removed: steps, handlers, equations, states, variables, ports, channels, classes.",
+        description=(
+            "What has no effect is removed: steps, handlers, equations, states, variables, ports, channels, classes."
+        ),
         apply=remove_dead_parts,
     ),
     Pass(
         name="bookkeeping",
-        description="Alternatives that need no memory take the first guard, parallels that need no priorities keep none.",
+        description=(
+            "Alternatives that need no memory take the first guard, parallels that need no priorities keep none."
+        ),
         apply=drop_bookkeeping,
     ),
     Pass(
         name="fuse",
-        description="A program whose schedule is known becomes one process: what happens first, and a loop of what happens again and again.",
+        description=(
+            "A program whose schedule is known becomes one process: what happens first, and a loop of what happens "
+            "again and again."
+        ),
         apply=fuse,
     ),
 )

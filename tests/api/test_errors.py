@@ -60,10 +60,16 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     ("missing file", lambda: cspdiag.load("nowhere/missing.csp"), FileNotFoundError, "nowhere/missing.csp: no such file"),
     ("directory", lambda: cspdiag.load(MODELS), IsADirectoryError, "models: is a directory"),
     ("no path", lambda: cspdiag.load("a\0b"), OSError, "null"),
-    ("text with zero bytes", lambda: cspdiag.parse("process A {\0}", "a.csp"), ValueError, "a.csp: not text .a zero byte at offset 11"),
-    ("half a character", lambda: cspdiag.parse("// \ud800"), ValueError, "program.csp: not text .half a character at offset 3"),
+    ("text with zero bytes", lambda: cspdiag.parse("process A {\0}", "a.csp"), ValueError, (
+        "a.csp: not text .a zero byte at offset 11"
+    )),
+    ("half a character", lambda: cspdiag.parse("// \ud800"), ValueError, (
+        "program.csp: not text .half a character at offset 3"
+    )),
     ("text with errors", lambda: cspdiag.parse("process {}").run(), cspdiag.ProgramError, "program.csp:1:9"),
-    ("process to run", lambda: program().run(process="Jwiy"), cspdiag.SelectionError, "there is no process `Jwiy` .did you mean `Jiwy`"),
+    ("process to run", lambda: program().run(process="Jwiy"), cspdiag.SelectionError, (
+        "there is no process `Jwiy` .did you mean `Jiwy`"
+    )),
     ("process to build", lambda: program().build(top="Jwiy"), ValueError, "did you mean `Jiwy`"),
     ("process to verify", lambda: program().verify("Jwiy"), ValueError, "did you mean `Jiwy`"),
     ("process to draw", lambda: program().draw("Jwiy"), ValueError, "did you mean `Jiwy`"),

@@ -292,12 +292,14 @@ def test_a_name_that_means_several_things_sets_none(name: str, ways: tuple[str, 
         (
             "gains.x",
             "there is no constant 'gains.x' (Gains has the fields n, kp) and no such parameter "
-            "(in `Main` `x` is an in port of `gains`; parameters there: gains.n; in `Bench` `gains` has the parameters n)",
+            "(in `Main` `x` is an in port of `gains`; parameters there: gains.n; in `Bench` `gains` has the parameters "
+            "n)",
         ),
         (
             "gains[0].n",
             "there is no constant 'gains[0].n' (Gains has the fields n, kp) and no such parameter "
-            "(in `Main` 'gains' is one instance and no array: 'gains.n'; in `Bench` 'gains' is one instance and no array: 'gains.n')",
+            "(in `Main` 'gains' is one instance and no array: 'gains.n'; in `Bench` 'gains' is one instance and no "
+            "array: 'gains.n')",
         ),
         ("const.gains.x", "there is no constant 'const.gains.x' (Gains has the fields n, kp)"),
     ],

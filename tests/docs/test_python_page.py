@@ -24,7 +24,8 @@ BLOCKS = re.findall(r"^```pycon\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 EXAMPLES = [example for block in BLOCKS for example in doctest.DocTestParser().get_examples(block)]
 
 GIVEN_OUT = (
-    "program", "drawing", "run", "signal", "outcome", "found", "span", "answer", "question", "failing", "report", "servo",
+    "program", "drawing", "run", "signal", "outcome", "found", "span", "answer", "question", "failing", "report",
+    "servo",
     "loops", "loop", "margins",
 )  # fmt: skip
 """Variables of the page, with an object of each class whose members are public."""

@@ -108,7 +108,8 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
     "argument that is missing": (fields(InstanceOf, arguments=()), "the arguments of `cell` are not the parameters"),
     "port that is not connected": (fields(InstanceOf, connections=()), "the connections of `cell` are not the ports"),
     "connection the other way": (
-        each(Connection, lambda end: replaced(end, port="b" if end.port == "a" else end.port)), "the connections of `cell`"
+        each(Connection, lambda end: replaced(end, port="b" if end.port == "a" else end.port)),
+        "the connections of `cell`"
     ),
     "channel of another type": (fields(LocalChannel, type=BOOL), "and connected to bool"),
     "state that is missing": (

@@ -28,7 +28,8 @@ FLOAT = RealType(bits=32)
 NUMBERS = (INT, INT8, DOUBLE, FLOAT, TIME)
 ARITHMETIC = {INT: "+-*/%^", INT8: "+-*/%", DOUBLE: "+-*/%^", FLOAT: "+-*/", TIME: "+-"}
 FUNCTIONS: dict[str, int] = {
-    "abs": 1, "min": 2, "max": 2, "limit": 3, "sign": 1, "sqrt": 1, "floor": 1, "ceil": 1, "round": 1, "sin": 1, "exp": 1,
+    "abs": 1, "min": 2, "max": 2, "limit": 3, "sign": 1, "sqrt": 1, "floor": 1, "ceil": 1, "round": 1, "sin": 1,
+    "exp": 1,
 }  # fmt: skip
 
 

@@ -201,13 +201,16 @@ def test_program_is_not_fused(text: str, reason: str) -> None:
 
 FUSED = {
     "buffer": program(
-        SENDER + RECEIVER.replace("mu i ? v", "mu (i ? v ; wait 1 ms)"), PAIR.replace("c : int", "c : int buffer 2"), "s || r"
+        SENDER + RECEIVER.replace("mu i ? v", "mu (i ? v ; wait 1 ms)"), PAIR.replace("c : int", "c : int buffer 2"),
+        "s || r"
     ),
     "overwriting": program(
-        SENDER + RECEIVER.replace("mu i ? v", "mu (i ? v ; wait 3 ms)"), PAIR.replace("c : int", "c : int overwrite 2"), "s || r"
+        SENDER + RECEIVER.replace("mu i ? v", "mu (i ? v ; wait 3 ms)"), PAIR.replace("c : int", "c : int overwrite 2"),
+        "s || r"
     ),
     "an exception in one ends the others": program(
-        SENDER.replace("wait 1 ms", "wait 1 ms ; if n == 7 then raise Enough") + RECEIVER, PAIR, "(s || r) catch Enough -> skip"
+        SENDER.replace("wait 1 ms", "wait 1 ms ; if n == 7 then raise Enough") + RECEIVER, PAIR,
+        "(s || r) catch Enough -> skip"
     ),
     "an exception ends the program": program(
         SENDER.replace("wait 1 ms", "wait 1 ms ; if n == 7 then raise Enough") + RECEIVER, PAIR, "s || r"
@@ -221,7 +224,8 @@ FUSED = {
         "s || r",
     ),
     "priorities": program(
-        SENDER + RECEIVER, PAIR + "\n    t : Sender\n    u : Receiver\n    t.o -> d : int -> u.i", "(s || r) ||> (t || u)"
+        SENDER + RECEIVER, PAIR + "\n    t : Sender\n    u : Receiver\n    t.o -> d : int -> u.i",
+        "(s || r) ||> (t || u)"
     ),
     "an alternative chooses on a broadcast": program(
         SENDER + "process Chooser {\n  in i : int\n  communication { var v : int = 0 }\n"
@@ -234,7 +238,9 @@ FUSED = {
     ),
     "a process ends, and another goes on": program(
         SENDER.replace("mu (o ! n ; n := n + 1 ; wait 1 ms)", "mu (o ! n ; n := n + 1 ; wait 1 ms) until n == 3")
-        + RECEIVER.replace("var v : int", "var v : int  var k : int = 0").replace("mu i ? v", "(mu (i ? v ; k := k + 1) until k == 3) ; mu wait 2 ms"),
+        + RECEIVER.replace("var v : int", "var v : int  var k : int = 0").replace("mu i ? v", (
+            "(mu (i ? v ; k := k + 1) until k == 3) ; mu wait 2 ms"
+        )),
         PAIR,
         "s || r",
     ),
@@ -248,7 +254,8 @@ FUSED = {
     "two rates": program(
         "process Fast {\n  in x : double @ 1 ms\n  out o : double\n  communication { var v : double  var w : double }\n"
         "  composition { mu (x ? v ; x ? w ; o ! v + w) }\n}\n"
-        "process Slow {\n  in y : double @ 2 ms\n  in i : double\n  out u : double @ 2 ms\n  communication { var v : double  var w : double }\n"
+        "process Slow {\n  in y : double @ 2 ms\n  in i : double\n  out u : double @ 2 ms\n  communication { var v : "
+        "double  var w : double }\n"
         "  composition { mu (y ? v ; i ? w ; u ! v - w) }\n}\n",
         "    f : Fast\n    s : Slow\n    x -> f.x\n    y -> s.y\n    f.o -> c : double -> s.i\n    s.u -> u",
         "f || s",

@@ -270,8 +270,10 @@ def programs(draw: st.DrawFn) -> str:
                 LAW,
                 CELLS,
                 *definitions,
-                f"process Top {{\n    in level : double @ {period}\n    in press : int\n    out drive : double @ {period}\n"
-                f"    communication {{\n{instances}\n{arrows}\n    }}\n    composition {{\n        {running}\n    }}\n}}",
+                f"process Top {{\n    in level : double @ {period}\n    in press : int\n    out drive : double @ "
+                f"{period}\n"
+                f"    communication {{\n{instances}\n{arrows}\n    }}\n    composition {{\n        {running}\n    "
+                f"}}\n}}",
                 "submodel Plant {\n    in force : double\n    out level : double\n    out press : int\n"
                 "    state x : double = 1.0\n    state count : int = 0\n"
                 "    der x = force - 0.5 * x\n    next count = count + 1\n    level = x\n    press = count / 7\n}",

@@ -19,11 +19,13 @@ WANTED = {
       for choice, event, condition in product(
           ("Choice", "Choice prioritized"), EVENTS, ("", " under a condition"))),
     *(f"InterruptOn with {event}{condition}"
-      for event, condition in product(EVENTS[:4], ("", " under a condition")) if (event, condition) != ("ReadyEvent", " under a condition")),
+      for event,
+      condition in product(EVENTS[:4], ("", " under a condition")) if (event, condition) != ("ReadyEvent", " under a condition")),
     *(f"channel {kind}" for kind in CHANNELS),
     *(f"{kind} with {side} guards" for kind, side in product((*CHANNELS, "sampled", "event"), ("input", "output"))
       if (kind, side) not in {("sampled", "output"), ("event", "output")}),
-    "ParallelSteps prioritized", "CatchException of a declared one", "CatchException of Fault", "CatchException of Timeout", "RaiseException of a declared one", "Repeat for ever", "CountedLoop",
+    "ParallelSteps prioritized", "CatchException of a declared one", "CatchException of Fault",
+    "CatchException of Timeout", "RaiseException of a declared one", "Repeat for ever", "CountedLoop",
     "StopStep", "WaitStep", "ResetInstance", "IfElse", "lone InputEvent", "lone ReadyEvent",
     "array of in ports", "array of out ports", "element of an array of ports", "instance of a process in an array",
     "instance run twice", "process of processes", "several ends of one input", "wcet", "named constant",

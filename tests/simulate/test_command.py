@@ -60,7 +60,8 @@ def test_wrong_use_is_one_line(
 def test_program_without_environment_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "open.csp"
     path.write_text(
-        "process Open {\n  in level : int @ 1 ms\n  communication { var x : int = 0 }\n  composition { mu level ? x }\n}\n"
+        "process Open {\n  in level : int @ 1 ms\n  communication { var x : int = 0 }\n  composition { mu level ? x "
+        "}\n}\n"
     )
     assert main(["run", str(path)]) == 2
     assert "`Open` has no environment to run in" in capsys.readouterr().err

@@ -70,7 +70,9 @@ def program(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("good", "bad", "said"),
     [
-        ("valve / self.tau", "valve / 0", "at 0 s: the environment Bench failed: ZeroDivisionError: float division by zero"),
+        ("valve / self.tau", "valve / 0", (
+            "at 0 s: the environment Bench failed: ZeroDivisionError: float division by zero"
+        )),
         ("def calculate(self, valve)", "def calc(self, valve)", "the environment Bench failed: AttributeError: "),
         ("1 - level", "1 - levle", "at 10 ms: NameError: name 'levle' is not defined, in Main.law (tank.csp:6)"),
         ("def calculate(self, level)", "def calculate(self)", "'level', in Main.law (tank.csp:6)"),

@@ -315,7 +315,9 @@ WAYS = (
         "read ends a generator",
     ),
     WayOut(
-        "a read raises without a text", 1, "driver Card failed to read at port Main.level: Mute: (its text cannot be made",
+        "a read raises without a text", 1, (
+            "driver Card failed to read at port Main.level: Mute: (its text cannot be made"
+        ),
         "read raises without a text",
     ),
     WayOut("a read hangs", 1, "Main.level", "read hangs", real_time_only=True),

@@ -124,7 +124,10 @@ def test_an_integer_is_one_without_point_exponent_or_unit() -> None:
 
 
 def test_doc_comments_go_to_what_follows() -> None:
-    text = "/// First\n/// and second.\nprocess P {\n  /// The angle.\n  in x : int\n  communication {\n    /// Counts.\n    var n : int\n  }\n}\n"
+    text = (
+        "/// First\n/// and second.\nprocess P {\n  /// The angle.\n  in x : int\n  communication {\n    /// Counts.\n "
+        "   var n : int\n  }\n}\n"
+    )
     process = definition(text)
     assert isinstance(process, ast.ProcessDefinition)
     assert process.doc == "First\nand second."

@@ -223,7 +223,8 @@ def ports(text: str) -> list[str]:
 def test_the_last_philosopher_takes_its_forks_in_the_other_order() -> None:
     first, *_ = suggested(DINING, "deadlock.csp", {"seats": "4"})
     assert first.words == (
-        "another order of what `philosopher[seats - 1]` takes: exchange its connections `first` and `second` (deadlock.csp:9)"
+        "another order of what `philosopher[seats - 1]` takes: exchange its connections `first` and `second` "
+        "(deadlock.csp:9)"
     )
     assert first.difference == (
         "-    for i < seats {",

@@ -18,7 +18,8 @@ _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
 """Curves are told apart in grey print, too."""
 _STYLE = {
     "font.family": "DejaVu Sans", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.linewidth": 0.6, "lines.linewidth": 1.3, "legend.framealpha": 0.8, "legend.edgecolor": "none", "legend.fontsize": 8,
+    "axes.linewidth": 0.6, "lines.linewidth": 1.3, "legend.framealpha": 0.8, "legend.edgecolor": "none",
+    "legend.fontsize": 8,
     "svg.hashsalt": "cspdiag",
 }  # fmt: skip
 

@@ -58,17 +58,26 @@ def _period(periods: Mapping[str, tuple[int | None, str]], name: str) -> str:
 
 
 def _explained(report: LoopReport) -> Iterator[str]:
-    yield f"about rest in `{report.environment}`, with the sampling, the latch of each output and one law after another as they run"
+    yield (
+        f"about rest in `{report.environment}`, with the sampling, the latch of each output and one law after another "
+        "as they run"
+    )
     points = {name: value for loop in report.loops for name, value in loop.point.items()}
     if points:
         listed = ", ".join(f"{name} = {value:g}" for name, value in points.items())
         yield f"but in motion, since at rest the plant does not answer: {listed} (--at NAME=VALUE chooses)"
     low = [loop for loop in report.loops if loop.margins.lowest_gain > 0]
     for loop in low:
-        yield f"`{loop.opened.cut.name}` is unstable also when its gain falls below {loop.margins.lowest_gain:.3g} times what it is"
+        yield (
+            f"`{loop.opened.cut.name}` is unstable also when its gain falls below {loop.margins.lowest_gain:.3g} times "
+            "what it is"
+        )
     drifting = [loop.opened.cut.name for loop in report.loops if loop.margins.drifts]
     if drifting:
-        yield f"beside {_listed(drifting)} something drifts that the loop does not see, as an angle does whose speed is controlled"
+        yield (
+            f"beside {_listed(drifting)} something drifts that the loop does not see, as an angle does whose speed is "
+            "controlled"
+        )
     wider = [loop for loop in report.loops if len(loop.opened.laws) > 1]
     for loop in wider:
         inner = ", ".join(f"`{law.partition('.')[2]}`" for law in loop.opened.laws[1:])

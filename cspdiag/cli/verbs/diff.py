@@ -32,7 +32,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         "new",
         metavar="NEW",
         nargs="?",
-        help="the later version; without it OLD is compared with itself in two revisions: the last commit and the working tree",
+        help=(
+            "the later version; without it OLD is compared with itself in two revisions: the last commit and the "
+            "working tree"
+        ),
     )
     parser.add_argument("--from", dest="start", metavar="REVISION", help="the earlier revision (default: HEAD)")
     parser.add_argument("--to", dest="end", metavar="REVISION", help="the later revision (default: the working tree)")
@@ -42,7 +45,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         type=Path,
-        help="draw the changed diagrams into a file that ends in .svg, .png or .pdf: added green with +, removed red and broken, changed amber",
+        help=(
+            "draw the changed diagrams into a file that ends in .svg, .png or .pdf: added green with +, removed red "
+            "and broken, changed amber"
+        ),
     )
     parser.add_argument(
         "--scheme", choices=("light", "dark", "auto"), default="auto", help="colours of the picture (default: auto)"

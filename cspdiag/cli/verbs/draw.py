@@ -41,12 +41,17 @@ def add_arguments(parser: ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="OUT",
-        help="a file that ends in .svg, .png, .pdf, .dot, .mmd or .graphml, a folder, or - for standard output (default: PROCESS.svg; with --all the folder FILE-diagrams)",
+        help=(
+            "a file that ends in .svg, .png, .pdf, .dot, .mmd or .graphml, a folder, or - for standard output "
+            "(default: PROCESS.svg; with --all the folder FILE-diagrams)"
+        ),
     )
     parser.add_argument(
         "--format",
         choices=(*FORMATS, *exchange.FORMATS),
-        help="the format where the name of the output does not tell it; dot, mermaid and graphml are the network as text",
+        help=(
+            "the format where the name of the output does not tell it; dot, mermaid and graphml are the network as text"
+        ),
     )
     what = parser.add_mutually_exclusive_group()
     what.add_argument(
@@ -63,7 +68,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     what.add_argument(
         "--book",
         metavar="OUT.html",
-        help="one page, complete in itself: every process with its diagrams, its text and its ports, and links between them",
+        help=(
+            "one page, complete in itself: every process with its diagrams, its text and its ports, and links between "
+            "them"
+        ),
     )
     parser.add_argument(
         "--diagram",
@@ -77,7 +85,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         nargs="?",
         action="append",
         const="all",
-        help="leave out labels of the communication diagram: all, or some by their names or as labels, types, ports, periods, kinds, legend (leftmax,types)",
+        help=(
+            "leave out labels of the communication diagram: all, or some by their names or as labels, types, ports, "
+            "periods, kinds, legend (leftmax,types)"
+        ),
     )
     parser.add_argument(
         "--depth", metavar="N", type=int, default=1, help="show the inside of instances, N levels (default: 1)"

@@ -36,7 +36,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--loop", metavar="PART", help="only loops of laws with this in their path")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
-        help="a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be given again",
+        help=(
+            "a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be "
+            "given again"
+        ),
     )  # fmt: skip
     parser.add_argument(
         "--at", action="append", default=[], metavar="NAME=VALUE", dest="point",
@@ -164,7 +167,8 @@ def _periods(
         constants = period_constants(network, loop.opened)
         if not constants:
             raise UsageError(
-                f"--largest-period: the period of `{loop.opened.cut.name}` is a number in the text; let it be a `const`, which can be changed"
+                f"--largest-period: the period of `{loop.opened.cut.name}` is a number in the text; let it be a "
+                "`const`, which can be changed"
             )
         # Loops that are equal now are equal at every period.
         key = (tuple(constants.items()), loop.margins)

@@ -41,7 +41,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--real-time", action="store_true", help="run against the clock instead of in virtual time")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
-        help="a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be given again",
+        help=(
+            "a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be "
+            "given again"
+        ),
     )  # fmt: skip
     parser.add_argument(
         "--target", choices=("python", "c"), default="python", help="what to run it on (default: python)"

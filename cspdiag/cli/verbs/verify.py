@@ -51,7 +51,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--format", choices=FORMATS, default="text",
-        help="how to tell the answers: text and concise, for people, on standard error; the others, and what --timing prints, on standard output (default: text)",
+        help=(
+            "how to tell the answers: text and concise, for people, on standard error; the others, and what --timing "
+            "prints, on standard output (default: text)"
+        ),
     )  # fmt: skip
     parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
     parser.add_argument(

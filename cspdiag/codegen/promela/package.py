@@ -77,7 +77,10 @@ def _refuse_large(system: System) -> None:
     of_most = ""
     if most != INTERNAL:
         event = system.events[most]
-        of_most = f", {numbers[most]:,} of them for `{event}`, one for each combination of the states of its {len(event.parties)} parties"
+        of_most = (
+            f", {numbers[most]:,} of them for `{event}`, one for each combination of the states of its "
+            f"{len(event.parties)} parties"
+        )
     raise TargetError(
         f"the Promela model would have {total:,} commands{of_most}; at most {MOST_COMMANDS:,} are written. "
         "`--target cspm` and `cspdiag verify` keep the components apart"

@@ -29,7 +29,9 @@ def _vertex(vertex: Vertex) -> Iterator[str]:
             size = f"[{vertex.size}]" if vertex.size else ""
             language = f" in {vertex.language}" if vertex.language else ""
             samples = f" every {_durations(vertex.samples)}" if vertex.samples else ""
-            yield f"{vertex.kind} {vertex.key}{size} : {vertex.definition}{_listed(vertex.arguments)}{language}{samples}"
+            yield (
+                f"{vertex.kind} {vertex.key}{size} : {vertex.definition}{_listed(vertex.arguments)}{language}{samples}"
+            )
             for port in vertex.ports:
                 default = f" = {port.default}" if port.default else ""
                 state = "" if port.is_connected else ", left alone"

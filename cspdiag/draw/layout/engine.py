@@ -155,7 +155,8 @@ def _ask(context: Any, graph: str) -> str:
     context.set("question", graph)
     try:
         context.eval(
-            'answer = null; worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(question), layoutOptions: {}, options: {} })'
+            'answer = null; worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(question), layoutOptions: {}, '
+            "options: {} })"
         )
         _finish_jobs(context)
         text = context.eval("told()")

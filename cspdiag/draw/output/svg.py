@@ -147,7 +147,8 @@ class _Writer:
         view = f'viewBox="0 0 {_number(scene.width)} {_number(scene.height)}"'
         identity = f' id="{self._identifier("")}"' if self._name else ""
         lines = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" class="{self._classes}"{identity} {size} {view} role="{self._role}" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" class="{self._classes}"{identity} {size} {view} '
+            f'role="{self._role}" '
             f'font-family="{SANS}" stroke-linejoin="round">'
         ]
         if scene.title:

@@ -55,7 +55,10 @@ class DuplicateName(Diagnostic):
     @property
     def help(self) -> str:
         if self.kind == self.first_kind == "the label of an arrow":
-            return "a label names one arrow; join the two arrows to `source, ... -> label -> sink, ...`, or rename one label"
+            return (
+                "a label names one arrow; join the two arrows to `source, ... -> label -> sink, ...`, or rename one "
+                "label"
+            )
         if self.kind == "a local value" and self.first_kind == "an out port":
             return f"give the output its value without `let`: `{self.name} = ...`"
         return "choose another name for one of them"

@@ -63,7 +63,8 @@ _SYNONYMS = {
 """Functions of this language under the names of others."""
 
 _ELSEWHERE = {
-    **_SYNONYMS, "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int", "real": "double",
+    **_SYNONYMS, "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int",
+    "real": "double",
 }  # fmt: skip
 """What functions are called in other languages, and here."""
 

@@ -255,7 +255,8 @@ def _convert(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, targ
 def near_unit(text: str) -> str | None:
     """A unit that an unknown one is probably meant to be."""
     known = {
-        "Nm": "N*m", "Nms": "N*m*s", "kgm2": "kg*m^2", "kgm^2": "kg*m^2", "ohm": "Ohm", "degree": "deg", "degrees": "deg",
+        "Nm": "N*m", "Nms": "N*m*s", "kgm2": "kg*m^2", "kgm^2": "kg*m^2", "ohm": "Ohm", "degree": "deg",
+        "degrees": "deg",
         "radian": "rad", "radians": "rad", "rads": "rad", "sec": "s", "hz": "Hz", "volt": "V", "v": "V", "Volt": "V",
         "Ampere": "A", "meter": "m", "metre": "m", "rps": "rev/s", "turn": "rev", "RPM": "rpm", "percent": "1",
         "Newton": "N", "Watt": "W", "Kg": "kg", "KG": "kg", "sec^2": "s^2",

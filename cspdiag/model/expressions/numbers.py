@@ -229,8 +229,14 @@ class Typer:
         where = "a constant expression" if self.surroundings.constant else running
         advice = {
             "sample": "`sample` belongs to the equations of a submodel",
-            "time": "`time` belongs to the equations of submodels in an environment; in the composition of a process it is `now`",
-            "now": "`now` belongs to the composition of a process; in the equations of submodels in an environment it is `time`",
+            "time": (
+                "`time` belongs to the equations of submodels in an environment; in the composition of a process it is "
+                "`now`"
+            ),
+            "now": (
+                "`now` belongs to the composition of a process; in the equations of submodels in an environment it is "
+                "`time`"
+            ),
         }[symbol.name]
         self.context.refuse(NotAvailableHere(node.span, what=symbol.name, where=where, advice=advice), node)
         return UNKNOWN

@@ -86,7 +86,10 @@ class UnstableDiscretization(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"this operator is stable, but discretized by euler at {self.sample} it has a pole at |z| = {self.radius:.3g}"
+        return (
+            f"this operator is stable, but discretized by euler at {self.sample} it has a pole at |z| = "
+            f"{self.radius:.3g}"
+        )
 
     @property
     def help(self) -> str:

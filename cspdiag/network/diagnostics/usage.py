@@ -83,7 +83,10 @@ class HandlerNeverRuns(Diagnostic):
     def help(self) -> str | None:
         if self.is_caught_inside:
             return "leave one of the two away, or raise the exception again in the inner handler"
-        return "put the `catch` around what raises the exception, in parentheses where that is several steps, or leave it away"
+        return (
+            "put the `catch` around what raises the exception, in parentheses where that is several steps, or leave it "
+            "away"
+        )
 
     @property
     def labels(self) -> tuple[Label, ...]:

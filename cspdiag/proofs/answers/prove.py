@@ -125,8 +125,8 @@ def _weakly_proved(question: Question, specification: System, proved: Proved) ->
         for abstraction in specification.abstractions
     )
     reason = (
-        f"no forbidden step of `{question.process}` was found, but the proof does not know all that `{question.specification}` forbids: "
-        + "; ".join(left_open)
+        f"no forbidden step of `{question.process}` was found, but the proof does not know all that "
+        f"`{question.specification}` forbids: " + "; ".join(left_open)
     )
     return Answer(
         question, "unknown", proved.method, reason, 0.0, proved.states, abstractions=specification.abstractions

@@ -77,6 +77,9 @@ def headline(found: Counterexample) -> str:
         case "no termination":
             if found.cycle:
                 return f"does not always end: {when}, it can repeat for ever what follows"
-            return f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for what never comes"
+            return (
+                f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for "
+                "what never comes"
+            )
         case "refinement":
             return f"does not refine its specification: {found.reason or when}"

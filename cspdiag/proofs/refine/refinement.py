@@ -133,7 +133,10 @@ def _of_outside(
         return _violation(search, seen, nodes, small)
     if _undecided(nodes, labels) is not None:
         return None
-    reason = f"put together two by two and made minimal, the processes have {search.states} states, and do only what the specification does"
+    reason = (
+        f"put together two by two and made minimal, the processes have {search.states} states, and do only what the "
+        "specification does"
+    )
     return Proved("minimization", reason + _caveat(specification, limits, failures), search.states)
 
 

@@ -70,7 +70,8 @@ def _judged(question: Question, run: PeriodicRun) -> Verdict:
     if not run.period:
         return Proved(
             "rules",
-            f"no process has a choice, and the only run that there is ends after {len(run.taken)} steps with all processes",
+            f"no process has a choice, and the only run that there is ends after {len(run.taken)} steps with all "
+            "processes",
         )
     return Proved(
         "rules", f"no process has a choice, and the only run that there is begins anew after {len(run.taken)} steps"

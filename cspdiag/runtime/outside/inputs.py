@@ -194,7 +194,8 @@ class SampledInput(In[T]):
     """
 
     __slots__ = (
-        "_listening", "_silent", "accepts", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled",
+        "_listening", "_silent", "accepts", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period",
+        "sampled",
     )  # fmt: skip
 
     def __init__(self, name: str, *, period: int, driver: Driver | None = None, accepts: Accept | None = None) -> None:

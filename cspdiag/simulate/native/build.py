@@ -54,7 +54,8 @@ def find_compiler() -> Compiler:
     if wanted:
         raise CompilerError(f"CC says {wanted}, and there is no such command")
     raise CompilerError(
-        "--target c needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc; macOS: xcode-select --install), "
+        "--target c needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc; macOS: xcode-select "
+        "--install), "
         "or name one by the environment variable CC"
     )
 

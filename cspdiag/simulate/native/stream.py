@@ -73,7 +73,8 @@ class StreamReader:
     def read(self) -> None:
         """All records, to the end of the stream."""
         handlers: dict[int, Callable[[], None]] = {
-            1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of, 6: self._release,
+            1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of,
+            6: self._release,
             8: self._waiting, 9: self._missed, 10: self._ended,
             11: self._execution_time, 12: self._sample,
         }  # fmt: skip

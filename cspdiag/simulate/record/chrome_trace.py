@@ -75,7 +75,8 @@ def _communication_events(run: RunData, tracks: dict[str, int]) -> Iterator[dict
         for path, direction in ((writer, "!"), (reader, "?")):
             if path in tracks:
                 yield {
-                    "ph": "X", "pid": 1, "tid": tracks[path], "name": f"{label} {direction} {shown}", "cat": "communication",
+                    "ph": "X", "pid": 1, "tid": tracks[path], "name": f"{label} {direction} {shown}",
+                    "cat": "communication",
                     "ts": time / 1e3, "dur": _MOMENT, "args": {"channel": channel, "value": shown},
                 }  # fmt: skip
         if writer in tracks and reader in tracks and writer != reader:

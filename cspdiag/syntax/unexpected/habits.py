@@ -208,7 +208,10 @@ def until_without_mu(situation: Situation) -> Finding | None:
     repeated = _in_parentheses_before(situation)
     whole = re.match(r"mu\s+(.*)\Z", repeated) if repeated else None
     if whole is not None and condition and not _OPERATOR_OF_PROCESSES.search(whole[1]):
-        rule = f"`until` belongs to a `mu`, and this one ends with its parenthesis: write `(mu {whole[1]} until {condition})`"
+        rule = (
+            f"`until` belongs to a `mu`, and this one ends with its parenthesis: write `(mu {whole[1]} until "
+            f"{condition})`"
+        )
     else:
         rule = "`until` belongs to a `mu` and follows what it repeats: `mu (...) until condition`"
     return WrongPlace(situation.span, "`until`", rule), Repair(

@@ -26,13 +26,17 @@ _POSTFIXES = frozenset(["CATCH", "INTERRUPT"])
 _PARTS = {
     "IN": ("a port declaration", "ports come first in a process, submodel or driver, before everything else"),
     "OUT": ("a port declaration", "ports come first in a process, submodel or driver, before everything else"),
-    "COMMUNICATION": ("`communication`", "a process has at most one communication block, between its ports and its composition"),
+    "COMMUNICATION": ("`communication`", (
+        "a process has at most one communication block, between its ports and its composition"
+    )),
     "COMPOSITION": ("`composition`", "a process has at most one composition block, its last part"),
     "LET": ("an equation", "equations belong to submodels, after the ports"),
     "STATE": ("a state", "states belong to submodels, after the ports"),
     "NEXT": ("an equation", "equations belong to submodels, after the ports"),
     "DER": ("an equation", "equations belong to submodels, after the ports"),
-    "VAR": ("a variable", "variables are declared in the `communication` block of a process; a submodel has `let` and `state`"),
+    "VAR": ("a variable", (
+        "variables are declared in the `communication` block of a process; a submodel has `let` and `state`"
+    )),
     "CHANNEL": ("a channel", "channels are declared in the `communication` block of a process"),
     "FOR": ("`for`", "`for` repeats declarations of a `communication` block; a composition has `seq`, `par`, `alt`"),
 }  # fmt: skip

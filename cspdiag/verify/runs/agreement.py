@@ -86,6 +86,7 @@ def difference(trace: Trace, made: Sequence[tuple[str, Any]], types: Mapping[str
         had = "not that value" if value is None else f"`{written(value, types[step.channel])}`"
         return (
             number,
-            f"the trace has `{step.value}` at `{step.channel}` in step {trace.shown_before(number) + 1}, and the program {had}",
+            f"the trace has `{step.value}` at `{step.channel}` in step {trace.shown_before(number) + 1}, and the "
+            f"program {had}",
         )
     return None

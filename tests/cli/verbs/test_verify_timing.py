@@ -50,7 +50,8 @@ def test_a_late_loop_is_told_with_advice(cspdiag: Command, late: Path) -> None:
     result = cspdiag("verify", "--timing", late)
     assert result.code == 1
     assert result.out.startswith(
-        "NOT SCHEDULABLE: Main: `a` is late: when every law takes its longest time, the sample of t = 11 ms is ready at t = 12.1 ms\n"
+        "NOT SCHEDULABLE: Main: `a` is late: when every law takes its longest time, the sample of t = 11 ms is ready "
+        "at t = 12.1 ms\n"
     )
     assert "no order of priorities is known that meets every deadline with these steps" in result.out
 
@@ -137,7 +138,8 @@ def test_a_trace_that_is_not_there_is_said_in_a_line(cspdiag: Command, silent: P
 def test_a_program_without_samples_is_asked_for_a_period(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "events.csp"
     path.write_text(
-        "process Main { in e : int out y : double communication { var k : int = 0 } composition { mu (e ? k ; y ! 1.0) } }"
+        "process Main { in e : int out y : double communication { var k : int = 0 } composition { mu (e ? k ; y ! 1.0) "
+        "} }"
     )
     result = cspdiag("verify", "--timing", path)
     assert result.code == 0

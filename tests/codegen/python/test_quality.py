@@ -12,7 +12,10 @@ import pytest
 from tests.codegen.packages import NAMES, ROOT, network, written_by_generator
 
 RUNTIME = '"""Stands for the copied runtime, which is checked where it lives."""\n\nfrom cspdiag.runtime import *\n'
-COMMAND_LINE = "from cspdiag.runtime.command_line import Program as Program\nfrom cspdiag.runtime.command_line import main as main\n"
+COMMAND_LINE = (
+    "from cspdiag.runtime.command_line import Program as Program\nfrom cspdiag.runtime.command_line import main as "
+    "main\n"
+)
 
 
 @pytest.fixture(scope="module", params=[0, 1], ids=["O0", "O1"])

@@ -25,34 +25,40 @@ PARAMETERS = {"k8": "int8", "k16": "int16", "u8": "uint8", "k": "int", "at": "in
 ARRAYS = {"table": "int", "small": "int8", "given": "int"}
 """Two constants and a parameter, of three elements each."""
 LITERALS = {
-    "int8": ["int8(1)", "int8(-1)", "int8(100)"], "int16": ["int16(300)", "int16(-1)"], "uint8": ["uint8(1)", "uint8(17)"],
+    "int8": ["int8(1)", "int8(-1)", "int8(100)"], "int16": ["int16(300)", "int16(-1)"],
+    "uint8": ["uint8(1)", "uint8(17)"],
     "int": ["1", "2", "3", "-1", "7", "1000000007"], "time": ["1 ms", "3 ms", "1 s"], "double": ["0.5", "2.0", "-1.0"],
 }  # fmt: skip
 INITIAL = {"int8": "3", "int16": "3", "uint8": "3", "int": "1", "time": "1 ms", "double": "1.5"}
 FORMS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "int": [
         *[(f"({{}} {operator} {{}})", ("int", "int")) for operator in "+-*/%"] * 2,
-        ("({} ^ 2)", ("int",)), ("(2 ^ {})", ("int",)), ("(-{})", ("int",)), ("abs({})", ("int",)), ("sign({})", ("int",)),
-        ("min({}, {})", ("int", "int")), ("max({}, {}, {})", ("int", "int", "int")), ("limit({}, {}, 9)", ("int", "int")),
+        ("({} ^ 2)", ("int",)), ("(2 ^ {})", ("int",)), ("(-{})", ("int",)), ("abs({})", ("int",)),
+        ("sign({})", ("int",)),
+        ("min({}, {})", ("int", "int")), ("max({}, {}, {})", ("int", "int", "int")),
+        ("limit({}, {}, 9)", ("int", "int")),
         ("int({})", ("int8",)), ("int({})", ("uint8",)), ("int({})", ("int16",)), ("int({})", ("double",)),
         ("(if {} then {} else {})", ("bool", "int", "int")), ("table[{}]", ("int",)), ("given[{}]", ("int",)),
     ],
     "int8": [
         *[(f"({{}} {operator} {{}})", ("int8", "int8")) for operator in "+-*/%"],
-        ("(-{})", ("int8",)), ("abs({})", ("int8",)), ("int8({})", ("int",)), ("int8({})", ("double",)), ("small[{}]", ("int",)),
+        ("(-{})", ("int8",)), ("abs({})", ("int8",)), ("int8({})", ("int",)), ("int8({})", ("double",)),
+        ("small[{}]", ("int",)),
         ("min({}, {})", ("int8", "int8")), ("(if {} then {} else {})", ("bool", "int8", "int8")),
     ],
     "int16": [("({} + {})", ("int16", "int16")), ("({} * {})", ("int16", "int16")), ("int16({})", ("int",)), ("int16({})", ("uint8",))],
     "uint8": [("({} - {})", ("uint8", "uint8")), ("({} + {})", ("uint8", "uint8")), ("uint8({})", ("int8",)), ("uint8({})", ("int",))],
     "time": [
         ("({} + {})", ("time", "time")), ("({} - {})", ("time", "time")), ("({} * {})", ("time", "int")),
-        ("({} / {})", ("time", "int")), ("({} % {})", ("time", "time")), ("(-{})", ("time",)), ("max({}, {})", ("time", "time")),
+        ("({} / {})", ("time", "int")), ("({} % {})", ("time", "time")), ("(-{})", ("time",)),
+        ("max({}, {})", ("time", "time")),
         ("abs({})", ("time",)), ("(if {} then {} else {})", ("bool", "time", "time")),
     ],
     "double": [
         *[(f"({{}} {operator} {{}})", ("double", "double")) for operator in "+-*/"],
         ("sqrt({})", ("double",)), ("log({})", ("double",)), ("asin({})", ("double",)), ("double({})", ("int",)),
-        ("double({})", ("int8",)), ("limit({}, {}, 5.0)", ("double", "double")), ("quantize({}, {})", ("double", "double")),
+        ("double({})", ("int8",)), ("limit({}, {}, 5.0)", ("double", "double")),
+        ("quantize({}, {})", ("double", "double")),
         ("({} ^ {})", ("double", "double")),
     ],
     "bool": [
@@ -211,7 +217,8 @@ class Unit:
                 return Node(f"({kind} {index} < {draw.randint(1, 4)} : when {condition} & {event} -> o ! {index})")
             case "times":
                 return Node(
-                    f"((par {index} < {draw.randint(1, 4)} : wait {within.value('time')}) interrupt after 2 ms -> o ! 98)"
+                    f"((par {index} < {draw.randint(1, 4)} : wait {within.value('time')}) interrupt after 2 ms -> o ! "
+                    "98)"
                 )
             case "elements":
                 array = draw.choice(["own", "table", "given", "[7, 8, 9]"])
@@ -230,7 +237,8 @@ class Unit:
 
 
 STATEMENTS = (
-    "assign", "assign", "assign", "write", "write", "element", "read", "wait", "after", "after", "interrupt", "guard", "replicated",
+    "assign", "assign", "assign", "write", "write", "element", "read", "wait", "after", "after", "interrupt", "guard",
+    "replicated",
     "times", "elements", "law", "law", "if", "if", "par", "par", "seq", "seq",
 )  # fmt: skip
 
@@ -257,7 +265,8 @@ def known(seed: int) -> Program:
             inside += [f"    law{position} : {name}({given})", f"    v_int -> law{position}.u"]
         inside.append(f"    {', '.join(f'law{position}.y' for position in range(len(laws)))} -> of_law")
         declared = [
-            "  out o : int", "  communication {", *variables, "    var of_law : int = 0", "    var own : int[3] = [5, 6, 7]",
+            "  out o : int", "  communication {", *variables, "    var of_law : int = 0",
+            "    var own : int[3] = [5, 6, 7]",
             "    var open : bool[3] = [true, false, true]", *inside, "  }",
         ]  # fmt: skip
         leaves.append((f"Unit{number}({DECLARED})", "\n".join(declared), body))

@@ -329,7 +329,8 @@ def meetings(seed: int) -> Program:
         *(f"    leaf{i} : {leaf.name}" for i, leaf in enumerate(leaves)), *(f"    {r}" for r in relations), "  }",
         "  composition { {top} }", "}", f"environment Bench for Top{draw.choice(['', '', ' on miss count'])} {{",
         "  plant : Plant",
-        *(f"  plant.{n} -> {n}" if way == "in" else f"  {n} -> plant.{n}" for n, (way, *_) in EXTERNAL.items()), "}", "",
+        *(f"  plant.{n} -> {n}" if way == "in" else f"  {n} -> plant.{n}" for n, (way, *_) in EXTERNAL.items()), "}",
+        "",
     ]  # fmt: skip
     definitions = tuple((leaf.name, leaf.declared(), body) for leaf, body in zip(leaves, bodies, strict=True))
     return Program(f"{DEFINITIONS}\n{PLANT}\n{LAWS}", definitions, "\n".join(after), top)

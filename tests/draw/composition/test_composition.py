@@ -217,7 +217,8 @@ def test_a_change_at_the_end_moves_nothing_before_it() -> None:
 )
 def test_any_element_can_be_marked(kind: MarkKind, ink: Ink, key: str) -> None:
     found = diagram(
-        "skip ; (b ? x -> stop [] after 1 ms -> b ? x) ; (x := 1 catch F -> b ! x) ; (mu skip until x) ; (while x do skip)"
+        "skip ; (b ? x -> stop [] after 1 ms -> b ? x) ; (x := 1 catch F -> b ! x) ; (mu skip until x) ; (while x do "
+        "skip)"
     )
     assert key in {element.key for element in found.elements()}
     scene = draw_composition(found, marks={key: Mark(kind=kind, note="because")})

@@ -73,7 +73,8 @@ def _silent_steps(guests: int, monkeypatch: pytest.MonkeyPatch) -> int:
     with monkeypatch.context() as patched:
         patched.setattr(Follower, "_step", counted)
         system = system_of(
-            f"process Main {{ in come[{guests}], go[{guests}] : bool communication {{ var here : int = 0 var x : bool }}"
+            f"process Main {{ in come[{guests}], go[{guests}] : bool communication {{ var here : int = 0 var x : bool "
+            f"}}"
             f" composition {{ mu ( (alt i < {guests} : when here < {guests} & come[i] ? x -> here := here + 1)"
             f" [] (alt i < {guests} : when here > 0 & go[i] ? x -> here := here - 1) ) }} }}"
         )

@@ -46,11 +46,15 @@ EXACT = {
     "buffer in another order": (f"{CD} buffer 1 ", "(d ! 1 ; c ! 2) || (c ? x ; d ? y)"),
     "overwriting": ("channel c : int overwrite 1 ", "(c ! 1 ; c ! 2) || c ? x"),
     "broadcast": ("channel c : int broadcast ", "(c ! 1 ; c ! 2) || (c ? x ; c ? x) || c ? y"),
-    "broadcast to alternatives": (f"{C} broadcast channel d : int ", "(c ! 1) || (c ? x -> d ? x [] d ? x -> c ? x) || (c ? y ; d ! 1)"),
+    "broadcast to alternatives": (f"{C} broadcast channel d : int ", (
+        "(c ! 1) || (c ? x -> d ? x [] d ? x -> c ? x) || (c ? y ; d ! 1)"
+    )),
     "loop": (CD, "mu (c ! x ; x := x + 1) until x == 3 || seq i < 3 : (c ? y)"),
     "condition": (CD, "(if x == 0 then c ! 1 else d ! 1) || (c ? y ; d ? y)"),
     "exception": (CD, "((c ! 1 ; raise Enough) || d ! 1) catch Enough -> skip || (c ? x ; d ? x)"),
-    "exception among partners": (CD, "((c ! 1 ; raise Enough) || (d ! 1 ; d ! 2)) catch Enough -> skip || (c ? x || d ? y)"),
+    "exception among partners": (CD, (
+        "((c ! 1 ; raise Enough) || (d ! 1 ; d ! 2)) catch Enough -> skip || (c ? x || d ? y)"
+    )),
     "stop": (C, "(c ! 1 ; stop) || c ? x"),
 }  # fmt: skip
 

@@ -250,7 +250,10 @@ def test_without_a_compiler_the_message_says_what_to_install(monkeypatch: pytest
 
 def test_what_a_compiler_says_leads_back_to_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     files = {"law.c": "int a; /* laws.csp:3 */\nint b;\n"}
-    script = '[ "$1" = --version ] && echo mine && exit\nfor f; do case $f in */law.c) echo "$f:2:5: error: no b" >&2; exit 1;; esac; done'
+    script = (
+        '[ "$1" = --version ] && echo mine && exit\nfor f; do case $f in */law.c) echo "$f:2:5: error: no b" >&2; exit '
+        "1;; esac; done"
+    )
     monkeypatch.setenv("CC", compiler_that(tmp_path, script))
     with pytest.raises(CompilerError, match=r"law\.c:2:5: error: no b \[laws\.csp:3\]"):
         Build(files, ["law.c"], folder=tmp_path / "cache").executable()
@@ -264,7 +267,9 @@ def test_only_what_has_changed_is_compiled_again(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("CC", compiler_that(tmp_path, f'echo "$@" >> {log}\nexec {real} "$@"'))
     cache = tmp_path / "cache"
     files = {
-        "main.c": '#include "a.h"\nint main(void) { return a() - 1; }\n', "a.c": '#include "a.h"\nint a(void) { return 1; }\n',
+        "main.c": '#include "a.h"\nint main(void) { return a() - 1; }\n', "a.c": (
+            '#include "a.h"\nint a(void) { return 1; }\n'
+        ),
         "a.h": "int a(void);\n", "b.c": "int b;\n",
     }  # fmt: skip
 

@@ -147,7 +147,8 @@ def test_recordings_are_equal_byte_for_byte(program: cspdiag.LoadedProgram, run:
 def test_vectors_and_structs_have_a_column_for_each_number(run: Run) -> None:
     recorded = columns(csv_text(run))
     assert list(recorded) == [
-        "time", "speed", "gyro[0]", "gyro[1]", "gyro[2]", "pose.x", "pose.at[0]", "pose.at[1]", "mode", "button", "power",
+        "time", "speed", "gyro[0]", "gyro[1]", "gyro[2]", "pose.x", "pose.at[0]", "pose.at[1]", "mode", "button",
+        "power",
         "shown[0]", "shown[1]",
     ]  # fmt: skip
     last = {name: values[-1] for name, values in recorded.items()}

@@ -73,7 +73,8 @@ def test_computations_take_any_time() -> None:
     text = RACE.replace("DELAY", "law ; wait 5 ms")
     text = text.replace(
         "  out done : int\n\n  composition { law",
-        "  out done : int\n\n  communication {\n    law : Law\n    var x : double = 1\n    x -> law.x\n    law.y -> _\n  }\n\n"
+        "  out done : int\n\n  communication {\n    law : Law\n    var x : double = 1\n    x -> law.x\n    law.y -> "
+        "_\n  }\n\n"
         "  composition { law",
     )
     assert refuted(law + text)

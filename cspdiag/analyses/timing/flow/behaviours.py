@@ -93,7 +93,8 @@ def _refused(thread: Thread, gap: Gap) -> Refusal:
     if gap.untaken:
         return Refusal(
             place.path,
-            f"the sample of `{name}` may not have been taken when this waits for the next samples, {duration(period)} later: it would be overwritten",
+            f"the sample of `{name}` may not have been taken when this waits for the next samples, {duration(period)} "
+            "later: it would be overwritten",
             place.span,
             "take the samples of all inputs of a period in every round, or give the loops a process each",
         )
@@ -107,7 +108,10 @@ def _refused(thread: Thread, gap: Gap) -> Refusal:
     if others:
         shortest, longest = sorted((period, max(others)))
         return Refusal(
-            place.path, f"one loop waits for samples of {duration(shortest)} and of {duration(longest)}, so that it misses the faster ones",
+            place.path, (
+                f"one loop waits for samples of {duration(shortest)} and of {duration(longest)}, so that it misses the "
+                "faster ones"
+            ),
             place.span, "read the slower input in an alternative with the faster one, or in a parallel process",
         )  # fmt: skip
     if place.periods():
@@ -118,7 +122,9 @@ def _refused(thread: Thread, gap: Gap) -> Refusal:
     delay = place.longest_delay()
     if delay is not None:
         return Refusal(
-            place.path, f"between two samples of `{name}`, which come every {duration(period)}, it waits {duration(delay)}", place.span,
+            place.path,
+            f"between two samples of `{name}`, which come every {duration(period)}, it waits {duration(delay)}",
+            place.span,
             "wait in a parallel process, or by `after` in an alternative with the sample",
         )  # fmt: skip
     return Refusal(

@@ -45,7 +45,10 @@ class Spinning:
             for place, offers in ways:
                 for offer in offers:
                     name = offer.channel.rpartition(".")[2]
-                    reason = f"what communicates on `{name}` may go on for ever while no time passes, so that nothing else runs"
+                    reason = (
+                        f"what communicates on `{name}` may go on for ever while no time passes, so that nothing else "
+                        "runs"
+                    )
                     advice = "let a round of it wait for a sample, an event or a time"
                     spinning.setdefault(offer.channel, Refusal(place.path, reason, place.span, advice))
         return [*spinning.values(), *self._endless(supplied)]
@@ -56,8 +59,14 @@ class Spinning:
             for circle in thread.circles:
                 if self._goes_round_silently(number, circle, supplied) and not circle.ends():
                     place = thread.places[circle.again]
-                    reason = "this loop may compute for ever while no time passes, so that nothing else runs: nothing shows that it ends"
-                    advice = "let a round of it wait for a sample, an event or a time, or count its rounds up to a constant bound"
+                    reason = (
+                        "this loop may compute for ever while no time passes, so that nothing else runs: nothing shows "
+                        "that it ends"
+                    )
+                    advice = (
+                        "let a round of it wait for a sample, an event or a time, or count its rounds up to a constant "
+                        "bound"
+                    )
                     yield Refusal(place.path, reason, place.span, advice)
 
     def _goes_round_silently(self, number: int, circle: Circle, supplied: dict[End, set[int]]) -> bool:

@@ -15,7 +15,10 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
     if report.missing:
         first = report.missing[0]
         places = {part.span: f"`{part.definition}` does not say its `wcet`" for part in report.missing}
-        advice = f"write it in the head: `{first.kind} {first.definition} wcet 100 us {{`, with the longest time that it computes"
+        advice = (
+            f"write it in the head: `{first.kind} {first.definition} wcet 100 us {{`, with the longest time that it "
+            "computes"
+        )
         return NoTimingBound(
             span, report.process, report.reason, tuple((words, place) for place, words in places.items()), advice
         )

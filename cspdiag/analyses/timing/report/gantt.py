@@ -43,7 +43,10 @@ def _chart(report: TimingReport, tasks: Sequence[Task], schedule: Schedule, left
     scale = (right - left) / schedule.length
     bottom = _TOP + len(tasks) * _ROW
     what = "one hyperperiod" if schedule.is_whole else f"the first {time(schedule.length)} of a hyperperiod"
-    yield f'<text x="{_MARGIN}" y="26" class="title">{escape(report.process)}: {what} of {time(schedule.hyperperiod)}, every step at its longest</text>'
+    yield (
+        f'<text x="{_MARGIN}" y="26" class="title">{escape(report.process)}: {what} of {time(schedule.hyperperiod)}, '
+        "every step at its longest</text>"
+    )
     for instant in _ticks(schedule.length, max(10, width // 90)):
         x = left + instant * scale
         yield f'<line x1="{x:.2f}" y1="{_TOP - 8}" x2="{x:.2f}" y2="{bottom}" class="grid"/>'
@@ -64,9 +67,13 @@ def _chart(report: TimingReport, tasks: Sequence[Task], schedule: Schedule, left
         is_late |= late
         length = max(0.6, (min(part.end, schedule.length) - part.start) * scale)
         colour = "#c00000" if late else _COLOURS[part.task % len(_COLOURS)]
-        tip = f"{_name(task)}: {time(part.start)} to {time(part.end)}, released at {time(part.release)}{', late' if late else ''}"
+        tip = (
+            f"{_name(task)}: {time(part.start)} to {time(part.end)}, released at "
+            f"{time(part.release)}{', late' if late else ''}"
+        )
         yield (
-            f'<rect x="{left + part.start * scale:.2f}" y="{_TOP + part.task * _ROW + 8}" width="{length:.2f}" height="18" fill="{colour}">'
+            f'<rect x="{left + part.start * scale:.2f}" y="{_TOP + part.task * _ROW + 8}" width="{length:.2f}" '
+            f'height="18" fill="{colour}">'
             f"<title>{escape(tip)}</title></rect>"
         )
     note = "arrows: releases; within a level of priority who comes first is served first"

@@ -59,7 +59,8 @@ def _loop_rows(loops: Sequence[LoopTiming]) -> list[tuple[str, ...]]:
     rows = [tuple(head)]
     for loop in loops[:_ROWS_SHOWN]:
         row = [
-            loop.name, time(loop.period), time(loop.work), f"{100 * loop.utilization:.1f} %", time(loop.step), time(loop.blocking),
+            loop.name, time(loop.period), time(loop.work), f"{100 * loop.utilization:.1f} %", time(loop.step),
+            time(loop.blocking),
             "no bound" if loop.response is None else time(loop.response),
             "none" if loop.slack is None else time(loop.slack),
             "" if loop.latency is None else _interval(loop.latency),
@@ -79,14 +80,23 @@ def _interval(latency: tuple[int, int]) -> str:
 def _summary(report: TimingReport) -> Iterator[str]:
     if len(report.loops) > _ROWS_SHOWN:
         yield f"and {len(report.loops) - _ROWS_SHOWN} loops more"
-    yield f"the processor is used up to {100 * report.utilization:.1f} %; everything repeats after {time(report.hyperperiod)}"
+    yield (
+        f"the processor is used up to {100 * report.utilization:.1f} %; everything repeats after "
+        f"{time(report.hyperperiod)}"
+    )
     waiting = [loop for loop in report.loops if loop.partners]
     for loop in waiting:
-        yield f"`{loop.name}` waits within a sample for {', '.join(f'`{partner}`' for partner in loop.partners)}: their work is part of it"
+        yield (
+            f"`{loop.name}` waits within a sample for {', '.join(f'`{partner}`' for partner in loop.partners)}: their "
+            "work is part of it"
+        )
     if not all(loop.is_met for loop in report.loops):
         yield from _advice(report)
     if report.measured:
-        yield f"execution times of {len(report.measured)} laws and processes were measured: a longest one seen is no proof that none is longer"
+        yield (
+            f"execution times of {len(report.measured)} laws and processes were measured: a longest one seen is no "
+            "proof that none is longer"
+        )
     yield "times count from the nominal release, the tick; a step runs until its process waits, and nothing preempts it"
 
 
@@ -110,7 +120,10 @@ def _missing(missing: Sequence[Missing]) -> Iterator[str]:
         more = f" (and {len(parts) - 1} more)" if len(parts) > 1 else ""
         yield f"`{first.leaf}`{more} does not say its worst-case execution time"
         yield f"  --> {on_one_line(first.span.source.name)}:{first.span.line}:{first.span.column}"
-        yield f"  = help: write it in the head, `{first.kind} {first.definition}(...) wcet 100 us {{`, or give measured times with --wcet-from"
+        yield (
+            f"  = help: write it in the head, `{first.kind} {first.definition}(...) wcet 100 us {{`, or give measured "
+            "times with --wcet-from"
+        )
 
 
 def time(nanoseconds: int) -> str:

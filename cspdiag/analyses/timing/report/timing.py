@@ -261,7 +261,8 @@ class _Analysis:
         places = frozenset(loop.owner.thread.places[wait].path for wait in loop.waits)
         outputs = ports.names(written)
         return LoopTiming(
-            loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period, loop.together.level,
+            loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period,
+            loop.together.level,
             loop.together.work, task.step, response.blocking, response.worst, response.start,
             outputs, ports.interval(written, loop.period, response.worst),
             tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
@@ -323,7 +324,8 @@ class _Analysis:
         final = together.work if loop.has_one_step else 0
         # Time that it lets pass is as good as work to itself, and leaves the processor to others.
         return Task(
-            loop.name, loop.period, together.work + loop.delayed, loop.period, together.level, step=min(together.step, together.work),
+            loop.name, loop.period, together.work + loop.delayed, loop.period, together.level,
+            step=min(together.step, together.work),
             final=final, suspensions=loop.delays,
         )  # fmt: skip
 

@@ -32,8 +32,10 @@ def told_of_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | Non
             return f"  {found.account} ({where}, W0707)\n  {found.help}"
     computes = ", or computes as long," if result.outcome.real_time else ""
     return (
-        f"  from its first read of an input on, {place.process} takes each sample before the next one comes; what waits a period or longer in between"
-        f"{computes} misses it\n  read in an alternative with the rest, or in a process of its own (cspdiag explain W0707)"
+        f"  from its first read of an input on, {place.process} takes each sample before the next one comes; what "
+        "waits a period or longer in between"
+        f"{computes} misses it\n  read in an alternative with the rest, or in a process of its own (cspdiag explain "
+        "W0707)"
     )
 
 

@@ -50,7 +50,10 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
     for item in found:
         wanted = types.type_name(item.type)
         header = source_paths(item.body)[1].rpartition("/")[2]
-        said = f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{wanted}`, as the port is ({item.where})"
+        said = (
+            f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{wanted}`, as the port is "
+            f"({item.where})"
+        )
         name = f"{item.struct}_{item.name}_must_be_as_its_port"
         given = (f"struct {item.struct}", item.name, wanted, name, quoted(said))
         rows += lines([run(call("CSP_REQUIRE_MEMBER", *given))])

@@ -13,13 +13,15 @@ from cspdiag.network.ir.actions import ReadValue, Step, StopStep, Target, WaitSt
 from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
 
 READS = {
-    "channel": "csp_channel_read", "any": "csp_any_read", "broadcast": "csp_broadcast_read", "buffer": "csp_buffer_read",
+    "channel": "csp_channel_read", "any": "csp_any_read", "broadcast": "csp_broadcast_read",
+    "buffer": "csp_buffer_read",
     "sampled": "csp_sampled_read", "event": "csp_event_read",
 }  # fmt: skip
 """What reads an end; not for those that are had at once."""
 
 WRITES = {
-    "channel": "csp_channel_write", "any": "csp_any_write", "broadcast": "csp_broadcast_write", "buffer": "csp_buffer_write",
+    "channel": "csp_channel_write", "any": "csp_any_write", "broadcast": "csp_broadcast_write",
+    "buffer": "csp_buffer_write",
     "latched": "csp_latched_write", "direct": "csp_direct_write",
 }  # fmt: skip
 

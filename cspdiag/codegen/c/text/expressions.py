@@ -77,8 +77,10 @@ _ARITHMETIC = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT}
 _OPPOSITES = {"==": "!=", "!=": "==", "<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 _CHECKED = {"+": "csp_add", "-": "csp_subtract", "*": "csp_multiply", "/": "csp_quotient", "%": "csp_remainder"}
 _REAL_FUNCTIONS = {
-    "abs": "fabs", "sqrt": "sqrt", "floor": "floor", "ceil": "ceil", "round": "round", "exp": "csp_exp", "log": "csp_log",
-    "sin": "csp_sin", "cos": "csp_cos", "tan": "csp_tan", "asin": "csp_asin", "acos": "csp_acos", "atan": "csp_atan", "atan2": "csp_atan2", "min": "csp_min", "max": "csp_max",
+    "abs": "fabs", "sqrt": "sqrt", "floor": "floor", "ceil": "ceil", "round": "round", "exp": "csp_exp",
+    "log": "csp_log",
+    "sin": "csp_sin", "cos": "csp_cos", "tan": "csp_tan", "asin": "csp_asin", "acos": "csp_acos", "atan": "csp_atan",
+    "atan2": "csp_atan2", "min": "csp_min", "max": "csp_max",
     "limit": "csp_limit", "sign": "csp_sign", "quantize": "csp_quantize", "deadzone": "csp_deadzone",
     "finite": "csp_real",
 }  # fmt: skip

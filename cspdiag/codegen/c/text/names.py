@@ -66,7 +66,8 @@ itself.
 """
 
 _TARGETS = _words(
-    "all clean depend edit_cache help install list_install_components package package_source preinstall rebuild_cache test zero_check"
+    "all clean depend edit_cache help install list_install_components package package_source preinstall rebuild_cache "
+    "test zero_check"
 )
 """Targets that CMake has itself."""
 
@@ -100,8 +101,10 @@ class Names:
 
 
 HEADERS = _words(
-    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef stdint stdio "
-    "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore strings termios unistd"
+    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
+    "stdbool stddef stdint stdio "
+    "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore "
+    "strings termios unistd"
 )
 """Headers of the language and of POSIX: the folder of the package is searched first, so that a header of ours would
 stand in for one of these.

@@ -64,7 +64,10 @@ class GuardNotRead(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.beside is not None:
-            return f"keep the latest value of `{self.beside}` in a variable (`{self.beside} ? x`), and connect the variable"
+            return (
+                f"keep the latest value of `{self.beside}` in a variable (`{self.beside} ? x`), and connect the "
+                "variable"
+            )
         return f"begin by reading `{self.port}`, or read it in the guard (`{self.port} ? x -> ...`)"
 
     @property
@@ -139,10 +142,16 @@ class TimeOutNeverElapses(Diagnostic):
     @property
     def message(self) -> str:
         if self.port is None and self.period:
-            return f"these {duration(self.waits)} never elapse: another time-out of this alternative is over after {duration(self.period)}"
+            return (
+                f"these {duration(self.waits)} never elapse: another time-out of this alternative is over after "
+                f"{duration(self.period)}"
+            )
         if self.port is None:
             return f"these {duration(self.waits)} never elapse: another branch is ready at once"
-        return f"these {duration(self.waits)} never elapse: a sample of `{self.port}` comes every {duration(self.period)}, and is read before"
+        return (
+            f"these {duration(self.waits)} never elapse: a sample of `{self.port}` comes every "
+            f"{duration(self.period)}, and is read before"
+        )
 
     @property
     def help(self) -> str | None:
@@ -169,10 +178,16 @@ class ReleaseNotToldApart(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.port}` comes when it becomes true and when it becomes false, and nobody looks at `{self.variable}` to tell the two apart"
+        return (
+            f"`{self.port}` comes when it becomes true and when it becomes false, and nobody looks at "
+            f"`{self.variable}` to tell the two apart"
+        )
 
     @property
     def help(self) -> str | None:
         if self.is_interrupt:
-            return f"go on after a release: `mu (... interrupt {self.port} ? {self.variable} -> skip) until {self.variable}`"
+            return (
+                f"go on after a release: `mu (... interrupt {self.port} ? {self.variable} -> skip) until "
+                f"{self.variable}`"
+            )
         return f"look at the value: `{self.port} ? {self.variable} -> if {self.variable} then ...`"

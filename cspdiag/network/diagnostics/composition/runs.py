@@ -36,7 +36,10 @@ class InstanceNeverRun(Diagnostic):
     @property
     def message(self) -> str:
         if self.is_named:
-            return f"`{self.instance}` never runs: no turn of the replicators in the composition of `{self.process}` runs it"
+            return (
+                f"`{self.instance}` never runs: no turn of the replicators in the composition of `{self.process}` runs "
+                "it"
+            )
         return f"`{self.instance}` never runs: the composition of `{self.process}` does not name it"
 
     @property

@@ -44,7 +44,10 @@ class PeriodsDisagree(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.net}` is sampled every {duration(self.one)} and connects a port sampled every {duration(self.other)}"
+        return (
+            f"`{self.net}` is sampled every {duration(self.one)} and connects a port sampled every "
+            f"{duration(self.other)}"
+        )
 
     @property
     def help(self) -> str | None:

@@ -43,7 +43,10 @@ class FasterLawWaits(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.is_writer:
-            return "let the channel keep the latest value: `overwrite 1` on this relationship, without waiting for the reader"
+            return (
+                "let the channel keep the latest value: `overwrite 1` on this relationship, without waiting for the "
+                "reader"
+            )
         return (
             f"connect a variable to `{self.port}`, and read the slow value into it when it comes: "
             f"`mu (channel ? variable -> skip []> {self.sampled} -> {self.law.rpartition('.')[2]})`"
@@ -90,7 +93,10 @@ class SamplesMissed(Diagnostic):
         if self.event is not None:
             return f"between two reads of {every}, this {self.meanwhile}: if that takes longer, samples are missed"
         if self.beside is not None:
-            return f"between two reads of {every}, this {self.meanwhile}: if that comes late in a period, samples are missed"
+            return (
+                f"between two reads of {every}, this {self.meanwhile}: if that comes late in a period, samples are "
+                "missed"
+            )
         taken = "one sample" if self.reads == 1 else f"{self.reads} samples"
         if not self.turns:
             if self.reads == 1:
@@ -126,7 +132,10 @@ class SamplesMissed(Diagnostic):
         if self.slower is not None:
             written = self.alternative
             remedy = "" if written is None else f", `mu ({written})`,"
-            return f"let an alternative read whichever comes{remedy} or a process of its own read the slower one in parallel"
+            return (
+                f"let an alternative read whichever comes{remedy} or a process of its own read the slower one in "
+                "parallel"
+            )
         own = f"put what reads `{self.port}` into a process of its own, which follows the samples only while it runs"
         if self.event is not None:
             written = self.alternative

@@ -17,7 +17,10 @@ def dump(system: System) -> str:
 
 def _lines(system: System) -> Iterator[str]:
     states = sum(len(component.edges) for component in system.components)
-    yield f"// {_counted(len(system.components), 'component')} with {_counted(states, 'state')}, {_counted(len(system.events), 'event')}"
+    yield (
+        f"// {_counted(len(system.components), 'component')} with {_counted(states, 'state')}, "
+        f"{_counted(len(system.events), 'event')}"
+    )
     for abstraction in system.abstractions:
         where = "" if abstraction.span is None else f" at {abstraction.span}"
         yield f"// left open: {abstraction.what}{where}"
@@ -38,7 +41,10 @@ def _component(component: Component, system: System) -> Iterator[str]:
         words = "" if place is None else f" // {place.words}{'' if place.span is None else f' at {place.span}'}"
         yield f"  state {state}{marks}{words}"
         for event, target in edges:
-            yield f"    {'internal' if event == INTERNAL else _event(system.events[event], component, system)} -> {target}"
+            yield (
+                f"    {'internal' if event == INTERNAL else _event(system.events[event], component, system)} -> "
+                f"{target}"
+            )
     yield "}"
 
 

@@ -184,7 +184,8 @@ def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float) -> dict
     for bar in bars:
         axes.add_patch(
             Rectangle(
-                (bar.start, row + _HIGH), bar.end - bar.start, _LOW - _HIGH, facecolor="none" if bar.thin else bar.color,
+                (bar.start, row + _HIGH), bar.end - bar.start, _LOW - _HIGH,
+                facecolor="none" if bar.thin else bar.color,
                 edgecolor=INK, linewidth=0.3 if bar.thin else 0.7,
             )
         )  # fmt: skip

@@ -62,7 +62,10 @@ process Worker {
   composition { mu (command ? todo ; n := 0 ; (mu (law ; n := n + 1) until n > 3) ; ready ! n) }
 }
 """
-SUPERVISED = "worker : Worker  p -> worker.x  channel go : double  channel done : double  go -> worker.command  worker.ready -> done  q -> _"
+SUPERVISED = (
+    "worker : Worker  p -> worker.x  channel go : double  channel done : double  go -> worker.command  worker.ready -> "
+    "done  q -> _"
+)
 
 
 def program(composition: str, parts: str = "", processes: str = "") -> str:
@@ -180,7 +183,10 @@ def test_a_pair_that_spins_above_a_loop() -> None:
     )
 
 
-COUNTS = "var i : int = 0  var j : int = 5  var on : bool = true  var few : int = 12  var row : int[4] = [3, 1, 2, 0]  var short : time = 1 ms  var some : time = 0 ms"
+COUNTS = (
+    "var i : int = 0  var j : int = 5  var on : bool = true  var few : int = 12  var row : int[4] = [3, 1, 2, 0]  var "
+    "short : time = 1 ms  var some : time = 0 ms"
+)
 ENDLESS = {
     "before the loop": "(mu (i := 1 - i) until i > 3) ; mu a",
     "beside the loop": "(mu (i := 1 - i) until i > 3) || mu a",
@@ -330,7 +336,10 @@ def test_what_takes_every_sample_is_proved(composition: str) -> None:
 
 def test_a_process_that_has_ended_follows_nothing() -> None:
     """What comes after it may take any time, and it waits for the next sample when it begins anew."""
-    rounds = "process Rounds { in x : double communication { law : Law  var n : double = 0  x -> law.x  law.y -> _ } composition { n := 0 ; mu (law ; n := n + 1) until n > 3 } }"
+    rounds = (
+        "process Rounds { in x : double communication { law : Law  var n : double = 0  x -> law.x  law.y -> _ } "
+        "composition { n := 0 ; mu (law ; n := n + 1) until n > 3 } }"
+    )
     text = program("mu (rounds ; wait 1 s ; e ? v)", "rounds : Rounds  p -> rounds.x", rounds)
     assert report_of(text).is_schedulable is True
     assert not missed(network_of(text), 1, until=5_000_000_000)
@@ -348,7 +357,8 @@ def test_what_a_hand_written_process_reads_cannot_be_seen() -> None:
 
 def test_communications_that_begin_ever_more_of_each_other_are_not_counted_for_ever() -> None:
     text = program(
-        "mu (a ; s ! n ; s ! n) || mu (s ? v -> (t ! v ; t ! v) [] q -> b) || mu (t ? w -> (s ! w ; s ! w) [] e ? k -> skip)",
+        "mu (a ; s ! n ; s ! n) || mu (s ? v -> (t ! v ; t ! v) [] q -> b) || mu (t ? w -> (s ! w ; s ! w) [] e ? k -> "
+        "skip)",
         "channel s : double any  channel t : double",
     ).replace("e    : double", "e    : int").replace("out p, q, e : double", "out p, q : double  out e : int").replace("double(n - n % 8)", "n - n % 8")  # fmt: skip
     report = report_of(text)

@@ -130,13 +130,19 @@ class Shapes:
             case 3:
                 return f"({self._work(unit, period, below)} || {self._work(unit, period, below)})"
             case 4:
-                return f"(if {self._condition(unit)} then {self._work(unit, period, below)} else {self._work(unit, period, below)})"
+                return (
+                    f"(if {self._condition(unit)} then {self._work(unit, period, below)} else "
+                    f"{self._work(unit, period, below)})"
+                )
             case 5:
                 return f"wait {self.length(unit, LENGTHS[:3])}"
             case 6:
                 return self._sampled(unit, period)
             case 7:
-                return f"(({self._work(unit, period, below)} ; (if {self._condition(unit)} then raise Oops)) catch Oops -> {self._work(unit, period, below)})"
+                return (
+                    f"(({self._work(unit, period, below)} ; (if {self._condition(unit)} then raise Oops)) catch Oops "
+                    f"-> {self._work(unit, period, below)})"
+                )
             case 8 if self.channels_of(unit):
                 return self.channels_of(unit)
             case 9:
@@ -204,19 +210,28 @@ class Shapes:
             case 2:
                 return f"(seq i < {self.source.randint(2, 4)} : {self._sampled(unit, period)})"
             case 3:
-                return f"((mu {self._round(unit, period, below)}) interrupt {self._guard(unit, period)} -> {self._work(unit, period, below)})"
+                return (
+                    f"((mu {self._round(unit, period, below)}) interrupt {self._guard(unit, period)} -> "
+                    f"{self._work(unit, period, below)})"
+                )
             case 4:
                 return f"(mu {self._round(unit, period, below)} until {self._condition(unit)})"
             case 5:
                 return self._sampled(unit, self.source.choice([1, 2, 4, 5, 10]))
             case 6:
-                return f"({self._work(unit, period, below)} || (mu {self._round(unit, period, below)} until {self._condition(unit)}))"
+                return (
+                    f"({self._work(unit, period, below)} || (mu {self._round(unit, period, below)} until "
+                    f"{self._condition(unit)}))"
+                )
             case 7:
                 return f"({self._guard(unit, period)} -> {self._work(unit, period, below)})"
             case 8 if self.channels_of(unit):
                 return f"(mu {self.channels_of(unit)} until {self._condition(unit)})"
             case _:
-                return f"(when {self._condition(unit)} & {self._guard(unit, period)} -> skip {self._or()} {self._guard(unit, period)} -> skip)"
+                return (
+                    f"(when {self._condition(unit)} & {self._guard(unit, period)} -> skip {self._or()} "
+                    f"{self._guard(unit, period)} -> skip)"
+                )
 
     def _or(self) -> str:
         return self.source.choice(["[]", "[]>"])
@@ -394,7 +409,10 @@ class Shapes:
             runs = [runs[0], f"({tail})"]
         main.text = self.source.choice([" || ", " ||> "]).join(runs)
         if count > 1 and self.source.random() < 0.05:
-            main.text = f"({main.text}) interrupt {self._port(main, None)} ? {self._variable(main)} -> (mu {self._round(main, 2, 0)})"
+            main.text = (
+                f"({main.text}) interrupt {self._port(main, None)} ? {self._variable(main)} -> (mu "
+                f"{self._round(main, 2, 0)})"
+            )
         if not main.inputs:
             main.text = f"({main.text}) || (mu {self._sampled(main, 2)})"
         return self._written(main)
@@ -416,5 +434,6 @@ class Shapes:
             f"exception Oops\n{body}\nprocess Main {{\n  {'  '.join(ports)}\n  communication {{\n    {lines}\n  }}\n"
             f"  composition {{ {main.text} }}\n}}\n"
             f"submodel Source {{ out {', '.join(main.inputs)} : double\n{chr(10).join(sources)} }}\n"
-            f"environment Bench for Main step {self.source.choice(['1 ms', '1 ms', '500 us', '2 ms'])} {{ source : Source {'  '.join(wires)} }}\n"
+            f"environment Bench for Main step {self.source.choice(['1 ms', '1 ms', '500 us', '2 ms'])} {{ source : "
+            f"Source {'  '.join(wires)} }}\n"
         )

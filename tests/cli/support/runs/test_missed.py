@@ -61,7 +61,8 @@ def test_what_the_reader_did_is_said(
     assert told(PROGRAM, tmp_path, capsys, *options) == [
         "  missed samples: Main.a 1",
         "  between two reads of `a` it waits 2 ms (main.csp:6, W0707)",
-        "  count samples of `a` instead, wait in a process in parallel, or put what reads `a` into a process of its own, "
+        "  count samples of `a` instead, wait in a process in parallel, or put what reads `a` into a process of its "
+        "own, "
         "which follows the samples only while it runs",
     ]
 
