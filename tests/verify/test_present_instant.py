@@ -1,0 +1,43 @@
+"""Proofs follow no instants: what depends on ``now`` may hold or not, and a refutation is a run of the program."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.support.verifying import answer_to
+
+PROGRAM = """process Main {{
+  in x : double @ 10 ms
+
+  communication {{
+    var v : double = 0
+    var n : int    = 0
+  }}
+
+  composition {{
+    {composition}
+  }}
+}}
+
+assert Main {claim}
+"""
+
+NEVER_STOPS = "wait 5 ms ; (if now < 5 ms then stop)"
+STOPS = "wait 5 ms ; (if now >= 5 ms then stop)"
+
+
+@pytest.mark.parametrize(
+    ("composition", "claim", "allowed"),
+    [
+        (NEVER_STOPS, "deadlock free", {"proved", "unknown"}),
+        (NEVER_STOPS, "terminates", {"proved", "unknown"}),
+        (STOPS, "deadlock free", {"refuted", "unknown"}),
+        (STOPS, "terminates", {"refuted", "unknown"}),
+        ("mu (wait 5 ms - now ; n := 1)", "livelock free", {"refuted", "unknown"}),
+        ("mu (wait 5 ms ; n := 1) until now >= 15 ms", "livelock free", {"proved", "unknown"}),
+        ("mu (wait 5 ms ; n := 1) until now >= 15 ms", "terminates", {"proved", "unknown"}),
+        ("mu (x ? v ; wait 100 ms - now)", "schedulable", {"refuted", "unknown"}),
+    ],
+)
+def test_no_answer_about_the_present_instant_is_wrong(composition: str, claim: str, allowed: set[str]) -> None:
+    assert answer_to(PROGRAM.format(composition=composition, claim=claim)).outcome in allowed
