@@ -24,7 +24,9 @@ OURS = ("-O0", "-O1", "C", "cspdiag")
 
 @dataclass(frozen=True)
 class Benchmark:
-    """``less`` tells whether a smaller figure is the better one; ``contestants`` are commands by the name people know."""
+    """``less`` tells whether a smaller figure is the better one; ``contestants`` are commands by the name
+    people know.
+    """
 
     name: str
     about: str
@@ -82,7 +84,9 @@ BENCHMARKS = (
         "at most 1000 ms",
     ),
     Benchmark("prove-philosophers-10000", "the same for 10 000 philosophers", "ms", _PROVE, "at most 10 000 ms"),
-    Benchmark("prove-scheduler-1000", "the same for Milner's scheduler with 1000 cells", "ms", _PROVE, "at most 1000 ms"),
+    Benchmark(
+        "prove-scheduler-1000", "the same for Milner's scheduler with 1000 cells", "ms", _PROVE, "at most 1000 ms",
+    ),
     Benchmark("prove-scheduler-10000", "the same with 10 000 cells", "ms", _PROVE, "at most 10 000 ms"),
     Benchmark(
         "prove-controller-4", "the same for a controller of 4 joints (SPIN: no answer in 200 s)", "ms", _PROVE,
@@ -93,7 +97,9 @@ BENCHMARKS = (
     ),
     Benchmark("prove-butler-60", "the same for 60 of them", "ms", _PROVE, "at most 10 000 ms"),
     Benchmark("respond-100", "response times of 100 tasks, a level of priority each", "ms", _RESPOND, "at most 50 ms"),
-    Benchmark("respond-levels-100", "the same with five levels, first come, first served", "ms", _RESPOND, "at most 50 ms"),
+    Benchmark(
+        "respond-levels-100", "the same with five levels, first come, first served", "ms", _RESPOND, "at most 50 ms",
+    ),
     Benchmark(
         "search-states-8", "states a second of the processor, breadth-first, 8 philosophers", "/s",
         {"cspdiag": "searching", "SPIN": "peer_spin", "SPIN, our export": "peer_spin exported"},

@@ -47,7 +47,9 @@ class ProgramError(CspdiagError):
 
 
 def load(path: str | os.PathLike[str]) -> LoadedProgram:
-    """The program in a file; ``-`` is standard input. Raises FileError for a file that cannot be read or is not text."""
+    """The program in a file; ``-`` is standard input. Raises FileError for a file that cannot be read or is
+    not text.
+    """
     with file_errors():
         return LoadedProgram(read_source(os.fsdecode(path)))
 

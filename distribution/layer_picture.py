@@ -92,7 +92,9 @@ def _is_layer(module: str) -> bool:
 
 
 def _forbidden(contracts: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
-    """The pairs of whole layers of which the first must not import the second; rules about parts of one are left out."""
+    """The pairs of whole layers of which the first must not import the second; rules about parts of one are
+    left out.
+    """
     for contract in contracts:
         match contract["type"]:
             case "forbidden":

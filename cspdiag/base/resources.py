@@ -61,7 +61,9 @@ def benchmark_folder() -> Path:
 
 
 def library_source(name: str) -> str | None:
-    """The text of a bundled library by the name that ``import`` gives it (``std.control``), or None if there is none."""
+    """The text of a bundled library by the name that ``import`` gives it (``std.control``), or None if there
+    is none.
+    """
     parts = name.split(".")
     if len(parts) < 2 or parts[0] != "std" or not all(part.isidentifier() for part in parts):
         return None

@@ -62,7 +62,9 @@ class Verb(Protocol):
 
 
 class _StoreOnce(Action):
-    """Stores the value of an option; a second one that differs is refused, as one of them would be lost without a word."""
+    """Stores the value of an option; a second one that differs is refused, as one of them would be lost without
+    a word.
+    """
 
     _first: object = None
 

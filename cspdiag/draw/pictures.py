@@ -148,7 +148,9 @@ class Pictures:
 
 
 def places_of(diagram: CommunicationDiagram, prefix: str = "") -> dict[str, tuple[Span, ...]]:
-    """The places in the text of all elements of a diagram and of what it shows inside, under the names that marks have."""
+    """The places in the text of all elements of a diagram and of what it shows inside, under the names that
+    marks have.
+    """
     places: dict[str, tuple[Span, ...]] = {}
     for element in diagram.elements():
         places[f"{prefix}{element.key}"] = element.spans

@@ -42,7 +42,9 @@ def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
 
 
 def conversion(found: Type, wanted: Type, span: Span) -> tuple[Edit, ...]:
-    """What ``conversion_help`` says as a change of the text, where it keeps the value as well as the wanted type can."""
+    """What ``conversion_help`` says as a change of the text, where it keeps the value as well as the wanted
+    type can.
+    """
     text = span.text
     if "\n" in text:
         return ()

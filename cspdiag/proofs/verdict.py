@@ -14,7 +14,9 @@ Method: TypeAlias = Literal["rules", "sat", "invariants", "stubborn", "minimizat
 
 @record
 class Move:
-    """One step of a trace: the event (an index, or INTERNAL) and the state that each component that takes part goes to."""
+    """One step of a trace: the event (an index, or INTERNAL) and the state that each component that takes part
+    goes to.
+    """
 
     event: int
     moves: tuple[tuple[int, int], ...]

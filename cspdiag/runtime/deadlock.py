@@ -98,7 +98,9 @@ def _path(task: Task) -> str:
 def report_deadlock(
     root: Task, now: int, stuck: Container[Task] | None = None, called: Callable[[Task], str] = _path
 ) -> DeadlockReport:
-    """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``; ``called`` names tasks."""
+    """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``; ``called``
+    names tasks.
+    """
     tasks = list(_leaves(root))
     waits = [task.waits() for task in tasks]
     users: defaultdict[int, list[int]] = defaultdict(list)

@@ -295,9 +295,8 @@ class _Run:
         except (HandlerFailed, KeyboardInterrupt):
             return self._release()  # A handler was faster; from now on none is called.
         if os.getpid() != self._process:
-            os._exit(
-                1
-            )  # A child that a library has forked behind Python's back, and that comes back: outputs are none of its business.
+            # A child that a library has forked behind Python's back comes back: outputs are none of its business.
+            os._exit(1)
         self._devices.watch.limits_steps = False
         scheduler.observe = None
         scheduler.watcher = None

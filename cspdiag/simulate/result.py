@@ -30,7 +30,9 @@ class UnknownSignalError(CspdiagError, KeyError):
 
 
 class RunError(CspdiagError):
-    """A run ended unsuccessfully: with an exception of the program, which is the cause of this one, or in a deadlock."""
+    """A run ended unsuccessfully: with an exception of the program, which is the cause of this one, or in
+    a deadlock.
+    """
 
 
 class Run(RunData):

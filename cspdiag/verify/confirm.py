@@ -217,7 +217,9 @@ class Verifier:
             return answer
 
     def _generated(self, process: str, network: Network) -> dict[str, str]:
-        """The package of a process, which all its counterexamples are tried on. Raises as ``pipeline.generate`` does."""
+        """The package of a process, which all its counterexamples are tried on. Raises as
+        ``pipeline.generate`` does.
+        """
         if process not in self._files:
             self._files[process] = pipeline.generate(network, self._read, level=0)
         return self._files[process]

@@ -1,4 +1,6 @@
-"""Standard streams that are closed or full: what is printed there is needed or not, and is never lost without a word."""
+"""Standard streams that are closed or full: what is printed there is needed or not, and is never lost without
+a word.
+"""
 
 from __future__ import annotations
 

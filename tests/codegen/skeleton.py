@@ -36,7 +36,9 @@ _C_TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|[A-Za-z_]\w*|[\w.
 
 
 def _c(text: str) -> list[str]:
-    """The tokens; what a trigraph or a continued line would hide is seen, as both are undone first, as a compiler does."""
+    """The tokens; what a trigraph or a continued line would hide is seen, as both are undone first, as a
+    compiler does.
+    """
     for written, meant in {"??/": "\\", "??'": "^", "??(": "[", "??)": "]", "??!": "|", "??<": "{", "??>": "}"}.items():
         text = text.replace(written, meant)
     tokens = _C_TOKEN.findall(text.replace("\\\n", ""))

@@ -1,4 +1,6 @@
-"""``docs/targets.md`` says what there is: every action, event, medium, pass and member; and its miniature is certified."""
+"""``docs/targets.md`` says what there is: every action, event, medium, pass and member; and its miniature
+is certified.
+"""
 
 from __future__ import annotations
 

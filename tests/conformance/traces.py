@@ -13,7 +13,9 @@ from cspdiag.semantics.trace import Communication
 
 @dataclasses.dataclass
 class Difference:
-    """The first communication of ``channel`` (``external ports`` for all of them together) on which two traces differ."""
+    """The first communication of ``channel`` (``external ports`` for all of them together) on which two
+    traces differ.
+    """
 
     channel: str
     position: int

@@ -1,4 +1,6 @@
-"""What a release is made from agrees: the version, the changelog, the page about it, continuous integration, the forms."""
+"""What a release is made from agrees: the version, the changelog, the page about it, continuous integration,
+the forms.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The one run of a program in the environment that is printed with it: the trace that every implementation must give."""
+"""The one run of a program in the environment that is printed with it: the trace that every implementation
+must give.
+"""
 
 from __future__ import annotations
 

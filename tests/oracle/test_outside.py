@@ -70,7 +70,9 @@ def test_an_event_may_come_while_a_process_runs() -> None:
 
 
 def test_parts_in_sequence_share_the_books_of_an_input() -> None:
-    """`wait 12 ms || x ? v`, and then `x ? w`: the second read finds the sample of 10 ms taken and waits for the next."""
+    """`wait 12 ms || x ? v`, and then `x ? w`: the second read finds the sample of 10 ms taken and waits for
+    the next.
+    """
     body = Seq((Par((Wait(12 * MS), read("x", "v"))), read("x", "w"), write("o", 1)))
     assert page_run(made(body, X), 100 * MS).trace == [(10 * MS, "x", 0), (20 * MS, "x", 0), (20 * MS, "o", 1)]
 

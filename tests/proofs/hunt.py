@@ -31,7 +31,9 @@ Condition: TypeAlias = Callable[[System, naive.State], bool]
 
 @dataclass(frozen=True)
 class Question:
-    """A property, the states that refute it, and who answers. ``exact`` engines may not answer that they do not know."""
+    """A property, the states that refute it, and who answers. ``exact`` engines may not answer that they do
+    not know.
+    """
 
     name: str
     refuted_by: Condition

@@ -1,4 +1,6 @@
-"""Faults of what guards need when their alternative begins: guard by guard in the order of the text, on every target."""
+"""Faults of what guards need when their alternative begins: guard by guard in the order of the text, on
+every target.
+"""
 
 from __future__ import annotations
 

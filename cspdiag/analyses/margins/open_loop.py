@@ -54,7 +54,9 @@ class OpenLoop:
 
 
 def kept_states(loop: OpenLoop) -> list[int]:
-    """Indexes of the states that the cut moves and that move the cut: other joints, references and counters fall away."""
+    """Indexes of the states that the cut moves and that move the cut: other joints, references and counters
+    fall away.
+    """
     import numpy
 
     reached = _closure(abs(loop.a) > 0, abs(loop.b[:, 0]) > 0)

@@ -126,7 +126,9 @@ def largest_period(variant: Variant, constants: Mapping[str, int], wanted: Wante
 
 
 def _bounds(excess: Callable[[int], float], present: int) -> tuple[int, int] | None:
-    """A period that keeps the margin and a longer one that does not; twice the same where none was found that does not."""
+    """A period that keeps the margin and a longer one that does not; twice the same where none was found that
+    does not.
+    """
     if excess(present) >= 0:
         kept = present
         for longer in (present * 2**k for k in range(1, DOUBLINGS + 1)):

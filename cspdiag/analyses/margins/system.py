@@ -277,7 +277,9 @@ class _Follower:
         )
 
     def _grid(self) -> set[int]:
-        """The instants at which discrete parts of the environment step; a plant without any is the same on every grid."""
+        """The instants at which discrete parts of the environment step; a plant without any is the same on
+        every grid.
+        """
         if not self.loops.plant.discrete:
             return {0}
         return set(range(0, self.period, self.loops.environment.step))

@@ -133,7 +133,9 @@ class _Line:
 
 
 def _underlines(line: _Line, paint: Paint) -> list[str]:
-    """The rows below a line: strokes with the last mark's words after them, then the other words, each hung on a bar."""
+    """The rows below a line: strokes with the last mark's words after them, then the other words, each hung on
+    a bar.
+    """
     rows = line.rows
     cells: list[tuple[str, Role]] = [(" ", "plain")] * max(row.end for row in rows)
     for row in sorted(rows, key=lambda row: row.mark.primary):

@@ -20,7 +20,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Run the program that the folder of the benchmarks is; it ends the process by itself where it refuses something."""
+    """Run the program that the folder of the benchmarks is; it ends the process by itself where it
+    refuses something.
+    """
     from runpy import run_path
 
     require_file("--json", arguments.json)

@@ -7,7 +7,9 @@ from collections.abc import Hashable, Mapping
 
 
 class Arrays:
-    """Names in groups (of channels, of instances); an array has all elements from 0 in one group, and all of one kind."""
+    """Names in groups (of channels, of instances); an array has all elements from 0 in one group, and all of
+    one kind.
+    """
 
     def __init__(self, *groups: Mapping[str, Hashable]) -> None:
         self._places: dict[str, tuple[str, int]] = {}
@@ -47,7 +49,9 @@ class Arrays:
 
 
 def indexed(name: str) -> tuple[str, int] | None:
-    """``cell[3]`` and ``cell[3].out`` as (``cell``, 3) and (``cell.out``, 3); None unless there is exactly one index."""
+    """``cell[3]`` and ``cell[3].out`` as (``cell``, 3) and (``cell.out``, 3); None unless there is exactly
+    one index.
+    """
     found = re.findall(r"\[(\d+)\]", name)
     if len(found) != 1:
         return None

@@ -4,4 +4,6 @@ from cspdiag.base.errors import CspdiagError
 
 
 class TargetError(CspdiagError, ValueError):
-    """A program that is correct but cannot be made into the target's language; the message is for people, with places."""
+    """A program that is correct but cannot be made into the target's language; the message is for people,
+    with places.
+    """

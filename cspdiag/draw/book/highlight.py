@@ -16,7 +16,9 @@ _KINDS = {"QUANTITY": "number", "DURATION": "number", "NUMBER": "number", "STRIN
 
 @record
 class Piece:
-    """A piece of a line; ``kind`` is ``keyword``, ``type``, ``number``, ``string``, ``comment``, ``doc``, or nothing."""
+    """A piece of a line; ``kind`` is ``keyword``, ``type``, ``number``, ``string``, ``comment``, ``doc``,
+    or nothing.
+    """
 
     text: str
     kind: str = ""

@@ -275,7 +275,9 @@ class _Level:
         return Caption((tuple(runs),), LABEL_SIZE)
 
     def _arrow_caption(self, arrow: Arrow) -> Caption:
-        """``leftmax: double<rad> broadcast``; the type of an arrow without a label is that of the port where it begins."""
+        """``leftmax: double<rad> broadcast``; the type of an arrow without a label is that of the port where
+        it begins.
+        """
         words: list[TextRun] = []
         if arrow.by_composition:
             return Caption((), LABEL_SIZE)

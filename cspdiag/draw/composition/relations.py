@@ -165,7 +165,9 @@ def _return(parts: Sequence[_Placed], part: _Placed, top: float) -> tuple[Point,
 
 
 def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> Block:
-    """Blocks below each other, joined by a line that carries the sign of the operator; in columns where they are many."""
+    """Blocks below each other, joined by a line that carries the sign of the operator; in columns where they
+    are many.
+    """
     if all(block.is_group and block.height > _TALLEST / 2 for block in blocks):
         return _horizontal(blocks, operator, prioritized)
     spine = min(block.spine for block in blocks)

@@ -99,7 +99,9 @@ class Boxes:
         self._put(Box(key=reference.name.text, spans=(reference.span,), kind="unknown", definition="?"))
 
     def end(self, key: str, index: str, member: ast.Identifier, member_index: str, direction: Direction) -> End:
-        """An end at a port of a box: ``[i + 1].input``; ``direction`` is that of the port where its definition does not say."""
+        """An end at a port of a box: ``[i + 1].input``; ``direction`` is that of the port where its definition does not
+        say.
+        """
         port = f"{f'{index}.' if index else ''}{member.text}{member_index}"
         ports = self._ports[key]
         if port not in ports:

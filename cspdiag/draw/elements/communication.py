@@ -188,7 +188,9 @@ class _Extraction:
         return self.facts.channel(self.definition, item)
 
     def _end(self, reference: ast.Reference, direction: Direction) -> End:
-        """The element that a reference names, and its port; one that is not declared becomes a box that nobody knows."""
+        """The element that a reference names, and its port; one that is not declared becomes a box that
+        nobody knows.
+        """
         name = reference.name.text
         if self.outside and reference.member is None:
             return self.boxes.end(self.outside, "", reference.name, texts.indexes(reference.indexes), direction)
@@ -245,7 +247,9 @@ class _Extraction:
             self._arrow(replaced(arrow, kinds=flow))
 
     def _kinds(self, key: str) -> tuple[FlowKind, ...]:
-        """What a communication of the process itself passes through, seen from the port or channel at one of its ends."""
+        """What a communication of the process itself passes through, seen from the port or channel at one of
+        its ends.
+        """
         match self.vertices.get(key):
             case ParentPort(kinds=kinds) | Store(form="channel", kinds=kinds):
                 return kinds

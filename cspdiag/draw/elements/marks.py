@@ -13,7 +13,9 @@ MarkKind: TypeAlias = Literal["error", "warning", "added", "removed", "changed",
 
 @record
 class Mark:
-    """How an element is set off; ``numbers`` are those of the messages below the picture, ``note`` is for the tooltip."""
+    """How an element is set off; ``numbers`` are those of the messages below the picture, ``note`` is for
+    the tooltip.
+    """
 
     kind: MarkKind
     numbers: tuple[int, ...] = ()

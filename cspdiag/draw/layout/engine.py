@@ -49,7 +49,8 @@ let asked = false;
 worker.onmessage = (message) => {
   if (!asked) {
     asked = true;
-    worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(require("fs").readFileSync(0, "utf8")), layoutOptions: {}, options: {} });
+    const graph = JSON.parse(require("fs").readFileSync(0, "utf8"));
+    worker.postMessage({ id: 1, cmd: "layout", graph, layoutOptions: {}, options: {} });
   } else {
     const error = message.data.error;
     process.stdout.write(JSON.stringify(error ? { error: String(error.message || error) } : message.data));

@@ -143,7 +143,9 @@ class Section:
 
 @record
 class Route:
-    """Where an edge runs. Sections from one port may share their first part; ``junctions`` are where they fork or join."""
+    """Where an edge runs. Sections from one port may share their first part; ``junctions`` are where they fork
+    or join.
+    """
 
     sections: tuple[Section, ...]
     junctions: tuple[Point, ...] = ()

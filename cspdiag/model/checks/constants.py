@@ -39,7 +39,9 @@ def check_constants(program: Program, report: Report) -> None:
 
 
 def _warn_of_faults(program: Program, report: Report) -> None:
-    """Warn of compositions and equations whose constants fault. What stands behind a condition may never be computed."""
+    """Warn of compositions and equations whose constants fault. What stands behind a condition may never
+    be computed.
+    """
     found = Report()
     for tree in program.trees:
         for part in walk(tree):

@@ -204,7 +204,9 @@ def can_retype(found: Type, wanted: Type) -> bool:
 
 
 def retype(context: Context, expression: ast.Expression, wanted: Type) -> None:
-    """Give an expression of numbers in the text the number type of ``wanted``, all parts of it; units stay as written."""
+    """Give an expression of numbers in the text the number type of ``wanted``, all parts of it; units stay
+    as written.
+    """
     types = context.program.types
     pending: list[ast.Expression] = [expression]
     while pending:

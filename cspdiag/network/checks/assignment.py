@@ -123,7 +123,9 @@ class _Process:
                 yield outer
 
     def _attached(self, instance: InstanceShape, direction: Direction) -> Iterator[tuple[Key, Key]]:
-        """The ports of an instance in one direction, with the port or channel of the process that each is attached to."""
+        """The ports of an instance in one direction, with the port or channel of the process that each is
+        attached to.
+        """
         shape = instance.shape
         ports = self._ports.get((shape, direction))
         if ports is None:

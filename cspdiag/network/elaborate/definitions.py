@@ -1,4 +1,6 @@
-"""The graph of definitions: who instantiates whom, in which order to go, and which parameters give a definition its shape."""
+"""The graph of definitions: who instantiates whom, in which order to go, and which parameters give a definition its
+shape.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,8 @@ class Definitions:
         return [d for d in self.processes if d not in inner and d not in self.recursive]
 
     def outermost(self) -> ast.ProcessDefinition | None:
-        """The process of a program without an environment: the last of the main file that nobody instantiates and that no assertion names as a specification.
+        """The process of a program without an environment: the last of the main file that nobody instantiates and that
+        no assertion names as a specification.
 
         Where that leaves none in the main file, a specification serves too, and then a process of an imported file.
         """

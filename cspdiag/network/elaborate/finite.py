@@ -1,7 +1,7 @@
 """Where real values are tested: what is stored or written is a number, and what would be infinite or none is a fault.
 
-Within an expression, and from one equation of a law to the next, sums, products and quotients go on with infinities and NaNs as IEEE 754 has them. Functions
-outside their domain fault where they stand; a division by zero does so by itself.
+Within an expression, and from one equation of a law to the next, sums, products and quotients go on with infinities and
+NaNs as IEEE 754 has them. Functions outside their domain fault where they stand; a division by zero does so by itself.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def assured_law(
 ) -> tuple[tuple[SubmodelEquation | ExternalCall, ...], dict[str, Expression]]:
     """The equations of a law, in the order of their evaluation, and the next values of its states, with tests.
 
-    Its outputs, states, and what it hands to bodies in other languages are tested, its local values only with those. ``unsure`` are signals from
-    elsewhere that may be infinite or no number.
+    Its outputs, states, and what it hands to bodies in other languages are tested, its local values only with those.
+    ``unsure`` are signals from elsewhere that may be infinite or no number.
     """
     results = frozenset(outputs)
     untested: set[str] = set(unsure)

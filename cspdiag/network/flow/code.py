@@ -206,7 +206,9 @@ Instruction: TypeAlias = (
 
 @node
 class Code:
-    """The instructions of a process, the first one its entry and the last one its ``End``, with their edges as indexes."""
+    """The instructions of a process, the first one its entry and the last one its ``End``, with their edges
+    as indexes.
+    """
 
     instructions: list[Instruction]
     before: list[tuple[int, ...]]

@@ -1,4 +1,6 @@
-"""The kind of every channel, inferred from the relations of its users (language reference, the communication diagram)."""
+"""The kind of every channel, inferred from the relations of its users (language reference, the
+communication diagram).
+"""
 
 from __future__ import annotations
 

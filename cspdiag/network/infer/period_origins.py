@@ -84,7 +84,9 @@ class PeriodOrigins:
             self._given.setdefault(shape, {})[origin] = refused
 
     def _origin(self, shape: Shape | None, expression: ast.Expression) -> ast.Parameter | tuple[Span, bool]:
-        """The parameter that an expression has its value from, or a place, and whether the value there is from outside."""
+        """The parameter that an expression has its value from, or a place, and whether the value there is
+        from outside.
+        """
         while (name := self._refused_name(shape, expression)) is not None:
             symbol = self.program.bindings.get(name)
             if isinstance(symbol, ast.Parameter):

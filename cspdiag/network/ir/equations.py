@@ -28,7 +28,9 @@ class SubmodelEquation(Declared):
 
 @record(kw_only=True)
 class ExternalCall(Declared):
-    """A nested external submodel (its instance is ``name``): all ``outputs`` are had by one call with all ``inputs``."""
+    """A nested external submodel (its instance is ``name``): all ``outputs`` are had by one call with
+    all ``inputs``.
+    """
 
     external: ExternalBody
     definition: str

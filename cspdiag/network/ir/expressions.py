@@ -1,6 +1,7 @@
 """Expressions of the network representation: typed, resolved, without units.
 
-Values: bool, int (also a ``time`` in nanoseconds and an enum literal by index), float, and tuples for structs and arrays.
+Values: bool, int (also a ``time`` in nanoseconds and an enum literal by index), float, and tuples for structs and
+arrays.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ class LiteralValue(Typed):
 class ParameterValue(Typed):
     """A parameter of the enclosing class (``sample`` and discretized coefficients included).
 
-    ``range``: the least and the greatest value that any instance gives a whole number or a ``time``, once all are known.
+    ``range``: the least and the greatest value that any instance gives a whole number or a ``time``, once all are
+    known.
     """
 
     name: str
@@ -97,8 +99,9 @@ Function: TypeAlias = Literal[
     "abs", "min", "max", "limit", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos",
     "atan", "atan2", "floor", "ceil", "round", "quantize", "deadzone", "seconds", "finite",
 ]  # fmt: skip
-"""``seconds`` makes a double of a ``time``, ``finite`` gives a real that is neither infinite nor no number, or else a fault; the others are those of
-the language."""
+"""``seconds`` makes a double of a ``time``, ``finite`` gives a real that is neither infinite nor no number, or else a
+fault; the others are those of the language.
+"""
 
 
 @record(kw_only=True)

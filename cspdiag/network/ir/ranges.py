@@ -1,4 +1,6 @@
-"""Between which bounds the whole numbers and the times of expressions lie, by the arithmetic of intervals: which of them may leave the range of their type."""
+"""Between which bounds the whole numbers and the times of expressions lie, by the arithmetic of intervals: which of
+them may leave the range of their type.
+"""
 
 from __future__ import annotations
 
@@ -52,10 +54,11 @@ def of_instances(name: ParameterValue | VariableValue) -> Range | None:
 
 
 def needs_check(expression: Expression) -> bool:
-    """Whether a whole-number operation may overflow: only one whose operands have ranges that exclude it needs no check.
+    """Whether a whole-number operation may overflow: only one whose operands have ranges that exclude it needs no
+    check.
 
-    That an operation is over parameters and indices alone does not say that it stays in range. What is known before the run is a fault
-    of the run, where it stands and if it is reached.
+    That an operation is over parameters and indices alone does not say that it stays in range. What is known before the
+    run is a fault of the run, where it stands and if it is reached.
     """
     low, high = _result(expression)
     bounds = limits_of(expression.type)
@@ -158,7 +161,9 @@ def _operation(operator: BinaryOperator, left: Range, right: Range, bounds: Rang
 
 
 def _quotient(left: Range, right: Range) -> Range:
-    """Truncated toward zero; by zero it is a fault. On each side of zero, the least and the greatest are by one of the bounds."""
+    """Truncated toward zero; by zero it is a fault. On each side of zero, the least and the greatest are by one of the
+    bounds.
+    """
     divisors = [
         (low, high) for low, high in ((right[0], min(right[1], -1)), (max(right[0], 1), right[1])) if low <= high
     ]

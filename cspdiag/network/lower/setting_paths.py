@@ -100,7 +100,9 @@ def parameter_at(program: Program, root: Root, steps: tuple[Step, ...]) -> ast.P
 
 
 def _other_kind(program: Program, definition: ast.Node, steps: tuple[Step, ...]) -> str:
-    """That a path ends at something which is no parameter, and what can be set there; empty where it is nothing known."""
+    """That a path ends at something which is no parameter, and what can be set there; empty where it is
+    nothing known.
+    """
     scope = program.scopes.get(definition)
     named = None if scope is None else scope.ports.get(steps[-1].name) or scope.names.get(steps[-1].name)
     if named is None:
@@ -159,7 +161,9 @@ def _wrong_indexes(steps: tuple[Step, ...], depth: int, dimensions: int) -> str:
 
 
 def paths_of(program: Program, root: Root) -> Iterator[tuple[Step, ...]]:
-    """Paths to all parameters of instances, the outermost instances first; of an array to those of its first element."""
+    """Paths to all parameters of instances, the outermost instances first; of an array to those of its
+    first element.
+    """
     pending: deque[tuple[tuple[Step, ...], ast.Node]] = deque([((), root)])
     while pending:
         prefix, definition = pending.popleft()

@@ -64,7 +64,9 @@ class Application:
 
 
 def realize(draft: Draft, application: Application, report: Report) -> Expression | None:
-    """Add the states of an operator to the draft; gives the value of its output, None if it makes no sense (reported)."""
+    """Add the states of an operator to the draft; gives the value of its output, None if it makes no
+    sense (reported).
+    """
     return _REALIZATIONS[application.operator](draft, application, report)
 
 

@@ -209,7 +209,9 @@ class Recorder:
         self._compute(offer, value)
 
     def compute_beside(self, offer: Offer) -> None:
-        """The value of one of several offers is computed before any of them is made, unless computing it cannot fail."""
+        """The value of one of several offers is computed before any of them is made, unless computing it
+        cannot fail.
+        """
         value = offer.value
         assert value is not None
         match value:

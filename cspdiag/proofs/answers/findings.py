@@ -68,7 +68,9 @@ def diagnostics_of(answers: Iterable[Answer]) -> list[Diagnostic]:
 
 
 def _advice(answer: Answer) -> str | None:
-    """The changes that were proved to help, the least first; of one that is more than a line what goes and what comes."""
+    """The changes that were proved to help, the least first; of one that is more than a line what goes and
+    what comes.
+    """
     if not answer.suggestions:
         return _about_ends(answer)
     lines = ["proved after one of these changes:"]

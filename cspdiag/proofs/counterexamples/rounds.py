@@ -63,7 +63,8 @@ def repeated(steps: Sequence[Step]) -> Iterator[Repeated]:
 
 
 def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
-    """The steps in order, for people: of those of the trace itself, too, the rounds of a loop between the first and the last only once.
+    """The steps in order, for people: of those of the trace itself, too, the rounds of a loop between the first and the
+    last only once.
 
     Values may go up or down by the same from round to round: those of the steps then say which there are.
     """
@@ -95,7 +96,9 @@ def _own_rounds(steps: Sequence[Step]) -> Iterator[Repeated]:
 
 
 def _alike(steps: Sequence[Step], start: int) -> tuple[int, int]:
-    """The shortest round that follows on itself often enough from a step on, but for values that count, and how often; (1, 1) without one."""
+    """The shortest round that follows on itself often enough from a step on, but for values that count, and how often;
+    (1, 1) without one.
+    """
     for length in range(1, LONGEST + 1):
         end = start + length
         while end < len(steps) and _follows(steps, end, start, length):
@@ -107,7 +110,9 @@ def _alike(steps: Sequence[Step], start: int) -> tuple[int, int]:
 
 
 def _follows(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
-    """Whether a step is the one of the round before, and its value as much more as that was more than in the round before that."""
+    """Whether a step is the one of the round before, and its value as much more as that was more than in the round
+    before that.
+    """
     one, other = steps[at], steps[at - length]
     if (one.kind, one.channel, one.parties) != (other.kind, other.channel, other.parties):
         return False

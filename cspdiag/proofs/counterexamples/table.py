@@ -13,10 +13,11 @@ _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure":
 
 
 def table(found: Counterexample, width: int = 120) -> str:
-    """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty without any.
+    """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty
+    without any.
 
-    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so. Where the names of the processes would make it wider than ``width``
-    characters, the columns have numbers, and the names follow.
+    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so. Where the names of the
+    processes would make it wider than ``width`` characters, the columns have numbers, and the names follow.
     """
     steps = [step for step in found.steps if step.shown]
     cycle = [step for step in found.cycle if step.shown]

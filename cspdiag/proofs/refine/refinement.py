@@ -162,7 +162,9 @@ def _searched(
 
 
 def _followed(system: System, seen: dict[int, Label], nodes: tuple[Node, ...]) -> System:
-    """The system with the specification as its last component, whose last state means that something was done too much."""
+    """The system with the specification as its last component, whose last state means that something was done
+    too much.
+    """
     watcher = len(system.components)
     edges = tuple(tuple((event, node.after.get(label, len(nodes))) for event, label in seen.items()) for node in nodes)
     events = tuple(

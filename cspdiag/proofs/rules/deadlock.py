@@ -22,7 +22,9 @@ MOST_NAMES = 6
 
 
 def by_rules(question: Question, limits: Limits) -> Verdict:
-    """Prove the property by a design rule, refute it by the only run there is, or say which process breaks the rules."""
+    """Prove the property by a design rule, refute it by the only run there is, or say which process breaks
+    the rules.
+    """
     try:
         if is_settled(question):
             return Proved("rules", _order_in_words(question))

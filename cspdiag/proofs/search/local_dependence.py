@@ -57,7 +57,9 @@ class LocalDependence:
         return tuple(found)
 
     def _enabling(self, state: int, event: int) -> tuple[int, ...]:
-        """The events one of which happens before the component, which is in a state that refuses an event, offers it."""
+        """The events one of which happens before the component, which is in a state that refuses an event,
+        offers it.
+        """
         ahead = self._ahead(event)
         return tuple(
             other
@@ -66,7 +68,9 @@ class LocalDependence:
         )
 
     def _always_commute(self, one: int, other: int) -> bool:
-        """Whether in every state that offers both each leaves the other possible, and their order makes no difference."""
+        """Whether in every state that offers both each leaves the other possible, and their order makes
+        no difference.
+        """
         self._limits.check()
         for state in self._offering[one]:
             targets = self._states[state]

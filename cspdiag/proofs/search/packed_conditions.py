@@ -42,7 +42,9 @@ class Deadlocks:
 
 
 class Knots:
-    """States in which some processes wait for each other for ever (see ``stuck_sets``). All of it may raise LimitError."""
+    """States in which some processes wait for each other for ever (see ``stuck_sets``). All of it may
+    raise LimitError.
+    """
 
     def __init__(self, packing: Packing, limits: Limits) -> None:
         system = packing.system

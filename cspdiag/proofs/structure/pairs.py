@@ -110,7 +110,9 @@ class Shape:
 
     @cached_property
     def asking(self) -> frozenset[int]:
-        """The states of a process that has not ended in which it waits for an event: what makes a knot worth reporting."""
+        """The states of a process that has not ended in which it waits for an event: what makes a knot
+        worth reporting.
+        """
         if not self.process:
             return frozenset()
         return frozenset(state for state in self.waiting if self.edges[state] and state not in self.terminal)

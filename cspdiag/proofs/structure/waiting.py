@@ -63,7 +63,9 @@ class _Meeting:
         self.parties = sum(count > 0 for count in refusing.values())
 
     def lose(self, component: int) -> bool:
-        """Party ``component`` has one state less that refuses; whether few enough are left to look at the event again."""
+        """Party ``component`` has one state less that refuses; whether few enough are left to look at the
+        event again.
+        """
         self.refusing[component] -= 1
         if self.refusing[component] == 0:
             self.parties -= 1

@@ -53,7 +53,9 @@ from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
 @record
 class Outside:
-    """The event of a label that involves nobody else: its kind, what its party does, and whether specifications see it."""
+    """The event of a label that involves nobody else: its kind, what its party does, and whether specifications
+    see it.
+    """
 
     kind: EventKind
     role: Literal["!", "?", "*"]

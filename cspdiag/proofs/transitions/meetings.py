@@ -283,7 +283,9 @@ class Meetings:
                 self._ring_all(medium, ((strand, label), *chosen))
 
     def _ring_all(self, medium: MediumFacts, parties: Sequence[tuple[Strand, Read | Guarded]]) -> None:
-        """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt, sees the others."""
+        """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt,
+        sees the others.
+        """
         for strand, label in parties:
             for watcher, alarm in self._alarms.get(medium, ()):
                 own = label.end == alarm.end if isinstance(label, Read) else alarm.side == "read"

@@ -31,7 +31,9 @@ from cspdiag.proofs.transitions.values import (
 MediumKind: TypeAlias = Literal[
     "var", "sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event", "output", "constant", "discard"
 ]
-"""Kinds of channels; what the outside gives (``sampled``, ``event``) and takes (``output``); and ends that were left open."""
+"""Kinds of channels; what the outside gives (``sampled``, ``event``) and takes (``output``); and ends that were left
+open.
+"""
 
 CHANNELS: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite"})
 """Kinds of channels between processes, but for variables."""
@@ -42,8 +44,9 @@ PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 class MediumFacts:
     """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
 
-    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. Numbers of which there are too many are told apart
-    by ``cells``, if there are any; then the medium is ``coarse``. A variable is ``shared`` if more than one component accesses it.
+    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. Numbers
+    of which there are too many are told apart by ``cells``, if there are any; then the medium is ``coarse``. A variable
+    is ``shared`` if more than one component accesses it.
     """
 
     def __init__(

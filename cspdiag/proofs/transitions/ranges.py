@@ -1,7 +1,8 @@
 """Whole numbers that are not told apart: a range of them stands for each.
 
-The numbers that a variable or a channel may have are cut into **cells** where the conditions of the program begin to hold or cease to, so that a condition on it
-holds for all numbers of a cell or for none. The arithmetic is that of intervals (Moore, "Interval Analysis"; Cousot and Cousot 1976).
+The numbers that a variable or a channel may have are cut into **cells** where the conditions of the program begin to
+hold or cease to, so that a condition on it holds for all numbers of a cell or for none. The arithmetic is that of
+intervals (Moore, "Interval Analysis"; Cousot and Cousot 1976).
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ from cspdiag.network.dump.expression import value_text
 
 @record(order=True)
 class Range:
-    """One of at least two whole numbers, from ``low`` to ``high``, both among them; ``copied`` if it is what the environment gave, handed on."""
+    """One of at least two whole numbers, from ``low`` to ``high``, both among them; ``copied`` if it is what the
+    environment gave, handed on.
+    """
 
     low: int
     high: int
@@ -81,9 +84,11 @@ def cells(kind: Type | None, boundaries: Iterable[int]) -> tuple[Cell, ...]:
 
 
 def with_examples(among: Sequence[Cell], kind: Type | None) -> tuple[Cell, ...]:
-    """Of each range one number apart from the others of it, which stands for each: what hands all on alike does with any what it does with this one.
+    """Of each range one number apart from the others of it, which stands for each: what hands all on alike does with
+    any what it does with this one.
 
-    All numbers of the type are one range if there is nothing ``among`` them. (Wolper, "Expressing interesting properties of programs in propositional temporal logic", 1986.)
+    All numbers of the type are one range if there is nothing ``among`` them. (Wolper, "Expressing interesting
+    properties of programs in propositional temporal logic", 1986.)
     """
     limits = limits_of(kind)
     if limits is None:

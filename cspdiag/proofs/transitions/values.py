@@ -1,6 +1,7 @@
 """Values of expressions while a process is followed: known ones, ranges of whole numbers, and the unknown.
 
-A variable has a known value, a range in which it is (what the environment gave, or what takes too many values to be told apart), or ``UNKNOWN``: what a control law computed.
+A variable has a known value, a range in which it is (what the environment gave, or what takes too many values to be
+told apart), or ``UNKNOWN``: what a control law computed.
 """
 
 from __future__ import annotations
@@ -61,7 +62,9 @@ UNKNOWN: Final = Unknown()
 
 @record(order=True)
 class Given:
-    """A value of an input that was handed on, and of which nothing else is known: the ``one`` that stands for each, ``another``, or ``any`` that a specification chooses."""
+    """A value of an input that was handed on, and of which nothing else is known: the ``one`` that stands for each,
+    ``another``, or ``any`` that a specification chooses.
+    """
 
     which: Literal["one", "another", "any"]
 

@@ -70,7 +70,9 @@ class Alternative(Choice):
     def wait(
         self, mask: int, values: Mapping[int, Any] = _NOTHING, delays: Mapping[int, int] = _NOTHING
     ) -> Generator[None, None, int]:
-        """Waits while none of the guards of ``mask`` is ready: those that are then, or 0 if the other side has chosen."""
+        """Waits while none of the guards of ``mask`` is ready: those that are then, or 0 if the other side
+        has chosen.
+        """
         task = scheduler.current
         selector = self.selector
         self.begin_waiting(task, mask, values, delays)

@@ -72,7 +72,9 @@ class _Body(Branches):
         return task
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
-        """See ``Join.branch_ended``. A body that ends by itself takes the guard with it, unless somebody has chosen it."""
+        """See ``Join.branch_ended``. A body that ends by itself takes the guard with it, unless somebody has
+        chosen it.
+        """
         super().branch_ended(branch, error)
         if not isinstance(error, Cancelled) and self.interruption.selector.waiting is not None:
             self.interruption.end_waiting()

@@ -59,7 +59,9 @@ def statement_of(error: BaseException) -> str | None:
 
 
 def raised_by_program(error: BaseException) -> bool:
-    """Whether generated code itself has raised ``error``, and not what it calls: its files are those that have places."""
+    """Whether generated code itself has raised ``error``, and not what it calls: its files are those that
+    have places.
+    """
     files: set[str] = set()
     innermost: CodeType | None = None
     traceback: TracebackType | None = error.__traceback__
@@ -114,7 +116,9 @@ def whereabouts(thread: int, *, only_processes: bool = False) -> str:
 
 
 def _place_around(frame: FrameType) -> str | None:
-    """The place where it is; in a loop it is most often found at its head, which what precedes the loop does not tell."""
+    """The place where it is; in a loop it is most often found at its head, which what precedes the loop does
+    not tell.
+    """
     code, line = frame.f_code, frame.f_lineno
     last = max(number or 0 for _, _, number in code.co_lines())
     loop = _head_of_loop(code, line)

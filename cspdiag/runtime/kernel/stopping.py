@@ -109,7 +109,9 @@ class Stopping:
             signal.signal(number, handler)
 
     def install(self) -> None:
-        """Takes over the handlers of signals: also those that modules and drivers have installed since the last time."""
+        """Takes over the handlers of signals: also those that modules and drivers have installed since the
+        last time.
+        """
         if threading.current_thread() is not threading.main_thread():
             return
         for number in SIGNALS:

@@ -133,7 +133,9 @@ class Devices:
             port.line = end_of_child
 
     def _release_elsewhere(self, hanging: Exception) -> None:
-        """The scheduler's thread does not come back from a driver or a process: the outputs are released all the same."""
+        """The scheduler's thread does not come back from a driver or a process: the outputs are released all
+        the same.
+        """
         release = self._release()
         self._cut_off()
         release.run_elsewhere()

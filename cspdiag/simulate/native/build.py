@@ -1,4 +1,6 @@
-"""Builds native programs: every file once, kept in a cache by its content, its headers, the compiler and its options."""
+"""Builds native programs: every file once, kept in a cache by its content, its headers, the compiler and
+its options.
+"""
 
 from __future__ import annotations
 
@@ -198,7 +200,9 @@ class Build:
 
 
 def explained(said: str, files: Mapping[str, str], scratch: Path | None) -> str:
-    """What a compiler said, with the paths of the package, and behind each place in generated code that in the program."""
+    """What a compiler said, with the paths of the package, and behind each place in generated code that in
+    the program.
+    """
     text = said if scratch is None else said.replace(f"{scratch}{os.sep}", "")
     rows = []
     for row in text.splitlines():

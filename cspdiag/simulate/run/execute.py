@@ -25,7 +25,9 @@ class NoEnvironmentError(CspdiagError, LookupError):
 
 
 class BodyError(CspdiagError):
-    """A module in Python that the program names cannot be imported, or its class not be made; the message is one line."""
+    """A module in Python that the program names cannot be imported, or its class not be made; the message is
+    one line.
+    """
 
 
 def chosen_environment(network: Network, name: str | None) -> Environment | None:

@@ -36,11 +36,32 @@ _NAMED_AFTER = {
 
 _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
     # what all must be acceptable, what then need not be listed, how it is said
-    ({"CONST", "PROCESS"}, {"CONST", "TYPE", "ENUM", "STRUCT", "EXCEPTION", "PROCESS", "SUBMODEL", "DRIVER", "ENVIRONMENT", "ASSERT", "IMPORT"}, "a definition"),
-    ({"SKIP", "MU"}, {"SKIP", "MU", "WHILE", "IF", "SEQ", "PAR", "PRIPAR", "ALT", "PRIALT", "STOP", "WAIT", "RESET", "RAISE", "LPAR", "NAME", "WHEN", "AFTER"}, "a process"),
+    (
+        {"CONST", "PROCESS"},
+        {
+            "CONST", "TYPE", "ENUM", "STRUCT", "EXCEPTION", "PROCESS", "SUBMODEL", "DRIVER", "ENVIRONMENT",
+            "ASSERT", "IMPORT",
+        },
+        "a definition",
+    ),
+    (
+        {"SKIP", "MU"},
+        {
+            "SKIP", "MU", "WHILE", "IF", "SEQ", "PAR", "PRIPAR", "ALT", "PRIALT", "STOP", "WAIT", "RESET",
+            "RAISE", "LPAR", "NAME", "WHEN", "AFTER",
+        },
+        "a process",
+    ),
     ({"SKIP", "NAME", "LPAR"}, {"SKIP", "STOP", "WAIT", "RESET", "RAISE", "LPAR", "NAME"}, "a process"),
     ({"SKIP", "AFTER"}, {"SKIP", "AFTER", "WHEN", "NAME", "STOP"}, "a guard"),
-    ({"NUMBER", "NAME"}, {"NUMBER", "QUANTITY", "DURATION", "STRING", "TRUE", "FALSE", "NAME", "LPAR", "LSQB", "MINUS", "NOT", "IF"}, "an expression"),
+    (
+        {"NUMBER", "NAME"},
+        {
+            "NUMBER", "QUANTITY", "DURATION", "STRING", "TRUE", "FALSE", "NAME", "LPAR", "LSQB", "MINUS",
+            "NOT", "IF",
+        },
+        "an expression",
+    ),
     ({"VAR", "NAME"}, {"VAR", "CHANNEL", "FOR", "NAME", "UNDERSCORE"}, "a declaration"),
     ({"LET", "NAME"}, {"LET", "STATE", "NEXT", "DER", "NAME"}, "an equation"),
     ({"IN", "OUT"}, {"IN", "OUT"}, "a port"),

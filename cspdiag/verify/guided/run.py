@@ -306,7 +306,9 @@ class Run:
             self._break_off()
 
     def _break_off(self) -> NoReturn:
-        """Ends the process that runs, which would go on without ever having to wait; the scheduler tells its parent so."""
+        """Ends the process that runs, which would go on without ever having to wait; the scheduler tells its
+        parent so.
+        """
         self._broken_off = True
         raise _Enough
 

@@ -60,7 +60,9 @@ class TaskNames:
         return path
 
     def _position(self, task: Task, join: Branches) -> int:
-        """The number of a branch; those of a branch that is nothing but a parallel count as branches of the outer one."""
+        """The number of a branch; those of a branch that is nothing but a parallel count as branches of the
+        outer one.
+        """
         self._number(task, join)
         parent = join._parent
         outer = parent.join

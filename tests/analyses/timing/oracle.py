@@ -29,7 +29,9 @@ def worst_response(task: Task, others: list[Task], horizon: int) -> int:
 
 
 def _longest(task: Task, others: list[Task], phase: int, horizon: int) -> int:
-    """All others arrive together as late and then as densely as they may; the longest step below began one unit before."""
+    """All others arrive together as late and then as densely as they may; the longest step below began one
+    unit before.
+    """
     jobs: list[tuple[int, int, Task]] = []
     for other in others:
         if other.priority <= task.priority:

@@ -146,7 +146,9 @@ class Clock:
         )
 
     def _process(self, tid: Tid) -> int:
-        """The process that a thread is a part of: a branch of the outermost parallel printed as one, or the outermost."""
+        """The process that a thread is a part of: a branch of the outermost parallel printed as one, or
+        the outermost.
+        """
         return tid[0][1] if tid and tid[0][1] in self.linked.program.boxed else -1
 
     def close(self, st: State, process: Thread) -> None:

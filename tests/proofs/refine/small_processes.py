@@ -145,7 +145,9 @@ class Guarded:
 
 @dataclass(frozen=True)
 class Alternative:
-    """The first of its guards that comes; of several that are ready any, or with ``prioritized`` the first in the text."""
+    """The first of its guards that comes; of several that are ready any, or with ``prioritized`` the first in
+    the text.
+    """
 
     branches: tuple[Guarded, ...]
     prioritized: bool = False
@@ -306,7 +308,9 @@ def erased(body: Statement, port: str) -> Statement:
 
 
 class Drawing:
-    """Draws processes with certain ports; every loop waits somewhere. ``numbers`` are those of tests and assignments."""
+    """Draws processes with certain ports; every loop waits somewhere. ``numbers`` are those of tests
+    and assignments.
+    """
 
     def __init__(self, random: Random, numbers: tuple[int, ...], ports: tuple[str, ...] = (*INPUTS, *OUTPUTS)) -> None:
         self._random = random

@@ -191,7 +191,9 @@ def beside_a_loop(system: System) -> System:
 
 
 def alternating_bit(lossy: bool = True) -> System:
-    """The alternating bit protocol over media of one place; on media that lose nothing the time-out makes it deadlock."""
+    """The alternating bit protocol over media of one place; on media that lose nothing the time-out makes
+    it deadlock.
+    """
     sender: dict[str, list[tuple[str, str]]] = {}
     receiver: dict[str, list[tuple[str, str]]] = {}
     for bit, other in ((0, 1), (1, 0)):

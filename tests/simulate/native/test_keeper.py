@@ -122,7 +122,9 @@ def is_native(process: int) -> bool:
 
 
 def signals_are_for_the_main_thread(process: int) -> bool:
-    """A signal that another thread is sent does not wake the main one, which waits for what the native program tells."""
+    """A signal that another thread is sent does not wake the main one, which waits for what the native
+    program tells.
+    """
     masks = {
         int(status.parent.name): int(status.read_text().partition("SigBlk:")[2].split()[0], 16)
         for status in Path(f"/proc/{process}/task").glob("*/status")

@@ -1,4 +1,6 @@
-"""Runs on the C target: the same results, recordings and words as in Python, from a cache that rebuilds what changed."""
+"""Runs on the C target: the same results, recordings and words as in Python, from a cache that rebuilds
+what changed.
+"""
 
 from __future__ import annotations
 

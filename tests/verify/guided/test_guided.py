@@ -209,7 +209,9 @@ assert All deadlock free
 
 
 def test_others_go_on_until_a_delay_is_over() -> None:
-    """Twenty samples are taken before two processes wait for each other, although the counterexample does not say so."""
+    """Twenty samples are taken before two processes wait for each other, although the counterexample does not
+    say so.
+    """
     assert refuted(BESIDE)
 
 

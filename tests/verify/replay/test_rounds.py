@@ -1,4 +1,6 @@
-"""Counterexamples that go through loops whose end is computed: the program goes round until it is where they have it."""
+"""Counterexamples that go through loops whose end is computed: the program goes round until it is where they
+have it.
+"""
 
 from __future__ import annotations
 

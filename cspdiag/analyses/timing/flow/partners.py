@@ -1,4 +1,6 @@
-"""Partners that a sampled loop waits for within a sample: whether they come in time, and what they compute meanwhile."""
+"""Partners that a sampled loop waits for within a sample: whether they come in time, and what they
+compute meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -212,7 +214,10 @@ class Partners:
     def _count_sampled(self, found: Together, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
         in_step = [
             job for job in partner.jobs
-            if job.wait in partner.waits and job.offer is not None and job.offer.kind == "sample" and job.offer.period == self.period
+            if job.wait in partner.waits
+            and job.offer is not None
+            and job.offer.kind == "sample"
+            and job.offer.period == self.period
         ]  # fmt: skip
         on_channel = partner.jobs_on(channel, writes=writes)
         if on_channel:

@@ -265,7 +265,10 @@ class _Analysis:
             loop.together.level,
             loop.together.work, task.step, response.blocking, response.worst, response.start,
             outputs, ports.interval(written, loop.period, response.worst),
-            tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
+            tuple(
+                self.behaviours[k].thread.path.partition(".")[2]
+                for k in sorted(loop.together.members - {loop.owner.number})
+            ),
             leaves | places, task,
         )  # fmt: skip
 
@@ -364,7 +367,8 @@ class _Analysis:
         """What else the loop's own thread may want to do while the loop does."""
         return [
             part for part in self.demands.own[loop.owner.number]
-            if (part.period < ONCE and (part.origin != loop.owner.number or part.late)) or self._of_same_loop(loop, part)
+            if (part.period < ONCE and (part.origin != loop.owner.number or part.late))
+            or self._of_same_loop(loop, part)
         ]  # fmt: skip
 
     def _of_same_loop(self, loop: _Loop, part: Demand) -> bool:

@@ -1,4 +1,6 @@
-"""Loops of computing that come to an end: by a count that draws nearer to the bound of their condition, or because all of their values are known."""
+"""Loops of computing that come to an end: by a count that draws nearer to the bound of their condition, or because all
+of their values are known.
+"""
 
 from __future__ import annotations
 
@@ -248,7 +250,9 @@ class Counting:
                 assert_never(expression)
 
     def _rise_of(self, path: str, action: Action, name: str, sign: int) -> float:
-        """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where it never does."""
+        """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where
+        it never does.
+        """
 
         def of(inner: Action) -> float:
             return self._rise_of(path, inner, name, sign)
@@ -290,7 +294,9 @@ class Counting:
                 assert_never(action)
 
     def _least_on_the_way(self, path: str, action: Action, name: str, sign: int) -> float:
-        """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps lets it fall."""
+        """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps
+        lets it fall.
+        """
         for part in parts(action):
             match part:
                 case AssignValue(target=Target(channel=channel, indexes=()), value=value) if channel == name:

@@ -31,7 +31,9 @@ class Ends:
     def reading(
         self, path: str, end: End, target: int, where: Step | Declared, *, owner: str = "", takes: bool = True
     ) -> list[Offer]:
-        """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books of samples."""
+        """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books
+        of samples.
+        """
         net = self.net(path, end)
         if net is None or (net.kind == "var" and net.external is None):
             return []
@@ -70,7 +72,9 @@ class Ends:
         return constant_value(expression, lookup)
 
     def is_own(self, path: str, variable: str) -> bool:
-        """Whether only assignments and reads of a process itself change its variable, and no law or process inside it."""
+        """Whether only assignments and reads of a process itself change its variable, and no law or process
+        inside it.
+        """
         net = self._nets.get(f"{path}.{variable}")
         return net is None or not net.writers
 

@@ -1,1 +1,3 @@
-"""Files that commands write: whole or not at all, never over what somebody made by hand, and refused before the work."""
+"""Files that commands write: whole or not at all, never over what somebody made by hand, and refused before
+the work.
+"""

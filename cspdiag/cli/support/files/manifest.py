@@ -1,4 +1,6 @@
-"""What ``compile`` has left in a folder: for each target a list of the files that it generated, and of which program."""
+"""What ``compile`` has left in a folder: for each target a list of the files that it generated, and of
+which program.
+"""
 
 from __future__ import annotations
 

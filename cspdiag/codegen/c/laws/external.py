@@ -1,4 +1,6 @@
-"""Bodies that are written in C by hand: pairs of files with the interface of generated ones, copied into the package."""
+"""Bodies that are written in C by hand: pairs of files with the interface of generated ones, copied into
+the package.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ from cspdiag.network.ir.walk import parts
 
 
 def compositions_and_laws(network: Network) -> list[object]:
-    """Of each class the parts in which a body in another language can be named: large networks have far more instances."""
+    """Of each class the parts in which a body in another language can be named: large networks have far
+    more instances.
+    """
     return [entry if isinstance(entry, SubmodelClass) else (entry.body, entry.external) for entry in network.classes]
 
 

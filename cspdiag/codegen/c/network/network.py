@@ -323,7 +323,9 @@ def _driver_lvalues(network: Network, types: CTypes) -> Iterator[Code]:
 
 
 def _driver_members(network: Network, types: CTypes) -> Iterator[Statement]:
-    """The declarations of the members of ``struct network_drivers``, and what their functions are handed a pointer to."""
+    """The declarations of the members of ``struct network_drivers``, and what their functions are handed a
+    pointer to.
+    """
     for name, ports in port_groups(network.external_ports):
         access = "reads" if ports[0].direction == "in" else "writes"
         yield Remark(f"{access} {types.type_name(ports[0].type)}")

@@ -79,7 +79,9 @@ class Composition(Writer):
     """Writes the step functions of one process class."""
 
     def statements(self, action: Action) -> list[Statement]:
-        """An action as statements; control does not come to their end where it does not come to the end of the action."""
+        """An action as statements; control does not come to their end where it does not come to the end of
+        the action.
+        """
         match action:
             case SkipStep():
                 return []

@@ -1,4 +1,6 @@
-"""What decides how the making of a channel, an instance or a reading end reads: of large arrays only the first elements are written down."""
+"""What decides how the making of a channel, an instance or a reading end reads: of large arrays only the first elements
+are written down.
+"""
 
 from __future__ import annotations
 

@@ -58,7 +58,9 @@ class Place:
 
 @dataclass
 class Routine:
-    """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the process itself."""
+    """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the
+    process itself.
+    """
 
     name: str
     title: str

@@ -1,4 +1,6 @@
-"""Signals of control laws that were inlined into a process: which are members of its struct, and which local variables."""
+"""Signals of control laws that were inlined into a process: which are members of its struct, and which
+local variables.
+"""
 
 from __future__ import annotations
 

@@ -83,7 +83,9 @@ class Writer:
         self._routine("", None, process.body)
 
     def statements(self, action: Action) -> list[Statement]:
-        """An action as statements; control does not come to their end where it does not come to the end of the action."""
+        """An action as statements; control does not come to their end where it does not come to the end of
+        the action.
+        """
         raise NotImplementedError
 
     # Step functions
@@ -206,7 +208,9 @@ class Writer:
         return self._offers
 
     def slot(self, name: str, type_: Type, hint: str = "sent") -> Code:
-        """A member that keeps a value while the present step function waits; those of one ``hint`` share their memory."""
+        """A member that keeps a value while the present step function waits; those of one ``hint`` share
+        their memory.
+        """
         key = (hint, self.current.name)
         whole = self._singles.get(key)
         if whole is None:

@@ -1,7 +1,7 @@
 """C expressions as trees that know their precedence; parentheses stand where C, its compilers or a reader wants them.
 
-The convention is that of the kernel: what ``&&`` and ``||`` join and the condition of ``?:`` stand in parentheses, as MISRA C has it (rule 12.1), if
-they have operators with two operands; sums and products need none.
+The convention is that of the kernel: what ``&&`` and ``||`` join and the condition of ``?:`` stand in parentheses, as
+MISRA C has it (rule 12.1), if they have operators with two operands; sums and products need none.
 """
 
 from __future__ import annotations
@@ -83,7 +83,9 @@ class Atom(Code):
 
 @record
 class Count(Code):
-    """A whole number that may count in a row of like statements: an index, an unsigned literal, or an argument of type ``int64_t``."""
+    """A whole number that may count in a row of like statements: an index, an unsigned literal, or an argument of type
+    ``int64_t``.
+    """
 
     value: int
     form: Literal["index", "unsigned", "argument"]
@@ -236,7 +238,9 @@ class Parenthesized(Code):
 
 @record
 class Aggregate(Code):
-    """The value of a struct or an array, each part with the name of its member or without; with a type it is a value by itself."""
+    """The value of a struct or an array, each part with the name of its member or without; with a type it is a value by
+    itself.
+    """
 
     parts: tuple[tuple[str | None, Code], ...]
     type_name: str | None = None

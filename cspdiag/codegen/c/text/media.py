@@ -19,8 +19,9 @@ Access: TypeAlias = Literal[
 class Spelling:
     """An end as step functions write it.
 
-    ``pointer`` is a pointer to the channel, port or reading end; of a variable or constant the lvalue. ``member`` is what ``offsetof`` names, where
-    ``indirect`` says that a pointer stands there. ``name`` is what states are called after.
+    ``pointer`` is a pointer to the channel, port or reading end; of a variable or constant the lvalue. ``member`` is
+    what ``offsetof`` names, where ``indirect`` says that a pointer stands there. ``name`` is what states are called
+    after.
     """
 
     access: Access

@@ -20,12 +20,15 @@ RESERVED = _words(
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     bool true false NULL main self asm fortran typeof near far huge interrupt
     abs acos asin atan atan2 ceil cos cosh exp exp2 expm1 fabs floor fma fmax fmin fmod frexp gamma hypot isfinite isinf
-    isnan j0 j1 jn ldexp lgamma log log10 log1p log2 logb modf nan pow remainder rint round scalb signbit significand sin
+    isnan j0 j1 jn ldexp lgamma log log10 log1p log2 logb modf nan pow remainder rint round scalb signbit significand
+    sin
     sinh sqrt tan tanh trunc y0 y1 yn drem infinity
-    abort assert atexit atof atoi bsearch calloc clock difftime div errno exit fclose feof fflush fopen fprintf fread free
+    abort assert atexit atof atoi bsearch calloc clock difftime div errno exit fclose feof fflush fopen fprintf fread
+    free
     fputs fwrite getc getchar getenv index labs ldiv localtime longjmp malloc memchr memcmp memcpy memmove memset mktime
     offsetof perror printf putc putchar puts qsort raise rand realloc remove rename rewind rindex scanf setjmp signal
-    sprintf srand stderr stdin stdout strcat strchr strcmp strcpy strlen strncpy strstr strtod strtol system time tmpfile
+    sprintf srand stderr stdin stdout strcat strchr strcmp strcpy strlen strncpy strstr strtod strtol system time
+    tmpfile
     toupper tolower ungetc
     accept alarm bind brk close connect creat dup environ exec execl execv fork getpid kill link listen lseek nice open
     pause pipe poll read recv select send shutdown sleep socket stat sync times truncate unlink usleep wait write yield
@@ -57,7 +60,8 @@ def snake_case(name: str) -> str:
 
 _LIBRARIES = _words(
     """
-    m c g pthread rt dl util gcc gcc_s gcc_eh gcov stdc++ supc++ atomic gomp quadmath asan ubsan tsan lsan ssp nosys rdimon semihost
+    m c g pthread rt dl util gcc gcc_s gcc_eh gcov stdc++ supc++ atomic gomp quadmath asan ubsan tsan lsan ssp nosys
+    rdimon semihost
     anl crypt nsl resolv mvec thread_db z bz2 lzma ssl crypto ncurses curses readline uuid ffi
     """
 )

@@ -66,7 +66,9 @@ def literal_value(expression: Expression) -> Value | None:
 
 
 def known_result(expression: Expression) -> int | None:
-    """The value of an operation on literals, if it has one: compilers would see through it and complain of what surrounds it."""
+    """The value of an operation on literals, if it has one: compilers would see through it and complain of what
+    surrounds it.
+    """
     if isinstance(expression, LiteralValue) and expression.name is None and type(expression.value) is int:
         return expression.value
     if not isinstance(expression, BinaryOperation) or not isinstance(expression.type, IntType):
@@ -90,7 +92,9 @@ def known_result(expression: Expression) -> int | None:
 
 
 def traps(expression: BinaryOperation) -> bool:
-    """Whether an operation that has a value may be one that C leaves undefined: the remainder of the least whole number and -1."""
+    """Whether an operation that has a value may be one that C leaves undefined: the remainder of the least whole number
+    and -1.
+    """
     low, high = value_range(expression.right)
     return expression.operator == "%" and low <= -1 <= high and value_range(expression.left)[0] == IntType().minimum
 

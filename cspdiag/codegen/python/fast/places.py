@@ -170,7 +170,8 @@ class Spelling:
         """The value of a variable or a constant behind an end."""
         if isinstance(end, ChannelEnd):
             return self.variable(end.channel).flat
-        return f"{self.local(self.members.sink(end) if self.medium(end).kind == 'var' else self.members.source(end))}.value"
+        member = self.members.sink(end) if self.medium(end).kind == "var" else self.members.source(end)
+        return f"{self.local(member)}.value"
 
     def part(self, instance: str) -> str:
         """The local name of a flattened process or a law."""

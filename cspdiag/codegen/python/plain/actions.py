@@ -90,8 +90,8 @@ class Method:
 class Composition:
     """Writes the ``run`` of one process class.
 
-    ``members`` knows the attributes. ``alternatives`` and ``methods`` collect what the constructor has to make, and the coroutines of
-    branches.
+    ``members`` knows the attributes. ``alternatives`` and ``methods`` collect what the constructor has to make, and the
+    coroutines of branches.
     """
 
     members: Members

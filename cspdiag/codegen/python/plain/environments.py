@@ -269,7 +269,9 @@ class EnvironmentWriter:
         return ["    def _evaluate(self) -> None:", *lines(statements, "        ")]
 
     def _evaluation(self, system: SubmodelClass, now: str, present: Iterable[str]) -> list[Statement]:
-        """Gives the outputs their values at the instant ``now``; local variables have those of the states ``present``."""
+        """Gives the outputs their values at the instant ``now``; local variables have those of the
+        states ``present``.
+        """
         equations = self._result_equations()
         results = outputs(system)
         read = signals(tuple(part for equation in equations for part in values(equation)))

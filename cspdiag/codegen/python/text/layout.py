@@ -1,7 +1,7 @@
 """Breaks Python statements over lines the way ``ruff format`` does.
 
-Only the constructs that the generator uses are known here; the tests compare every generated file, and random statements, with
-the real formatter.
+Only the constructs that the generator uses are known here; the tests compare every generated file, and random
+statements, with the real formatter.
 """
 
 from __future__ import annotations
@@ -72,7 +72,9 @@ def _is_awaited_call(code: Code) -> bool:
 
 
 def _splits_at_brackets(code: Code) -> bool:
-    """Whether at most one loosest operator leaves it to the brackets at the ends to break, without parentheses around."""
+    """Whether at most one loosest operator leaves it to the brackets at the ends to break, without
+    parentheses around.
+    """
     operators = list(_operators(code))
     if not operators:
         return True
@@ -230,7 +232,8 @@ def _arguments(code: Call) -> Document:
 
 
 def bracketed(indent: str, before: str, items: Sequence[str], after: str, *, together: bool = True) -> list[str]:
-    """``before`` items ``after`` where ``before`` ends in an opening bracket: on one line, one indented line, or one line an item.
+    """``before`` items ``after`` where ``before`` ends in an opening bracket: on one line, one indented line, or one
+    line an item.
 
     ``together`` allows the items on one indented line, as for arguments; imports do not.
     """

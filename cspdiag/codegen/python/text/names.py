@@ -62,7 +62,9 @@ def snake_case(name: str) -> str:
 
 
 def indexed(name: str) -> tuple[str, int] | None:
-    """``cell[3]`` and ``cell[3].out`` as (``cell``, 3) and (``cell.out``, 3); None unless there is exactly one index."""
+    """``cell[3]`` and ``cell[3].out`` as (``cell``, 3) and (``cell.out``, 3); None unless there is exactly
+    one index.
+    """
     found = re.findall(r"\[(\d+)\]", name)
     if len(found) != 1:
         return None

@@ -1,7 +1,7 @@
 """Finds the loop behind code that was unrolled: elements that differ only in an index that counts.
 
-``Cell(f"{name}.cell[0]", ...)`` and its 999 brothers become one comprehension. The loop is found in the generated code itself, so that
-it says what its elements said, by construction.
+``Cell(f"{name}.cell[0]", ...)`` and its 999 brothers become one comprehension. The loop is found in the generated code
+itself, so that it says what its elements said, by construction.
 """
 
 from __future__ import annotations
@@ -148,7 +148,9 @@ def _loop(
 
 
 def _rolled(count: int, attempt: Callable[[int], T]) -> T | None:
-    """What ``attempt`` makes of ``count`` elements; it is asked about three first, so that those that never become a loop cost little."""
+    """What ``attempt`` makes of ``count`` elements; it is asked about three first, so that those that never become a
+    loop cost little.
+    """
     if count < LEAST or attempt(LEAST) is None:
         return None
     return attempt(count)

@@ -1,6 +1,8 @@
-"""Where the numbers of a variable, port or channel are cut: where conditions that compare them with constants begin or cease to hold.
+"""Where the numbers of a variable, port or channel are cut: where conditions that compare them with constants begin or
+cease to hold.
 
-A cut decides how much is known, never whether it is right: of a number that is compared in another way the condition is left open.
+A cut decides how much is known, never whether it is right: of a number that is compared in another way the condition is
+left open.
 """
 
 from __future__ import annotations
@@ -164,7 +166,9 @@ def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
 
 
 def handed_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
-    """Everything in a program whose values may be handed on unchanged to one of some outputs of the outermost process."""
+    """Everything in a program whose values may be handed on unchanged to one of some outputs of the
+    outermost process.
+    """
     origins: defaultdict[Item, set[Item]] = defaultdict(set)
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):

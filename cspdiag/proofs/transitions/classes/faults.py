@@ -1,7 +1,9 @@
-"""Which computations may end in a fault: only those are followed both ways, and only where a ``catch Fault`` is around them.
+"""Which computations may end in a fault: only those are followed both ways, and only where a ``catch Fault`` is around
+them.
 
-A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Sums and differences of 64-bit integers are taken not to
-overflow: a counter of milliseconds would need 292 million years. Those of parameters and constants alone do not count: they overflow at once or never.
+A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Sums and
+differences of 64-bit integers are taken not to overflow: a counter of milliseconds would need 292 million years. Those
+of parameters and constants alone do not count: they overflow at once or never.
 """
 
 from __future__ import annotations
@@ -71,7 +73,9 @@ class Faults:
         return known
 
     def of_part(self, part: Expression, class_name: str) -> bool:
-        """Whether an operation itself may fail, apart from its operands. Sums of reals that are not followed long enough to become infinite do not."""
+        """Whether an operation itself may fail, apart from its operands. Sums of reals that are not followed long
+        enough to become infinite do not.
+        """
         if isinstance(part, FunctionCall) and part.function == "finite":
             return any(isinstance(inner, BinaryOperation) and inner.operator not in ("+", "-") for inner in walk(part))
         return self._part(part, class_name)

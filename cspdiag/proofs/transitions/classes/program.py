@@ -1,4 +1,6 @@
-"""Compositions as trees of nodes that are told apart by where they stand, and what is asked of a class again and again."""
+"""Compositions as trees of nodes that are told apart by where they stand, and what is asked of a class again
+and again.
+"""
 
 from __future__ import annotations
 

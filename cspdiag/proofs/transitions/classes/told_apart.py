@@ -32,6 +32,8 @@ ToldApart: TypeAlias = Mapping[str, Apart]
 
 @record
 class AsSpecification:
-    """A process is taken as a specification; ``free`` are inputs that only it has: what comes there is its own choice."""
+    """A process is taken as a specification; ``free`` are inputs that only it has: what comes there is its
+    own choice.
+    """
 
     free: frozenset[str] = frozenset()

@@ -71,7 +71,9 @@ class Event:
 
 
 def with_value(channel: str, value: str | None) -> str:
-    """The name of an event on a channel, with its value if that is told apart: ``key.2``, and ``key 3..`` for a range."""
+    """The name of an event on a channel, with its value if that is told apart: ``key.2``, and ``key 3..`` for
+    a range.
+    """
     if value is None:
         return channel
     return f"{channel} {value}" if ".." in value else f"{channel}.{value}"

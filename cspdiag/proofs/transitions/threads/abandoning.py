@@ -1,4 +1,6 @@
-"""How a thread is abandoned where it waits: by the guard of an interrupt around it, or by the cancellation of all that it does."""
+"""How a thread is abandoned where it waits: by the guard of an interrupt around it, or by the cancellation of all that
+it does.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ class Abandoning(Communications):
     """The edges of one thread with which it leaves what it does."""
 
     def is_abandoned_at_once(self, stack: frames.Stack) -> bool:
-        """Whether an interrupt around a place has a guard that is always ready: nothing is done in its body where it could wait."""
+        """Whether an interrupt around a place has a guard that is always ready: nothing is done in its body where it
+        could wait.
+        """
         while stack is not None:
             frame, stack = stack
             if isinstance(frame, frames.Interrupt):
@@ -52,7 +56,9 @@ class Abandoning(Communications):
         return found
 
     def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
-        """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait for the guard."""
+        """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait
+        for the guard.
+        """
         assert isinstance(node.action, InterruptOn)
         event = node.action.branch.event
         match event:
@@ -71,7 +77,9 @@ class Abandoning(Communications):
         return [(alarm, outside.at((waits, outside.stack)))]
 
     def closing(self, c: Configuration, frame: frames.Closing, rest: frames.Stack) -> list[Move]:
-        """The body of an interrupt is about to end or to raise an exception, which nobody knows yet: an alternative may choose the guard before."""
+        """The body of an interrupt is about to end or to raise an exception, which nobody knows yet: an alternative may
+        choose the guard before.
+        """
         node, context, exception = frame.interrupt.node, frame.interrupt.context, frame.exception
         assert isinstance(node.action, InterruptOn)
         ended = self._closed(c, frame, rest)

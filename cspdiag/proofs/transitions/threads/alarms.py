@@ -82,7 +82,9 @@ class Alarms:
 
 
 def _special(template: Template) -> set[Special]:
-    """The alarms of a thread, its late reads, the guards by which it writes, and the ways to be bound to write or read."""
+    """The alarms of a thread, its late reads, the guards by which it writes, and the ways to be bound to write
+    or read.
+    """
     labels = {label for edges in template.edges for label, _ in edges}
     guards = {label for label in labels if isinstance(label, Alarm | Guarded | Bind | Bound)}
     return guards | {label for label in labels if isinstance(label, Read) and label.late}

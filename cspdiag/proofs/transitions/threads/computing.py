@@ -79,7 +79,9 @@ class Computing:
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
 
     def may_be_chosen(self, configuration: Configuration, interrupt: frames.Interrupt) -> bool:
-        """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to end by itself."""
+        """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to
+        end by itself.
+        """
         assert isinstance(interrupt.node.action, InterruptOn)
         event = interrupt.node.action.branch.event
         if configuration.doomed or not isinstance(event, InputEvent | OutputEvent | ReadyEvent):
@@ -141,7 +143,9 @@ class Computing:
     def outcomes(
         self, configuration: Configuration, context: Context, condition: Expression
     ) -> list[tuple[bool, Configuration]]:
-        """Whether a condition holds: one answer, or several where that is left open; a variable of few values is then given the one that decides."""
+        """Whether a condition holds: one answer, or several where that is left open; a variable of few values is then
+        given the one that decides.
+        """
         value = self.evaluate(configuration, context, condition)
         if value is not UNKNOWN:
             return [(bool(value), configuration)]
@@ -208,7 +212,9 @@ class Computing:
         return self.thread.with_slot(configuration, reference, value)
 
     def _shown(self, c: Configuration, context: Context, medium: MediumFacts, expression: Expression) -> Known:
-        """What a specification, or who is held against one, writes to an output. What is computed from numbers that are not told apart may be any number."""
+        """What a specification, or who is held against one, writes to an output. What is computed from numbers that are
+        not told apart may be any number.
+        """
         value = UNKNOWN if isinstance(expression, PresentTime) else self.evaluate(c, context, expression)
         if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):
             return value
@@ -252,7 +258,9 @@ class Computing:
         return Time(words, instant=takes_time is not True)
 
     def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
-        """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative begins."""
+        """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative
+        begins.
+        """
         if isinstance(branch.event, AfterEvent):
             self.compute_risk(c, context, branch.event.duration)
             return self.takes_time(c, context, branch.event.duration)

@@ -185,7 +185,9 @@ class Offers(Abandoning):
         return found
 
     def _as_far_as_taken(self, context: Context, choice: Choice, decided: frames.Decided) -> frames.Decided:
-        """The guards without those that are never taken, because another one is always ready: time-outs, and with priority all that come after it."""
+        """The guards without those that are never taken, because another one is always ready: time-outs, and with
+        priority all that come after it.
+        """
         always = [
             number
             for number, (branch, entry) in enumerate(zip(choice.branches, decided, strict=True))
@@ -201,7 +203,8 @@ class Offers(Abandoning):
     def _picking(self, c: Configuration, frame: frames.Picking, rest: Stack) -> list[Move]:
         """An alternative with conditions that may hold or not: none of them does, or one.
 
-        Where several hold, the alternative does what it does where one of them holds, and refuses less: more need not be told apart.
+        Where several hold, the alternative does what it does where one of them holds, and refuses less: more need not
+        be told apart.
         """
         node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, Choice)
@@ -307,7 +310,9 @@ class Offers(Abandoning):
         ]
 
     def _foreign(self, c: Configuration, frame: frames.Foreign, rest: Stack) -> list[Move]:
-        """A process written in another language: it may communicate on any of its ports, one after the other, and end whenever it likes."""
+        """A process written in another language: it may communicate on any of its ports, one after the other, and end
+        whenever it likes.
+        """
         context, node = frame.context, frame.node
         self.thread.abstracted(
             f"`{context.definition.name}` is written by hand: it may communicate in any order, and end at any time",

@@ -279,7 +279,9 @@ class Thread:
         return True
 
     def begun(self, configuration: Configuration, context: Context, end: ReadingEnd) -> bool:
-        """Whether a sample may have been missed at an end: its process has read there before. Unknown counts as that."""
+        """Whether a sample may have been missed at an end: its process has read there before. Unknown counts
+        as that.
+        """
         if not self._follows_sessions(context):
             return True
         return bool(self.slot_value(configuration, Session(end)))

@@ -38,7 +38,9 @@ _MOST_LANES = 40
 
 @record(order=True)
 class Bar:
-    """Something from one instant to another, in seconds: what stands in it, its colour, and whether it is drawn thin."""
+    """Something from one instant to another, in seconds: what stands in it, its colour, and whether it is
+    drawn thin.
+    """
 
     start: float
     end: float

@@ -49,7 +49,9 @@ def test_an_order_is_found_exactly_where_there_is_one() -> None:
 
 
 def edf_is_late(tasks: list[Task], horizon: int, blocker: Task | None) -> bool:
-    """Earliest deadline first without preemption, simulated; ``blocker`` has begun one unit before all others arrive."""
+    """Earliest deadline first without preemption, simulated; ``blocker`` has begun one unit before all
+    others arrive.
+    """
     jobs = [
         (k * task.period, k * task.period + task.deadline, task.work)
         for task in tasks

@@ -24,7 +24,9 @@ from cspdiag.network.ir.expressions import Expression
 
 @record
 class SubStep:
-    """A sub-step in seconds, and for Runge-Kutta the parts of it that are wanted: names of local variables or values."""
+    """A sub-step in seconds, and for Runge-Kutta the parts of it that are wanted: names of local variables
+    or values.
+    """
 
     whole: Code
     half: Code
