@@ -4,10 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, assert_never
 
 from cspdiag.base.record import replaced
-from cspdiag.model.types import BOOL, ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import (
+    BOOL,
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expression_walk import operands
@@ -153,5 +165,7 @@ def _fits(value: Any, kind: Type) -> bool:
             return all(_fits(part, inner) for part, (_, inner) in zip(value, kind.fields, strict=True))
         case ArrayType():
             return all(_fits(part, kind.element) for part in value)
-        case _:
+        case TextType() | UnknownType():
             return False
+        case _:
+            assert_never(kind)

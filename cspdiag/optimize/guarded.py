@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.network.ir.actions import Choice, End, InputEvent, InterruptOn, OutputEvent, PortEnd, ReadyEvent
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    Choice,
+    End,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    PortEnd,
+    ReadyEvent,
+    SkipEvent,
+)
 from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
@@ -58,8 +68,10 @@ def _guards(entry: ProcessClass, known: dict[str, Guards]) -> Guards:
                         reads.add(place_of(source))
                     case OutputEvent(sink=sink):
                         writes.add(place_of(sink))
-                    case _:
+                    case AfterEvent() | SkipEvent():
                         pass
+                    case _:
+                        assert_never(branch.event)
     for instance in entry.instances:
         inside = known[instance.class_name]
         if inside.reads or inside.writes:

@@ -9,16 +9,18 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
     Branch,
+    ChannelEnd,
     Choice,
     InputEvent,
     OutputEvent,
+    PortEnd,
     ReadValue,
     ReadyEvent,
     SkipEvent,
@@ -209,8 +211,10 @@ def _attached(attachment: Attachment, behind: Mapping[Place, Medium]) -> Medium:
             return _CONSTANT
         case DiscardEnd():
             return _DISCARD
-        case _:
+        case PortEnd() | ChannelEnd():
             return behind[place_of(attachment)]
+        case _:
+            assert_never(attachment)
 
 
 _CONSTANT = Medium("constant")

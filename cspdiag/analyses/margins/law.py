@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.analyses.margins.linear import Linearization, NotLinearError, Number, Simplification
 from cspdiag.base.record import record
-from cspdiag.model.types import ArrayType, RealType, StructType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import SubmodelClass
 
@@ -181,8 +192,10 @@ class _Layout:
                         lifted(name, (*way, k), part, inner)
                         for k, (part, (_, inner)) in enumerate(zip(value, kind.fields, strict=True))
                     )
-                case _:
+                case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
                     return value
+                case _:
+                    assert_never(kind)
 
         for state in law.states:
             self.evaluation.signals[state.name] = lifted(state.name, (), values[state.name], state.type)
@@ -205,8 +218,10 @@ def _numbers(value: Any, kind: Type) -> Iterator[tuple[tuple[int, ...], Any]]:
             for k, (part, (_, inner)) in enumerate(zip(value, kind.fields, strict=True)):
                 for way, number in _numbers(part, inner):
                     yield (k, *way), number
-        case _:
+        case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
             return
+        case _:
+            assert_never(kind)
 
 
 def _has_numbers(kind: Type) -> bool:
@@ -217,8 +232,10 @@ def _has_numbers(kind: Type) -> bool:
             return _has_numbers(kind.element)
         case StructType():
             return any(_has_numbers(inner) for _, inner in kind.fields)
-        case _:
+        case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
             return False
+        case _:
+            assert_never(kind)
 
 
 def _zero(kind: Type) -> Any:
@@ -229,8 +246,10 @@ def _zero(kind: Type) -> Any:
             return tuple(_zero(kind.element) for _ in range(kind.size or 0))
         case StructType():
             return tuple(_zero(inner) for _, inner in kind.fields)
-        case _:
+        case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
             return False if type(kind).__name__ == "BoolType" else 0
+        case _:
+            assert_never(kind)
 
 
 def _named(leaves: list[Leaf]) -> list[str]:

@@ -183,9 +183,11 @@ class Linearization:
                 return Number(value, (b * a ** (b - 1) if a or b >= 1 else math.nan) * da)
             case "^":
                 return Number(value, b * a ** (b - 1) * da + value * math.log(a) * db)
-            case _:
+            case "%" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
                 self._simplified("the remainder is taken where it does not jump", expression.span, left, right)
                 return Number(value, da - math.trunc(a / b) * db)
+            case _:
+                assert_never(operator)
 
     def _function(self, call: FunctionCall, arguments: list[Any]) -> Any:
         if call.function == "seconds":
@@ -230,9 +232,14 @@ class Linearization:
             case "abs":
                 self._simplified("the sign does not change", call.span, arguments[0])
                 return Number(value, math.copysign(1.0, x) * dx)
-            case _:
+            case (
+                "sign" | "sqrt" | "exp" | "log" | "sin" | "cos" | "tan" | "asin" | "acos" | "atan" | "floor"
+                | "ceil" | "round"
+            ):  # fmt: skip
                 self._simplified(f"`{call.function}` is taken as constant", call.span, arguments[0])
                 return value
+            case _:
+                assert_never(call.function)
 
 
 def _plain(value: Any) -> Any:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
-from typing import Literal, TypeAlias, cast
+from typing import Literal, TypeAlias, assert_never, cast
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
@@ -65,8 +65,10 @@ class StepChange:
                 return f"{self.subject} {self.after} added"
             case "removed":
                 return f"{self.subject} {self.before} removed"
-            case _:
+            case "changed":
                 return f"{self.subject} {self.before} → {self.after}"
+            case _:
+                assert_never(self.action)
 
 
 @record

@@ -9,8 +9,21 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Sequence
+from typing import assert_never
 
-from cspdiag.model.types import INT, IntType, RealType, TimeType, Type
+from cspdiag.model.types import (
+    INT,
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 
 
 class UndefinedError(Exception):
@@ -42,8 +55,10 @@ def checked(value: float, type_: Type) -> int | float:
             if math.isinf(value):
                 raise OutOfRangeError("infinite")
             return value
-        case _:
+        case BoolType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType():
             return value
+        case _:
+            assert_never(type_)
 
 
 def single(value: float) -> float:

@@ -191,12 +191,14 @@ def _real_arithmetic(context: Context, expression: ast.Binary, left: Type, right
             return RealType(left.bits, divide(left.unit, right.unit))
         case "^":
             return _power(context, expression, left, right)
-        case _:
+        case "%" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
             advice = "`%` is the remainder of integers and times"
             operator = expression.operator
             refused = UnsuitableOperand(expression.span, operator=operator, found=left, advice=advice)
             context.refuse(refused, expression)
             return UNKNOWN
+        case _:
+            assert_never(expression.operator)
 
 
 def _power(context: Context, expression: ast.Binary, base: RealType, exponent: RealType) -> Type:

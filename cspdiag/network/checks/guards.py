@@ -20,6 +20,7 @@ from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
 from cspdiag.network.ir.actions import (
     Action,
+    AfterEvent,
     AssignValue,
     Branch,
     CatchException,
@@ -30,6 +31,7 @@ from cspdiag.network.ir.actions import (
     InputEvent,
     InterruptOn,
     OptimizedStep,
+    OutputEvent,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -168,8 +170,10 @@ class _Beginnings:
                 return _READS
             case SkipEvent():
                 return self.of(branch.body)
-            case _:
+            case ReadyEvent() | InputEvent() | OutputEvent() | AfterEvent():
                 return Other(branch.span, "the branch may choose something else first")
+            case _:
+                assert_never(branch.event)
 
     def _read(self, key: Key, span: Span) -> Beginning:
         if key == self.key:

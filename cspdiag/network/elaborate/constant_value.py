@@ -105,8 +105,10 @@ def _binary(expression: BinaryOperation, lookup: Lookup) -> Any:
             return left if decided else _value(expression.right, lookup)
         case "==" | "!=" | "<" | "<=" | ">" | ">=":
             return _COMPARISONS[expression.operator](left, _value(expression.right, lookup))
-        case _:
+        case "+" | "-" | "*" | "/" | "%" | "^":
             return arithmetic.operate(expression.operator, left, _value(expression.right, lookup), expression.type)
+        case _:
+            assert_never(expression.operator)
 
 
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.proofs.properties.cycles import Finite, endless_run
 from cspdiag.proofs.transitions.systems.system import Event, System
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
@@ -34,5 +36,7 @@ def _reason(found: Finite) -> str:
             return "every loop waits for the environment or for time, in at least one process that takes part"
         case "minimization":
             return "put together two by two and made minimal, the processes have no loop without environment and time"
-        case _:
+        case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
             return f"no cycle among the {found.states} reachable states is without environment and time"
+        case _:
+            assert_never(found.method)

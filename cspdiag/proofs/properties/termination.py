@@ -5,6 +5,7 @@ it does not stop offering.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free
@@ -41,5 +42,7 @@ def _reason(found: Finite) -> str:
             return "no process can repeat anything"
         case "minimization":
             return "put together two by two and made minimal, the processes repeat nothing"
-        case _:
+        case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
             return f"no cycle among the {found.states} reachable states"
+        case _:
+            assert_never(found.method)

@@ -31,9 +31,11 @@ def layout(type_: Type) -> tuple[int, int]:
                 inner, aligned = layout(part)
                 size, alignment = -(-size // aligned) * aligned + inner, max(alignment, aligned)
             return -(-size // alignment) * alignment, alignment
-        case _:
+        case BoolType() | IntType() | RealType() | TimeType() | TextType() | EnumType() | UnknownType():
             size = struct.calcsize(_letter(type_))
             return size, size
+        case _:
+            assert_never(type_)
 
 
 def decoder(type_: Type) -> Decoder:

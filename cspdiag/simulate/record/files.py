@@ -9,9 +9,20 @@ import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, assert_never
 
-from cspdiag.model.types import ArrayType, BoolType, EnumType, StructType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.simulate.record.held import columns_of, held_rows
 
 if TYPE_CHECKING:
@@ -68,8 +79,10 @@ def readable(value: object, kind: Type | None) -> object:
             return {name: readable(part, inner) for (name, inner), part in zip(fields, values, strict=True)}
         case ArrayType(element=element):
             return [readable(part, element) for part in value]  # type: ignore[attr-defined]
-        case _:
+        case BoolType() | IntType() | RealType() | TimeType() | TextType() | UnknownType() | None:
             return value
+        case _:
+            assert_never(kind)
 
 
 def plain_trace_text(run: RunData) -> str:
@@ -104,8 +117,10 @@ def _written(value: Any, kind: Type) -> str:
             return "true" if value else "false"
         case EnumType(literals=literals):
             return literals[int(value)]
-        case _:
+        case IntType() | RealType() | TimeType() | TextType() | StructType() | ArrayType() | UnknownType():
             return str(value)
+        case _:
+            assert_never(kind)
 
 
 def npz_bytes(run: RunData) -> bytes:

@@ -5,11 +5,22 @@ are asked for.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.base.errors import missing_package
 from cspdiag.base.record import record
-from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.simulate.record.held import Column, columns_of, held_rows
 
 if TYPE_CHECKING:
@@ -131,8 +142,10 @@ def _series(values: list[Any], kind: Type) -> Any:
             return pandas.array(values, dtype="Int64")
         case RealType():
             return pandas.array([float("nan") if value is None else value for value in values], dtype="float64")
-        case _:
+        case TextType() | StructType() | ArrayType() | UnknownType():
             return values
+        case _:
+            assert_never(kind)
 
 
 def _array(values: list[Any], kind: Type) -> numpy.ndarray:
@@ -146,8 +159,10 @@ def _array(values: list[Any], kind: Type) -> numpy.ndarray:
             return numpy.array(values, dtype=bool)
         case IntType() | TimeType() | EnumType():
             return numpy.array(values, dtype="i8")
-        case _:
+        case RealType() | TextType() | StructType() | ArrayType() | UnknownType():
             return numpy.array(values, dtype=float)
+        case _:
+            assert_never(kind)
 
 
 def _shape(kind: Type) -> tuple[int, ...] | None:
@@ -165,8 +180,10 @@ def _unit(kind: Type) -> str | None:
             return str(unit)
         case TimeType():
             return "ns"
-        case _:
+        case BoolType() | IntType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType():
             return None
+        case _:
+            assert_never(kind)
 
 
 def _of_variable(kind: Type, period: float | None) -> dict[str, object]:

@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, assert_never
 
-from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 
 if TYPE_CHECKING:
     import numpy
@@ -25,8 +36,10 @@ def leaves(name: str, type_: Type) -> Iterator[tuple[str, Type, Picker]]:
         case StructType(fields=fields):
             for index, (field, kind) in enumerate(fields):
                 yield from _inside(f"{name}.{field}", kind, index)
-        case _:
+        case BoolType() | IntType() | RealType() | TimeType() | TextType() | EnumType() | UnknownType():
             yield name, type_, _itself
+        case _:
+            assert_never(type_)
 
 
 def _inside(name: str, type_: Type, index: int) -> Iterator[tuple[str, Type, Picker]]:
@@ -66,8 +79,10 @@ def _dtype(type_: Type) -> Any:
             return [(name, *_field(kind)) for name, kind in fields]
         case ArrayType():
             return _field(type_)
-        case _:
+        case TextType() | UnknownType():
             return object
+        case _:
+            assert_never(type_)
 
 
 def _field(type_: Type) -> tuple[Any, ...]:
@@ -86,5 +101,7 @@ def _plain(value: Any, type_: Type) -> Any:
             return [_plain(part, element) for part in value]
         case StructType(fields=fields):
             return tuple(_plain(part, kind) for part, (_, kind) in zip(value, fields, strict=True))
-        case _:
+        case BoolType() | IntType() | RealType() | TimeType() | TextType() | EnumType() | UnknownType():
             return value
+        case _:
+            assert_never(type_)

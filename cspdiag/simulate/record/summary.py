@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.signals import name_of_signal
@@ -64,11 +64,13 @@ def _ending(run: RunData) -> str:
             return f"stopped by {name_of_signal(outcome.signal)} {at}{hanging}"
         case "deadlock":
             return f"deadlock {at}"
-        case _:
+        case "failed":
             assert outcome.error is not None
             from cspdiag.runtime.kernel.exceptions import described
 
             return f"ended unsuccessfully {at}: {described(outcome.error)}"
+        case _:
+            assert_never(outcome.ended)
 
 
 _SHOWN = 8

@@ -9,9 +9,20 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, assert_never
 
-from cspdiag.model.types import ArrayType, IntType, RealType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.proofs.transitions.classes.facts import deciding
 from cspdiag.proofs.transitions.classes.program import Program
@@ -76,8 +87,10 @@ def _may_count(of: Type) -> bool:
             return _may_count(of.element)
         case IntType():
             return of.bits == _UNBOUNDED_BITS
-        case _:
+        case BoolType() | RealType() | TimeType() | TextType() | EnumType() | StructType() | UnknownType():
             return isinstance(of, RealType | TimeType)
+        case _:
+            assert_never(of)
 
 
 def _standing(root: Task) -> Iterator[tuple[object, ...]]:

@@ -90,8 +90,10 @@ class Values:
                 return (struct(*parts) for parts in product(*(self._all(field) for _, field in fields)))
             case ArrayType(element=element, size=size):
                 return ((value,) * (size or 0) for value in self._all(element))
-            case _:
+            case TextType() | UnknownType():
                 return ()
+            case _:
+                assert_never(type_)
 
 
 def types_of(network: Network) -> Mapping[str, Type]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import assert_never
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.paths import Job
@@ -123,8 +124,10 @@ class Demands:
                 return job.offer.period
             case "event":
                 return self.grid or 0
-            case _:
+            case "partner":
                 return None
+            case _:
+                assert_never(job.offer.kind)
 
     def _behind(self, one: Behaviour, job: Job, period: int) -> int:
         """By how much a job may come later than its period says."""

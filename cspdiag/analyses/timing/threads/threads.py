@@ -312,8 +312,10 @@ class Threads(Places):
                 return self._copied(context, branch.event, body)
             case OutputEvent():
                 return self._handed_over(context, branch.event, body)
-            case _:
+            case ReadyEvent() | AfterEvent() | SkipEvent():
                 return body
+            case _:
+                assert_never(branch.event)
 
     def _copied(self, context: Context, action: ReadValue | InputEvent, following: int) -> int:
         """A value that was read into a variable."""

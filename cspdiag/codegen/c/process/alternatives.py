@@ -107,8 +107,10 @@ def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:
                 guard.kept = _kept(writer, name, end)
         case OutputEvent(sink=sink):
             guard.kept = _kept(writer, name, writer.members.sink(sink))
-        case _:
+        case ReadyEvent() | AfterEvent() | SkipEvent():
             pass
+        case _:
+            assert_never(event)
     return guard
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import assert_never
 
 from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Network, ProcessClass
 
 Place = tuple[str, int | None]
 
@@ -42,8 +43,10 @@ class Unwritten:
                                 flagged = channel in self.variables[entry.name]
                             case PortEnd(port=port, index=index):
                                 flagged = (port, index) in found[entry.name]
-                            case _:
+                            case ConstantEnd() | DiscardEnd():
                                 flagged = False
+                            case _:
+                                assert_never(connection.attachment)
                         if flagged and (instance.class_name, connection.port) in outputs:
                             found[instance.class_name].add((connection.port, connection.index))
         return found

@@ -161,8 +161,10 @@ def scalars(type_: Type) -> Iterator[Type]:
                 yield from scalars(field)
         case ArrayType(element=element):
             yield from scalars(element)
-        case _:
+        case BoolType() | IntType() | RealType() | TimeType() | TextType() | EnumType() | UnknownType():
             yield type_
+        case _:
+            assert_never(type_)
 
 
 def integer(value: int) -> Code:

@@ -81,8 +81,10 @@ class Alternatives(Values):
                     known = self.printer.value(duration)
                     if not isinstance(known, int) or known <= 0:
                         return False
-                case _:
+                case OutputEvent():
                     return False
+                case _:
+                    assert_never(branch.event)
         return True
 
     def _selection(self, choice: Choice, attribute: str, local: str) -> Iterator[Statement]:

@@ -275,8 +275,10 @@ class FastPrinter(Printer):
                 if expression.operator in ("<", "<="):
                     return infix("and", AND, upper, lower)
                 return infix("or", OR, upper, lower)
-            case _:
+            case BinaryOperation():
                 return None
+            case _:
+                assert_never(expression)
 
     def _function(self, expression: FunctionCall) -> Code:
         kind = expression.type

@@ -5,6 +5,7 @@ to.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import assert_never
 
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
@@ -14,6 +15,7 @@ from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, call
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.network import (
     Connection,
     ConstantEnd,
@@ -74,10 +76,12 @@ class Instances:
                 return call(self.imports.runtime("Constant"), self.initial.print(value))
             case DiscardEnd():
                 return call(self.imports.runtime("Discard"))
-            case _:
+            case PortEnd() | ChannelEnd():
                 if by_submodel and port.direction == "in":
                     return Atom(self.members.source(attachment))
                 return Atom(self.members.handed_on(attachment))
+            case _:
+                assert_never(attachment)
 
 
 def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
