@@ -57,7 +57,8 @@ def program() -> cspdiag.LoadedProgram:
 
 
 WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
-    ("missing file", lambda: cspdiag.load("nowhere/missing.csp"), FileNotFoundError, "nowhere/missing.csp: no such file"),
+    ("missing file", lambda: cspdiag.load("nowhere/missing.csp"), FileNotFoundError,
+     "nowhere/missing.csp: no such file"),
     ("directory", lambda: cspdiag.load(MODELS), IsADirectoryError, "models: is a directory"),
     ("no path", lambda: cspdiag.load("a\0b"), OSError, "null"),
     ("text with zero bytes", lambda: cspdiag.parse("process A {\0}", "a.csp"), ValueError, (
@@ -93,9 +94,11 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     ("state", lambda: program().margins(at={"nobody": 1}), ValueError, "has no state `nobody` .it has: pan"),
     ("public name", lambda: program().run(until=0.01)["control"], KeyError, "no signal 'control'; there are: joystick"),
     ("unread signal", lambda: program().run(until=0.01).unread("control"), KeyError, "no signal 'control'"),
-    ("folder to write to", lambda: program().run(until=0.01).to_csv("nowhere/run.csv"), FileNotFoundError, "nowhere/run.csv"),
+    ("folder to write to", lambda: program().run(until=0.01).to_csv("nowhere/run.csv"), FileNotFoundError,
+     "nowhere/run.csv"),
     ("kind of plot", lambda: program().run(until=0.01).plot("run.doc"), ValueError, "not as run.doc"),
-    ("no deadlock", lambda: program().draw_deadlock(program().run(until=0.01)), ValueError, "did not end in a deadlock"),
+    ("no deadlock", lambda: program().draw_deadlock(program().run(until=0.01)), ValueError,
+     "did not end in a deadlock"),
 ]  # fmt: skip
 
 

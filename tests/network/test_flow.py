@@ -119,9 +119,12 @@ def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
         ("(if x > 3 then raise Odd) catch Odd -> skip", set(), [({"Odd"}, set())]),
         ("(if x > 3 then raise Odd) catch Odd -> raise Even", {"Even"}, [({"Odd"}, set())]),
         ("(if x > 3 then raise Odd else raise Even) catch Odd -> skip", {"Even"}, [({"Odd", "Even"}, set())]),
-        ("((if x > 3 then raise Odd) catch Odd -> skip) catch Odd -> skip", set(), [({"Odd"}, set()), (set(), {"Odd"})]),
-        ("((if x > 3 then raise Odd) interrupt after 1 ms -> raise Even) catch Even -> skip", {"Odd"}, [({"Odd", "Even"}, set())]),
-        ("((u ? x || raise Odd) catch Odd -> raise Even) catch Even -> skip", set(), [({"Odd"}, set()), ({"Even"}, {"Odd"})]),
+        ("((if x > 3 then raise Odd) catch Odd -> skip) catch Odd -> skip", set(),
+         [({"Odd"}, set()), (set(), {"Odd"})]),
+        ("((if x > 3 then raise Odd) interrupt after 1 ms -> raise Even) catch Even -> skip", {"Odd"},
+         [({"Odd", "Even"}, set())]),
+        ("((u ? x || raise Odd) catch Odd -> raise Even) catch Even -> skip", set(),
+         [({"Odd"}, set()), ({"Even"}, {"Odd"})]),
     ],
 )  # fmt: skip
 def test_which_exceptions_come_to_handlers(composition: str, leaving: set[str], coming: list[object]) -> None:

@@ -115,7 +115,8 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
     "state that is missing": (
         each(SubmodelState, lambda state: replaced(state, name="lost")), "there is no state `s`"
     ),
-    "two of one name": (lambda whole: replaced(whole, classes=(*whole.classes, whole.classes[-1])), "there are 2 times"),
+    "two of one name": (lambda whole: replaced(whole, classes=(*whole.classes, whole.classes[-1])),
+     "there are 2 times"),
     "classes the wrong way round": (
         lambda whole: replaced(whole, classes=whole.classes[::-1]), "does not come before"
     ),
@@ -124,7 +125,8 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
     ),
     "no outermost process": (lambda whole: replaced(whole, top="Law"), "the outermost process `Law` is no process"),
     "step of a pass that has not been": (
-        each(ir.SkipStep, lambda skip: ir.ProcessScope(span=skip.span, instance="x", class_name="X", ends=(), body=skip)),
+        each(ir.SkipStep,
+         lambda skip: ir.ProcessScope(span=skip.span, instance="x", class_name="X", ends=(), body=skip)),
         "ProcessScope is there before the pass `flatten`",
     ),
 }  # fmt: skip

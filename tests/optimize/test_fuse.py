@@ -219,7 +219,9 @@ FUSED = {
         SENDER.replace("n + 1", "n * 2 + 1").replace("1 ms", "100 us") + RECEIVER, PAIR, "s || r"
     ),
     "an element of an array is the target": program(
-        SENDER + RECEIVER.replace("var v : int ", "var v : int[3] = [0, 0, 0]  var k : int = 0 ").replace("mu i ? v", "mu (i ? v[k] ; k := (k + 1) % 4)"),
+        SENDER
+        + RECEIVER.replace("var v : int ", "var v : int[3] = [0, 0, 0]  var k : int = 0 ")
+        .replace("mu i ? v", "mu (i ? v[k] ; k := (k + 1) % 4)"),
         PAIR,
         "s || r",
     ),

@@ -19,8 +19,8 @@ WANTED = {
       for choice, event, condition in product(
           ("Choice", "Choice prioritized"), EVENTS, ("", " under a condition"))),
     *(f"InterruptOn with {event}{condition}"
-      for event,
-      condition in product(EVENTS[:4], ("", " under a condition")) if (event, condition) != ("ReadyEvent", " under a condition")),
+      for event, condition in product(EVENTS[:4], ("", " under a condition"))
+      if (event, condition) != ("ReadyEvent", " under a condition")),
     *(f"channel {kind}" for kind in CHANNELS),
     *(f"{kind} with {side} guards" for kind, side in product((*CHANNELS, "sampled", "event"), ("input", "output"))
       if (kind, side) not in {("sampled", "output"), ("event", "output")}),

@@ -1,4 +1,6 @@
-"""Compares two composition diagrams: one diagram that holds what both have, and marks on what came, went or is another."""
+"""Compares two composition diagrams: one diagram that holds what both have, and marks on what came, went or
+is another.
+"""
 
 from __future__ import annotations
 

@@ -82,7 +82,9 @@ def _guess(context: Context, operator: str, left: Type, right: Type) -> Type:
 def peers(
     context: Context, left: ast.Expression, left_type: Type, right: ast.Expression, right_type: Type
 ) -> tuple[Type, Type]:
-    """The types of two values that stand beside each other, after numbers in the text took the type of the other side."""
+    """The types of two values that stand beside each other, after numbers in the text took the type of the
+    other side.
+    """
     types = context.program.types
     if agrees(left_type, right_type):
         return left_type, right_type

@@ -86,7 +86,8 @@ def to_xarray(run: RunData, names: Iterable[str]) -> xarray.Dataset:
 
         stacked = numpy.stack(found, axis=-1) if found else numpy.empty((len(times), 0))
         variables[channel.name] = (
-            ("time", *dimensions), stacked.reshape(len(times), *shape), _of_variable(own[0].type if own else channel.type, channel.period)
+            ("time", *dimensions), stacked.reshape(len(times), *shape),
+            _of_variable(own[0].type if own else channel.type, channel.period)
         )  # fmt: skip
     coordinates = {"time": (("time",), times, {"units": "s"})}
     return xarray.Dataset(variables, coords=coordinates, attrs=_attributes(run))

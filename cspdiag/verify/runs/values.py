@@ -38,7 +38,9 @@ HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None
 
 
 class Values:
-    """Values of the types of a program, as its package has them; ``numbers`` are those on which it may depend what happens."""
+    """Values of the types of a program, as its package has them; ``numbers`` are those on which it may depend what
+    happens.
+    """
 
     def __init__(self, types: ModuleType | None, numbers: Iterable[int | float]) -> None:
         self._types = types
@@ -48,7 +50,9 @@ class Values:
         self._reals = tuple(dict.fromkeys((*_REALS, *reals, *_OTHER_REALS)))
 
     def candidates(self, type_: Type, told: str | None) -> Sequence[Any]:
-        """What may be offered at a port, the simplest first: the value that the trace tells, or a choice of all that there are."""
+        """What may be offered at a port, the simplest first: the value that the trace tells, or a choice of all that
+        there are.
+        """
         found = list(islice(self._all(type_), _MOST))
         if told is None:
             return found
@@ -130,7 +134,9 @@ def _number(type_: Type, told: str) -> int:
 
 
 def numbers_of(network: Network) -> Iterator[int | float]:
-    """Whole numbers that a program mentions, and their neighbours; thresholds of floating-point numbers, and numbers between them: conditions turn on them."""
+    """Whole numbers that a program mentions, and their neighbours; thresholds of floating-point numbers, and numbers
+    between them: conditions turn on them.
+    """
     found: dict[int, None] = {}
     for constant in network.constants:
         _collect(constant.value, found)

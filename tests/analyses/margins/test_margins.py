@@ -143,7 +143,8 @@ def test_bodies_in_other_languages_are_refused_with_their_place() -> None:
 
 def test_a_plant_in_another_language_is_refused() -> None:
     text = INTEGRATOR.replace(
-        "submodel Plant {{\n  in  u : double\n  out y : double\n  state x : double = 1\n  der x = u / 1<s>\n  y = x\n}}",
+        "submodel Plant {{\n  in  u : double\n  out y : double\n"
+        "  state x : double = 1\n  der x = u / 1<s>\n  y = x\n}}",
         'submodel Plant python "plant.py:Plant" {{\n  in  u : double\n  out y : double\n}}',
     )
     with pytest.raises(NotLinearError, match="cannot be looked into"):
@@ -151,7 +152,10 @@ def test_a_plant_in_another_language_is_refused() -> None:
 
 
 SCHEDULED = (
-    INTEGRATOR.replace("  in  y : double\n  out u : double\n  u = -({gain}) * y", "  in  y : double\n  in  gain, scale : double = 5\n  out u : double\n  u = -gain * scale * y", 1)
+    INTEGRATOR.replace(
+        "  in  y : double\n  out u : double\n  u = -({gain}) * y",
+        "  in  y : double\n  in  gain, scale : double = 5\n  out u : double\n  u = -gain * scale * y", 1,
+    )
     .replace("    law : Law\n", "    law : Law\n    var gain : double = 2\n    gain -> law.gain\n")
 )  # fmt: skip
 

@@ -99,7 +99,8 @@ def told(*replacements: tuple[str, str]) -> list[str]:
             ["process Reader", "~ composition: mu (x ? v ; y ! v) → mu (x ? v ; y ! v ; y ! v)"],
         ),
         ("assert Top deadlock free", "", ["- assert Top deadlock free"]),
-        ("submodel Law(kp: double<V>)", "submodel Law(kp: double<V> = 1<V>)", ["submodel Law", "~ parameter kp: default none → 1<V>"]),
+        ("submodel Law(kp: double<V>)", "submodel Law(kp: double<V> = 1<V>)",
+         ["submodel Law", "~ parameter kp: default none → 1<V>"]),
     ],
 )  # fmt: skip
 def test_a_change_is_told_in_the_words_of_the_diagram(old: str, new: str, lines: list[str]) -> None:

@@ -282,8 +282,8 @@ class Replicated:
 
 
 Comp = (
-    Skip | Stop | Assign | Read | Write | Wait | Raise | Run | Reset | Seq | Par | Guarded | Alt | Mu | While | If | Catch
-    | Interrupt | Replicated
+    Skip | Stop | Assign | Read | Write | Wait | Raise | Run | Reset | Seq | Par | Guarded | Alt | Mu | While | If
+    | Catch | Interrupt | Replicated
 )  # fmt: skip
 
 # ---- programs ----

@@ -19,7 +19,8 @@ def random_system(seed: int) -> System:
     ]
     used = [{event for edges in component.edges for event, _ in edges} - {INTERNAL} for component in components]
     events = [
-        Event(f"e{event}", tuple(at for at in members if event in used[at]), _kind(random, members), None, random.random() < 0.3)
+        Event(f"e{event}", tuple(at for at in members if event in used[at]), _kind(random, members), None,
+         random.random() < 0.3)
         for event, members in enumerate(parties)
     ]  # fmt: skip
     return _without_unused(System(tuple(components), tuple(events)))

@@ -105,7 +105,8 @@ class Demands:
                 "" if is_sample else job.offer.channel if job.offer is not None and job.offer.channel else str(job.wait)
             )
             yield Demand(
-                one.number, one.level, period, path.work, path.step, path.delays, one.number if is_sample else -1, False, cause,
+                one.number, one.level, period, path.work, path.step, path.delays, one.number if is_sample else -1,
+                False, cause,
                 self._behind(one, job, period), held, int(bool(path.meets) and job.is_owed),
             )  # fmt: skip
 
@@ -180,8 +181,10 @@ class Demands:
             # Each who communicates there begins the work once more.
             self.own[other.number].append(
                 Demand(
-                    other.number, other.level, begun.period, begun.count * work, step, begun.count * max(job.path.delays for job in jobs),
-                    one.number, True, f"{begun.channel} of {begun.thread}", behind, begun.count * held, begun.count * meets,
+                    other.number, other.level, begun.period, begun.count * work, step,
+                    begun.count * max(job.path.delays for job in jobs),
+                    one.number, True, f"{begun.channel} of {begun.thread}", behind, begun.count * held,
+                    begun.count * meets,
                 )
             )  # fmt: skip
         for job in jobs:
@@ -260,7 +263,8 @@ def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:
 def _larger(one: Demand, other: Demand) -> Demand:
     shared = one.shared | other.shared | ({other.thread} if other.thread != one.thread else set())
     return replaced(
-        one, origin=one.origin if one.origin == other.origin or not one.late else -1, shared=shared, work=max(one.work, other.work), step=max(one.step, other.step), delays=max(one.delays, other.delays),
+        one, origin=one.origin if one.origin == other.origin or not one.late else -1, shared=shared,
+        work=max(one.work, other.work), step=max(one.step, other.step), delays=max(one.delays, other.delays),
         behind=max(one.behind, other.behind), held=max(one.held, other.held), meets=max(one.meets, other.meets),
     )  # fmt: skip
 

@@ -148,7 +148,8 @@ class Threads(Places):
         outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
         gives = tuple(net.path for net in nets if net is not None and never_waits(net))
         work = self.place(
-            context, law, cost=self.cost(path, law, context), leaf=path, outputs=outputs, gives=gives, move=self.move(path, connections, inputs)
+            context, law, cost=self.cost(path, law, context), leaf=path, outputs=outputs, gives=gives,
+            move=self.move(path, connections, inputs)
         )  # fmt: skip
         fault = self.handler(context, "Fault")
         context.thread.places[work].successors = [present] if fault is None else [present, fault]

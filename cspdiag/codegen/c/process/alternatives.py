@@ -167,7 +167,9 @@ def prepare(writer: Writer, guard: Guard, alternative: Code, number: int, *, alw
 
 
 def taken(writer: Writer, guard: Guard) -> list[Statement]:
-    """What the branch of a guard begins with: the communication of what never waits, and values into elements of arrays."""
+    """What the branch of a guard begins with: the communication of what never waits, and values into elements of
+    arrays.
+    """
     event, where = guard.event, writer.where(guard.event)
     remark = writer.remark(event)
     match event:

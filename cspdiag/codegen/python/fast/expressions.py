@@ -1,7 +1,8 @@
 """Expressions as fast Python: what the runtime has functions for stands in place, constants are values.
 
-The results are those of the functions, bit for bit, faults included: every rewriting here says why. What is not rewritten, or cannot be
-because an operand would be evaluated twice or out of turn, is a call of the runtime as at ``-O0``.
+The results are those of the functions, bit for bit, faults included: every rewriting here says why. What is not
+rewritten, or cannot be because an operand would be evaluated twice or out of turn, is a call of the runtime as at
+``-O0``.
 """
 
 from __future__ import annotations

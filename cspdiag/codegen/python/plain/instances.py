@@ -29,7 +29,9 @@ from cspdiag.network.ir.network import (
 
 
 class Instances:
-    """Makes the instances of one process class; ``initial`` prints expressions over its parameters in the constructor."""
+    """Makes the instances of one process class; ``initial`` prints expressions over its parameters in
+    the constructor.
+    """
 
     def __init__(
         self, network: Network, members: Members, initial: Printer, imports: Imports, modules: ExternalModules

@@ -286,7 +286,8 @@ COUNTER = "process Counter { communication { var m : int = 0 } composition { mu 
     ("composition", "parts", "process"),
     [
         ("(mu (i := i + 1 ; setter) until i > 3) || mu a", "var i : int = 0  setter : Setter  setter.x -> i", SETTER),
-        ("(mu (i := 0 ; setter ; mu (i := i + 1 ; setter) until i == 3) until i > 3) || mu a", "var i : int = 0  setter : Setter  setter.x -> i", SETTER),
+        ("(mu (i := 0 ; setter ; mu (i := i + 1 ; setter) until i == 3) until i > 3) || mu a",
+         "var i : int = 0  setter : Setter  setter.x -> i", SETTER),
         ("(counter ; counter) || mu a", "counter : Counter", COUNTER),
         ("mu (a ; counter)", "counter : Counter", COUNTER),
     ],
@@ -360,7 +361,9 @@ def test_communications_that_begin_ever_more_of_each_other_are_not_counted_for_e
         "mu (a ; s ! n ; s ! n) || mu (s ? v -> (t ! v ; t ! v) [] q -> b) || mu (t ? w -> (s ! w ; s ! w) [] e ? k -> "
         "skip)",
         "channel s : double any  channel t : double",
-    ).replace("e    : double", "e    : int").replace("out p, q, e : double", "out p, q : double  out e : int").replace("double(n - n % 8)", "n - n % 8")  # fmt: skip
+    )
+    text = text.replace("e    : double", "e    : int").replace("out p, q, e : double", "out p, q : double  out e : int")
+    text = text.replace("double(n - n % 8)", "n - n % 8")
     report = report_of(text)
     assert report.is_schedulable is None
     assert any("in a period cannot be bounded" in refusal.reason for refusal in report.refusals)

@@ -40,7 +40,10 @@ SIGNALS: Mapping[str, Type] = {
     "speed": DOUBLE, "angle": DOUBLE, "count": INT, "gear": INT8, "level": UINT8, "patience": TIME, "held": BOOL,
     "coarse": SINGLE, "table": TABLE,
 }  # fmt: skip
-REALS = (0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 0.49999999999999994, 1e300, -1e300, 5e-324, math.inf, -math.inf, math.nan, 3.7)  # fmt: skip
+REALS = (
+    0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 0.49999999999999994, 1e300, -1e300, 5e-324, math.inf, -math.inf,
+    math.nan, 3.7,
+)  # fmt: skip
 WHOLE = (0, 1, -1, 2, 3, -3, 7, -7, 100, 127, -128, 255, 2**31, 2**63 - 1, -(2**63), 2**62)
 
 
