@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from cspdiag.base import Report, Span
 from cspdiag.network.checks.samples.first import Late
-from cspdiag.network.checks.samples.gaps import NOTHING, Gap, either, then
+from cspdiag.network.checks.samples.gaps import NOTHING, Gap, then
 from cspdiag.network.checks.samples.reads import MANY, Book, Part, Reads
-from cspdiag.network.diagnostics.samples.rates import SamplesMissed
+from cspdiag.network.diagnostics.samples.rates import Extent, SamplesMissed
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import sample_period
 from cspdiag.network.shapes import Key
@@ -34,7 +34,7 @@ class Findings:
         between = Gap(late.waits, None, late.cause)
         self._report(late.port, between, late.earlier, late.read, 1, is_certain=True, slower=late.slower)
 
-    def check(self, book: Book, between: Gap | None, one: Reads, other: Reads) -> bool:
+    def check(self, book: Book, between: Gap | None, one: Reads, other: Reads, extent: Extent = "two reads") -> bool:
         """Report a gap in which a sample is certainly overwritten, or may be while an event is waited for."""
         period = sample_period(self.placed, book[0])
         if self.tolerated or between is None or between.cause is None:
@@ -46,7 +46,8 @@ class Findings:
         is_said = (book[0], between.cause) in self.said
         self.said.add((book[0], between.cause))
         if not is_said:
-            self._report(book[0], between, one.span, other.span, 1 + max(between.credit, 0) // period, is_certain=True)
+            reads = 1 + max(between.credit, 0) // period
+            self._report(book[0], between, one.span, other.span, reads, is_certain=True, extent=extent)
         return True
 
     def check_turns(self, body: Part, *, is_endless: bool) -> None:
@@ -61,8 +62,13 @@ class Findings:
                 continue
             # Between two reads there may also be a turn without one.
             free = found.past or NOTHING
-            between = (then(found.after.then(free), found.before), then(found.held, found.before), found.pending)
-            if any(self.check(book, gap, found, found) for gap in between):
+            between = then(found.after.then(free), found.before)
+            is_sum = 0 < free.duration < (between or free).duration
+            extent: Extent = "two reads and a turn" if is_sum else "two reads"
+            instead = then(found.held, found.before), found.pending
+            if self.check(book, between, found, found, extent) or any(
+                self.check(book, gap, found, found) for gap in instead
+            ):
                 # What one input misses in a turn, others may miss too: it is one mistake.
                 return
             if self.tolerated:
@@ -71,21 +77,25 @@ class Findings:
             if 0 < found.most < MANY and slowest[0] > taken:
                 slower = body.reads[slowest[1]].span
                 waited = Gap(slowest[0], None, slower, taken)
-                self._report_turns(key, waited, found.span, slower=slowest[1][0], is_endless=is_endless)
+                extent = "every turn" if found.least == found.most else "every turn, at most"
+                self._report_turns(key, waited, found.span, extent, slower=slowest[1][0], is_endless=is_endless)
                 return
-            drift = either(found.drift, then(found.drift, found.past))
+            drift, extent = _turn(found)
             if drift is not None and drift.event is None and drift.late >= 0 and drift.cause is not None:
-                self._report_turns(key, drift, found.span, slower=None, is_endless=is_endless)
+                self._report_turns(key, drift, found.span, extent, slower=None, is_endless=is_endless)
                 return
 
-    def _report_turns(self, key: Key, turn: Gap, read: Span, *, slower: Key | None, is_endless: bool) -> None:
+    def _report_turns(
+        self, key: Key, turn: Gap, read: Span, extent: Extent, *, slower: Key | None, is_endless: bool
+    ) -> None:
         assert turn.cause is not None
         period = sample_period(self.placed, key)
         turns = 2 + 2 * period // turn.late if turn.late else 1
         if turns * turn.duration + period < self.limit and (key, turn.cause) not in self.said:
             self.said.add((key, turn.cause))
+            is_certain = is_endless and extent in ("every turn", "every turn, at most")
             reads = turn.credit // period
-            self._report(key, turn, read, read, reads, is_certain=is_endless, slower=slower, turns=True)
+            self._report(key, turn, read, read, reads, is_certain=is_certain, slower=slower, extent=extent)
 
     def _report(
         self,
@@ -97,7 +107,7 @@ class Findings:
         *,
         is_certain: bool,
         slower: Key | None = None,
-        turns: bool = False,
+        extent: Extent = "two reads",
     ) -> None:
         assert between.cause is not None
         self.report.add(
@@ -112,7 +122,16 @@ class Findings:
                 waits=between.duration,
                 slower=slower,
                 reads=reads,
-                turns=turns,
+                extent=extent,
                 is_certain=is_certain,
             )
         )
+
+
+def _turn(found: Reads) -> tuple[Gap | None, Extent]:
+    """What makes one later than anything else, turn after turn: a turn that reads, perhaps with one that does not."""
+    two = then(found.drift, found.past)
+    if found.drift is not None and two is not None and two.rank > found.drift.rank:
+        return two, "two turns"
+    is_alike = found.drift is not None and found.drift.on_every_way and found.least == found.most
+    return found.drift, "every turn" if is_alike else "some turn"

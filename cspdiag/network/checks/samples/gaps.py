@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 
 from cspdiag.base import Span
-from cspdiag.base.record import record
+from cspdiag.base.record import record, replaced
 from cspdiag.network.shapes import Key
 
 _LOOKED_AT = 64
@@ -18,7 +18,8 @@ class Gap:
     what takes most.
 
     ``credit`` is how much of it the samples take that are read meanwhile, one period each; it is negative after an
-    event ``beside`` the samples, which may come when the next one is due.
+    event ``beside`` the samples, which may come when the next one is due. Where not ``on_every_way``, there is one that
+    takes less than ``duration``, or may be.
     """
 
     duration: int = 0
@@ -26,6 +27,7 @@ class Gap:
     cause: Span | None = None
     credit: int = 0
     beside: Key | None = None
+    on_every_way: bool = True
 
     def then(self, later: Gap) -> Gap:
         """One after the other."""
@@ -39,7 +41,13 @@ class Gap:
             cause,
             self.credit + later.credit,
             self.beside or later.beside,
+            self.on_every_way and later.on_every_way,
         )
+
+    @property
+    def perhaps(self) -> Gap:
+        """The same, where something may end it before."""
+        return replaced(self, on_every_way=False) if self.duration and self.on_every_way else self
 
     @property
     def late(self) -> int:
@@ -61,7 +69,16 @@ def then(first: Gap | None, second: Gap | None) -> Gap | None:
 
 
 def either(one: Gap | None, other: Gap | None) -> Gap | None:
-    """The longer of two that may each happen."""
+    """The longer of two ways, None for one that there is not."""
+    if one is None or other is None:
+        return other if one is None else one
+    longer, shorter = (one, other) if one.rank >= other.rank else (other, one)
+    is_as_long = shorter.on_every_way and shorter.duration >= longer.duration
+    return longer if is_as_long else longer.perhaps
+
+
+def both(one: Gap | None, other: Gap | None) -> Gap | None:
+    """Two at the same time, of which the longer counts."""
     if one is None or other is None:
         return other if one is None else one
     return one if one.rank >= other.rank else other
@@ -74,6 +91,8 @@ class Elapsed:
         self._steps: list[Gap] = []
         self._sums = [0]
         self._events: list[int] = []
+        self._choices: list[int] = []
+        """The positions of the steps that may also take less."""
         self._end = -1
         """The position of the last step without a way through it."""
 
@@ -88,8 +107,11 @@ class Elapsed:
             return
         if time is None:
             self._end = self.position
-        elif time.event is not None:
-            self._events.append(self.position)
+        else:
+            if time.event is not None:
+                self._events.append(self.position)
+            if not time.on_every_way:
+                self._choices.append(self.position)
         self._steps.append(time or NOTHING)
         self._sums.append(self._sums[-1] + (time.duration if time is not None else 0))
 
@@ -102,4 +124,9 @@ class Elapsed:
         index = bisect_left(self._events, position)
         event = self._steps[self._events[index]] if index < len(self._events) else None
         longest = event or max(self._steps[position : position + _LOOKED_AT], key=lambda step: step.duration)
-        return Gap(self._sums[-1] - self._sums[position], None if event is None else event.event, longest.cause)
+        return Gap(
+            self._sums[-1] - self._sums[position],
+            None if event is None else event.event,
+            longest.cause,
+            on_every_way=not self._choices or self._choices[-1] < position,
+        )

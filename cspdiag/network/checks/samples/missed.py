@@ -223,7 +223,7 @@ class _Sequence:
                 is_first = action.prioritized and place < sample
                 is_last = action.prioritized and not is_first
                 instead[key, 0] = self._instead_of(key, branch, waits=is_waiting, is_first=is_first, is_last=is_last)
-            parts.append(self._branch(branch, until if branch in events else NOTHING, instead))
+            parts.append(self._branch(branch, until.perhaps if branch in events else NOTHING, instead))
         self.findings.tolerated = was_tolerated
         chosen = one_of(parts)
         if is_certain:
@@ -339,12 +339,12 @@ class _Sequence:
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
         """A body that an event ends: when it likes, at the latest with the next sample that the body waits for."""
-        time = Gap(0, event, span) if body.time is None else body.time
+        time = Gap(0, event, span) if body.time is None else body.time.perhaps
         reads = {}
         for book, found in body.reads.items():
             held = Gap(0, None, span, -self._period(book[0]), event)
             again = found.most > 1 and found.before is not None
-            past = NOTHING if body.time is None or found.before is not None else body.time
+            past = NOTHING if body.time is None or found.before is not None else body.time.perhaps
             reads[book] = replaced(
                 found, past=past, after=held if again else None, least=0, drift=None, held=held, pending=None
             )

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import node, replaced
-from cspdiag.network.checks.samples.gaps import NOTHING, Gap, either, then
+from cspdiag.network.checks.samples.gaps import NOTHING, Gap, both, either, then
 from cspdiag.network.shapes import Key
 
 Book: TypeAlias = tuple[Key, int]
@@ -137,14 +137,13 @@ def one_of(parts: list[Part]) -> Part:
         return NEVER_ENDS
     if len(parts) == 1:
         return parts[0]
-    slowest = sorted(parts, key=lambda part: (-1, 0) if part.time is None else part.time.rank, reverse=True)
     by_key: dict[Book, list[Reads]] = {}
     for each in parts:
         for key, found in each.reads.items():
             by_key.setdefault(key, []).append(found)
     reads: dict[Book, Reads] = {}
     for key, known in by_key.items():
-        without = next((each.time for each in slowest if key not in each.reads), None)
+        without = _greatest(each.time for each in parts if key not in each.reads)
         reads[key] = Reads(
             before=_greatest(one.before for one in known),
             past=either(without, _greatest(one.past for one in known)),
@@ -156,7 +155,7 @@ def one_of(parts: list[Part]) -> Part:
             held=_greatest(one.held for one in known),
             pending=_greatest(one.pending for one in known),
         )
-    return part(slowest[0].time, reads, one_of_exits(each.exits for each in parts))
+    return part(_greatest(each.time for each in parts), reads, one_of_exits(each.exits for each in parts))
 
 
 def one_of_exits(all_exits: Iterable[Mapping[str, Part]]) -> dict[str, Part]:
@@ -197,11 +196,11 @@ def beside(branches: Iterable[Part]) -> Part:
     ends = all(each.time is not None for each in parts)
     reads: dict[Book, Reads] = {}
     for position, each in enumerate(parts):
-        others = _greatest(other.time for number, other in enumerate(parts) if number != position)
+        others = reduce(both, (other.time for number, other in enumerate(parts) if number != position), None)
         for book, found in each.reads.items():
             reads[book] = _beside(found, others) if ends else _without_end(found)
     exits = one_of_exits(_exits_beside(each, parts) for each in parts if each.exits)
-    return part(_greatest(each.time for each in parts) if ends else None, reads, exits)
+    return part(reduce(both, (each.time for each in parts)) if ends else None, reads, exits)
 
 
 def free_book(key: Key, beside: Part) -> Book:
@@ -237,9 +236,9 @@ def _beside(found: Reads, others: Gap | None) -> Reads:
         return found
     drift = found.drift
     if drift is not None:
-        drift = either(drift, Gap(others.duration, others.event, others.cause, drift.credit))
+        drift = both(drift, replaced(others, credit=drift.credit, beside=None))
     after = found.after if others.event is None else then(found.after, others)
-    return replaced(found, past=None if found.past is None else either(found.past, others), after=after, drift=drift)
+    return replaced(found, past=None if found.past is None else both(found.past, others), after=after, drift=drift)
 
 
 def _exits_beside(one: Part, parts: list[Part]) -> dict[str, Part]:
@@ -253,7 +252,7 @@ def within(body: Part, limit: Gap) -> Part:
     """A body that ends before the ``limit``, whatever events it waits for."""
 
     def limited(gap: Gap | None) -> Gap | None:
-        return gap if gap is None or gap.event is None else limit
+        return gap if gap is None or gap.event is None else limit.perhaps
 
     reads = {
         book: replaced(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Literal, TypeAlias
 
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
@@ -60,6 +61,14 @@ class FasterLawWaits(Diagnostic):
         )
 
 
+Extent: TypeAlias = Literal[
+    "two reads", "two reads and a turn", "every turn", "every turn, at most", "some turn", "two turns"
+]
+"""Where the time passes: between two reads, perhaps with a turn of a loop that reads none; in each turn of a loop that
+takes so many samples, or at most so many; in a turn that may be taken; in two of them together.
+"""
+
+
 @record
 class SamplesMissed(Diagnostic):
     code = "W0707"
@@ -81,9 +90,7 @@ class SamplesMissed(Diagnostic):
     reads: int
     """How many samples of ``port`` are taken meanwhile, the one that is late included; of a turn of a loop, all."""
 
-    turns: bool
-    """Whether that is one turn of a loop, and not once."""
-
+    extent: Extent
     is_certain: bool
     """Whether samples are missed, not only if the loop has many turns."""
 
@@ -102,10 +109,20 @@ class SamplesMissed(Diagnostic):
             if self.reads == 1:
                 return f"between two reads of {every}, this {self.meanwhile}: samples are missed"
             return f"this {self.meanwhile} and takes {taken} of {every}: more are missed"
-        turn = f"each turn of the loop {self.meanwhile}"
-        if self.slower is not None or self.waits > self.reads * self.period:
-            return f"{turn} and takes {taken} of {every}: {self._missed}"
-        return f"{turn} and takes {taken} of {every}: as soon as anything else takes time, samples are missed"
+        match self.extent:
+            case "two turns":
+                does = f"two turns of the loop can together {self._wait} and take {taken}"
+            case "some turn":
+                does = f"a turn of the loop can {self._wait} and takes {taken}"
+            case _:
+                most = "at most " if self.extent == "every turn, at most" else ""
+                does = f"each turn of the loop {self.meanwhile} and takes {most}{taken}"
+        return f"{does} of {every}: {self._missed}"
+
+    @property
+    def turns(self) -> bool:
+        """Whether turns of a loop make the process later and later, and not one delay."""
+        return not self.extent.startswith("two reads")
 
     @property
     def meanwhile(self) -> str:
@@ -114,17 +131,33 @@ class SamplesMissed(Diagnostic):
             return f"waits for the event `{self.event}`"
         if self.beside is not None:
             return f"waits {duration(self.waits)} after the event `{self.beside}`"
+        if self.extent == "two reads and a turn":
+            return f"waits {duration(self.waits)} where a turn of the loop reads none"
         return f"waits {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
+
+    @property
+    def _wait(self) -> str:
+        return f"wait {duration(self.waits)}"
 
     @property
     def account(self) -> str:
         """What one that has missed a sample did meanwhile."""
+        if self.extent in ("some turn", "two turns"):
+            turns = "a turn of its loop" if self.extent == "some turn" else "two turns of its loop"
+            samples = "one sample" if self.reads == 1 else f"{self.reads} samples"
+            return f"{turns} can {self._wait}, for {samples} of `{self.port}`"
         if self.reads == 1:
             return f"between two reads of `{self.port}` it {self.meanwhile}"
         return f"it {self.meanwhile} and takes {self.reads} samples of `{self.port}`"
 
     @property
     def _missed(self) -> str:
+        is_as_long = self.slower is None and self.waits <= self.reads * self.period
+        if self.extent in ("some turn", "two turns"):
+            misses = "enough such turns in a row miss samples"
+            return f"as soon as anything else takes time, {misses}" if is_as_long else misses
+        if is_as_long:
+            return "as soon as anything else takes time, samples are missed"
         return "the others are missed" if self.is_certain else "after a few turns, samples are missed"
 
     @property
