@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record, replaced
@@ -79,6 +79,10 @@ def parse_time_limit(text: str) -> int:
     return limit
 
 
+_Place: TypeAlias = "tuple[str | int, ...]"
+"""An owner, what it owns, and the positions of a part in that; the place of the whole is the beginning of a part's."""
+
+
 @record
 class _Target:
     """What a name can mean: a constant, or a part of one, or a parameter by its path below some roots."""
@@ -86,8 +90,17 @@ class _Target:
     path: str
     item: ast.Constant | ast.Parameter
     type: Type
+    positions: tuple[int, ...] = ()
+    """Of a part of a constant: where it lies in it."""
     roots: tuple[Root, ...] = ()
     is_qualified: bool = False
+
+    @property
+    def places(self) -> tuple[_Place, ...]:
+        """What is set, however it is written."""
+        return tuple(
+            (owner, self.path if self.roots else self.item.name.text, *self.positions) for owner in self.owners
+        )
 
     @property
     def owners(self) -> tuple[str, ...]:
@@ -116,13 +129,10 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
     constants: dict[str, Value] = {}
     parameters: dict[str, Value] = {}
     places: list[Label] = []
-    known: set[tuple[str, str]] = set()
+    known = _Known()
     for name, text in settings.items():
         target = _target(program, name, roots)
-        own = {(owner, target.path) for owner in target.owners}
-        if own & known:
-            raise SettingError(f"{target.path} is set twice")
-        known |= own
+        known.add(name, target)
         value = _value(name, text, target.type, is_constant=not target.roots)
         if not target.roots:
             constants[target.path] = value
@@ -132,6 +142,33 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
             parameters[target.path] = value
         places.append(Label(target.item.name.span, f"set from outside: {name}={text}"))
     return Overrides(constants=constants, parameters=parameters, places=tuple(places))
+
+
+class _Known:
+    """What has been set, by the names that were written."""
+
+    def __init__(self) -> None:
+        self._set: dict[_Place, str] = {}
+        self._around: dict[_Place, str] = {}
+        """What has a part that is set, by the name of one such part."""
+
+    def add(self, name: str, target: _Target) -> None:
+        """SettingError for what is set already: itself, a part of it, or what it is a part of."""
+        for place in target.places:
+            if place in self._set:
+                raise SettingError(f"{target.path} is set twice: as {self._set[place]} and as {name}")
+            around = [place[:length] for length in range(2, len(place))]
+            whole = next((self._set[beginning] for beginning in around if beginning in self._set), None)
+            if whole is not None:
+                raise _both_set(name, whole)
+            if place in self._around:
+                raise _both_set(self._around[place], name)
+            self._set[place] = name
+            self._around.update(dict.fromkeys(around, name))
+
+
+def _both_set(part: str, whole: str) -> SettingError:
+    return SettingError(f"{part} is set twice: by itself and as a part of {whole}")
 
 
 def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
@@ -197,7 +234,8 @@ def _constant(program: Program, name: str) -> tuple[ast.Constant | None, str]:
 
 
 def _constant_target(program: Program, constant: ast.Constant, path: str, name: str) -> _Target:
-    return _Target(path=path, item=constant, type=_type_of(program, constant, path, name))
+    type_, positions = _part(program, constant, path, name)
+    return _Target(path=path, item=constant, type=type_, positions=positions)
 
 
 def _has_parts(type_: Type) -> bool:
@@ -232,14 +270,14 @@ def _leads_somewhere(program: Program, constant: ast.Constant, path: str) -> boo
     return True
 
 
-def _type_of(program: Program, constant: ast.Constant, path: str, name: str) -> Type:
-    """The type of a constant or of the part of it that is named."""
+def _part(program: Program, constant: ast.Constant, path: str, name: str) -> tuple[Type, tuple[int, ...]]:
+    """The type of a constant or of the part of it that is named, and the positions of that part."""
     from cspdiag.model.constants.values import NoPartError, part_of
 
     head = constant.name.text
     part = path[len(head) :]
     try:
-        return part_of(program.types[constant], part)[0]
+        return part_of(program.types[constant], part)
     except NoPartError as problem:
         near = _suggested(part[len(problem.before) :].lstrip("."), problem.fields)
         meant = f"did you mean {head + problem.before + '.' + near!r}?" if near else problem
@@ -252,14 +290,18 @@ def _parameters(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]
 
     found = []
     for root in roots:
-        qualified = len(steps) > 1 and str(steps[0]) == root.name.text
-        for inner in (steps, steps[1:])[: 1 + qualified]:
+        for inner in _inside(root, steps):
             end = parameter_at(program, root, inner)
             if isinstance(end, ast.Parameter):
                 path = ".".join(map(str, inner))
                 kind = program.types[end]
                 found.append(_Target(path, end, kind, roots=(root,), is_qualified=inner is not steps))
     return found
+
+
+def _inside(root: Root, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], ...]:
+    """The paths below a root that a path can be: itself, and where it begins with the root's name, the rest."""
+    return (steps, steps[1:]) if len(steps) > 1 and str(steps[0]) == root.name.text else (steps,)
 
 
 def _unknown(program: Program, name: str, roots: Sequence[Root]) -> str:
@@ -269,7 +311,7 @@ def _unknown(program: Program, name: str, roots: Sequence[Root]) -> str:
     steps = steps_of(name)
     if steps is None:
         return f"there is no parameter {name!r} (a path is INSTANCE.PARAMETER, such as cell[0].gain)"
-    ends = (parameter_at(program, root, steps) for root in roots)
+    ends = (parameter_at(program, root, inner) for root in roots for inner in _inside(root, steps))
     dead = [end for end in ends if isinstance(end, Dead)]
     reason = max(dead, key=lambda end: (end.depth, bool(end.reason))).reason if dead else ""
     what = "parameter" if len(steps) > 1 else "constant"

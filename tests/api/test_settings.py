@@ -179,6 +179,9 @@ def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
         ("table[3]=5", "[0] to [2]"),
         ("table.x=5", "[0] to [2]"),
         ("follow.law.g.kp=4", "set as a whole"),
+        ("Main.follow.law.g.kp=4", "'g' is a parameter, and is set as a whole"),
+        ("Main.T[0]=4", "'T' is a parameter, and is set as a whole"),
+        ("Main.follow.law.x=3", "`x` is an in port of `follow.law`; parameters there: follow.law.kp, follow.law.g"),
         ("follow.law.g=4", "make its argument a constant"),
         ("sink.k=3<V>", "the units do not agree"),
         ("cell[1].id=2.5", "no int"),
@@ -212,8 +215,63 @@ def test_a_package_is_for_all_its_environments(plain: str) -> None:
 def test_nothing_is_set_twice() -> None:
     with pytest.raises(SettingError, match="Ts is set twice: to 1ms and to 2ms"):
         split_settings(["Ts=1ms", "Ts=2ms"])
-    with pytest.raises(SettingError, match=r"cell\[1\].id is set twice"):
+    with pytest.raises(SettingError, match=r"cell\[1\].id is set twice: as cell\[1\].id and as cell\[01\].id"):
         network({"cell[1].id": "1", "cell[01].id": "2"})
+    with pytest.raises(SettingError, match=r"table\[01\] is set twice: as table\[1\] and as table\[01\]"):
+        network({"table[1]": "1", "table[01]": "2"})
+
+
+NESTED = """
+struct Row {
+  on: bool
+  gains: double[2]
+}
+const rows : Row[2] = [Row(on = true, gains = [1.0, 2.0]), Row(on = true, gains = [1.0, 2.0])]
+const tab : int[2][3] = [[1, 2, 3], [4, 5, 6]]
+process Main {
+  out o : int @ 10 ms
+  composition { o ! tab[1][0] + int(rows[0].gains[1]) }
+}
+"""
+
+OVERLAPPING = [
+    ("table", "[1, 2, 3]", "table[1]", "5"),
+    ("const.table", "[1, 2, 3]", "table[02]", "5"),
+    ("tab[1]", "[7, 8, 9]", "tab[1][0]", "100"),
+    ("tab[01]", "[7, 8, 9]", "const.tab[1][0]", "100"),
+    ("rows[0].gains", "[3, 4]", "rows[0].gains[1]", "5"),
+]
+"""The whole and a part of it."""
+
+
+@pytest.mark.parametrize("part_first", [False, True])
+@pytest.mark.parametrize(("whole", "value", "part", "part_value"), OVERLAPPING)
+def test_a_whole_and_a_part_of_it_are_not_both_set(
+    whole: str, value: str, part: str, part_value: str, *, part_first: bool
+) -> None:
+    """Whichever came last would silently undo the other, or not."""
+    given = [(whole, value), (part, part_value)]
+    program = SourceFile(name="set.csp", text=PROGRAM if "table" in whole else NESTED)
+    with pytest.raises(SettingError) as refused:
+        pipeline.build(program, read_source, settings=dict(given[::-1] if part_first else given), alone=True)
+    assert str(refused.value) == f"{part} is set twice: by itself and as a part of {whole}"
+
+
+def test_parts_beside_each_other_are_both_set() -> None:
+    settings = {
+        "tab[1][0]": "100",
+        "tab[1][2]": "7",
+        "tab[0]": "[7, 8, 9]",
+        "rows[0].gains[1]": "3",
+        "rows[1].gains": "[5, 6]",
+        "rows[0].on": "false",
+    }
+    for given in (settings, dict(reversed(settings.items()))):
+        built = pipeline.build(SourceFile(name="set.csp", text=NESTED), read_source, settings=given, alone=True)
+        assert built.network is not None
+        constants = {constant.name: constant.value for constant in built.network.constants}
+        assert constants["tab"] == ((7, 8, 9), (100, 5, 7))
+        assert constants["rows"] == ((False, (1.0, 3.0)), (True, (5.0, 6.0)))
 
 
 AMBIGUOUS = """
@@ -330,6 +388,27 @@ def test_every_verb_refuses_a_path_that_leads_nowhere(
         assert main([*command, "set.csp", "--set", f"{path}=30"]) == 2
         assert f"there is no parameter {path!r}" in capsys.readouterr().err
     assert not Path("out").exists()
+
+
+@pytest.mark.parametrize(
+    "command", [["run", "--for", "1ms"], ["compile", "-o", "out"], ["margins"], ["verify"], ["verify", "--timing"]]
+)
+def test_every_verb_refuses_a_whole_and_a_part_of_it(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("set.csp").write_text(PROGRAM)
+    assert main([*command, "set.csp", "--set", "table[1]=5", "--set", "table=[7, 8, 9]"]) == 2
+    assert "table[1] is set twice: by itself and as a part of table" in capsys.readouterr().err
+    assert not Path("out").exists()
+
+
+def test_python_refuses_a_whole_and_a_part_of_it(tmp_path: Path) -> None:
+    (tmp_path / "set.csp").write_text(PROGRAM)
+    program = cspdiag.load(tmp_path / "set.csp")
+    for use in (program.run, program.build, program.margins, program.timing, program.verify):
+        with pytest.raises(SettingError, match=r"table\[1\] is set twice: by itself and as a part of table"):
+            use(set={"table": "[7, 8, 9]", "table[1]": 5})
 
 
 def test_python_refuses_a_path_that_leads_nowhere(tmp_path: Path) -> None:
