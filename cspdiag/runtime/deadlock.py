@@ -15,6 +15,7 @@ from inspect import iscoroutine
 from types import CodeType, FrameType, FunctionType
 from typing import Any
 
+from .channels.broadcast import Broadcast, BroadcastEnd
 from .channels.ports import In, Out
 from .composition import Branches
 from .kernel.durations import shown
@@ -29,7 +30,8 @@ class WaitingProcess:
 
     ``path`` and ``source`` are those of the process (file and line of its definition), ``place`` is the file and line
     at which it waits, ``waits`` says for what, ``channels`` are the channels' names, ``partners`` the paths of the
-    processes that could still come there.
+    processes that could still come there, ``ended`` those of the readers of its broadcast that have ended without what
+    it writes.
     """
 
     path: str
@@ -38,6 +40,7 @@ class WaitingProcess:
     waits: str
     channels: tuple[str, ...]
     partners: tuple[str, ...]
+    ended: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         name = self.path or "a process"
@@ -75,20 +78,29 @@ class DeadlockReport:
             lines = [f"{kind} at {shown(self.time)}: {_many(len(self.cycle))} for each other"]
             following = (*self.cycle[1:], self.cycle[0])
             lines += [
-                f"  {process}, for {partner.path}" for process, partner in zip(self.cycle, following, strict=True)
+                f"  {process}, for {partner.path}{_who_has_ended(process, ' and for')}"
+                for process, partner in zip(self.cycle, following, strict=True)
             ]
             others = [process for process in self.waiting if process not in self.cycle]
-            return "\n".join(lines + ["besides:"] * bool(others) + [f"  {process}" for process in others])
+            besides = [f"  {process}{_who_has_ended(process, ', for')}" for process in others]
+            return "\n".join(lines + ["besides:"] * bool(others) + besides)
         which = "these processes wait" if self.others else "a process waits"
         lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can come any more"]
         for process in self.waiting:
             alone = "" if process.partners or not process.channels else "; no other process that still runs uses it"
-            lines.append(f"  {process}{alone}")
+            lines.append(f"  {process}{_who_has_ended(process, ', for') or alone}")
         return "\n".join(lines)
 
 
 def _many(count: int) -> str:
     return "a process waits for itself, not" if count == 1 else f"{count} processes wait"
+
+
+def _who_has_ended(process: WaitingProcess, before: str) -> str:
+    """``, for Main.r, which has ended``; "" where nobody has."""
+    if not process.ended:
+        return ""
+    return f"{before} {', '.join(process.ended)}, which {'has' if len(process.ended) == 1 else 'have'} ended"
 
 
 def _path(task: Task) -> str:
@@ -105,10 +117,14 @@ def report_deadlock(
     waits = [task.waits() for task in tasks]
     users: defaultdict[int, list[int]] = defaultdict(list)
     for index, task in enumerate(tasks):
-        for channel in channels_used_by(task):
-            users[channel].append(index)
+        for end in _ends_used_by(task):
+            users[end].append(index)
     partners = [
-        sorted({other for channel in _identities(wait) for other in users[channel]} - {index})
+        sorted({other for end in _opposite_ends(wait) for other in users[id(end)]} - {index})
+        for index, wait in enumerate(waits)
+    ]
+    ended = [
+        tuple(end.owner for end in _missing_ends(wait) if end.closed and not set(users[id(end)]) - {index})
         for index, wait in enumerate(waits)
     ]
     paths = [called(task) for task in tasks]
@@ -120,6 +136,7 @@ def report_deadlock(
             waits=_words(waits[index]),
             channels=tuple(end.name for _, end in waits[index] if end is not None),
             partners=tuple(paths[other] for other in partners[index]),
+            ended=ended[index],
         )
         for index, task in enumerate(tasks)
     )
@@ -145,8 +162,14 @@ def _words(waits: Waits) -> str:
     return " or ".join(dict.fromkeys(words if end is None else f"{words} {end.name}" for words, end in waits))
 
 
-def _identities(waits: Waits) -> set[int]:
-    return {channel_identity(end) for _, end in waits if end is not None}
+def _opposite_ends(waits: Waits) -> list[Any]:
+    """Those at which partners come: of a broadcast the ends that are missing, or what is written to."""
+    opposite = [getattr(end, "channel", end) for _, end in waits if end is not None and not isinstance(end, Broadcast)]
+    return opposite + _missing_ends(waits)
+
+
+def _missing_ends(waits: Waits) -> list[BroadcastEnd[Any]]:
+    return [missing for _, end in waits if isinstance(end, Broadcast) for missing in end.missing]
 
 
 def channel_identity(end: Any) -> int:
@@ -186,7 +209,14 @@ def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]]
     """Identities of the channels that the task can reach from where it waits; ``names_in`` tells which names of a
     function count, otherwise all do.
     """
-    found: set[int] = set()
+    return {channel_identity(end) for end in _ends_used_by(task, names_in).values()}
+
+
+def _ends_used_by(
+    task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None
+) -> dict[int, In[Any] | Out[Any]]:
+    """The ends of channels, by their identities, as ``channels_used_by`` finds them."""
+    found: dict[int, In[Any] | Out[Any]] = {}
     for frame in frames_of(task):
         names = names_in_code(frame.f_code) if names_in is None else names_in(task, frame)
         names = _with_callees(names, frame)
@@ -224,7 +254,7 @@ def names_in_code(code: CodeType) -> set[str]:
     return names
 
 
-def _collect(values: Iterable[Any], found: set[int]) -> None:
+def _collect(values: Iterable[Any], found: dict[int, In[Any] | Out[Any]]) -> None:
     pending = list(values)
     seen: set[int] = set()
     while pending:
@@ -239,7 +269,7 @@ def _collect(values: Iterable[Any], found: set[int]) -> None:
         elif isinstance(value, dict):
             pending += value.values()
         elif isinstance(value, In | Out):
-            found.add(channel_identity(value))
+            found[id(value)] = value
         else:
             pending += [guard.end for guard in getattr(value, "guards", ()) if hasattr(guard, "end")]
 

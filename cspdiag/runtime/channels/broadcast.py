@@ -31,10 +31,10 @@ class Broadcast(In[T], Out[T]):
 
     def reader(self, owner: Owner | None = None) -> BroadcastEnd[T]:
         """A reading end of its own."""
-        end = BroadcastEnd(self)
+        end = BroadcastEnd(self, "" if owner is None else owner.name)
         self._ends.append(end)
         self.readers_changed()
-        return end
+        return end if owner is None else owner.owns(end)
 
     def offer(self, party: Party, value: T, /) -> bool:
         """See ``Out.offer``."""
@@ -76,6 +76,15 @@ class Broadcast(In[T], Out[T]):
         """See ``Out.waits_for``."""
         return (("to write", self),)
 
+    @property
+    def missing(self) -> list[BroadcastEnd[T]]:
+        """The ends that its writer waits for: those that have not taken the value, or, before an output guard is
+        chosen, those at which nobody waits to read.
+        """
+        if self._writer is None:
+            return [end for end in self._ends if not end.awaited]
+        return [end for end in self._ends if end.fresh]
+
     def taken(self, end: BroadcastEnd[T], reader: Party) -> T:
         """The value of an end, which is not fresh any longer; the last one readies the writer."""
         writer = self._writer
@@ -114,12 +123,18 @@ class Broadcast(In[T], Out[T]):
 
 
 class BroadcastEnd(In[T]):
-    """A reading end of a broadcast; ``fresh`` while it has a value that was not taken."""
+    """A reading end of a broadcast; ``fresh`` while it has a value that was not taken.
 
-    __slots__ = ("_inputs", "_reader", "channel", "fresh", "name", "resolved", "waiting_choice")
+    ``owner`` is the path of the process that reads from it, "" where that is not known, and ``closed`` says whether
+    that has ended, at least once.
+    """
 
-    def __init__(self, channel: Broadcast[T]) -> None:
+    __slots__ = ("_inputs", "_reader", "channel", "closed", "fresh", "name", "owner", "resolved", "waiting_choice")
+
+    def __init__(self, channel: Broadcast[T], owner: str = "") -> None:
         self.name = channel.name
+        self.owner = owner
+        self.closed = False
         self.fresh = False
         self.resolved = False
         self.waiting_choice: tuple[Alternating, int] | None = None
@@ -131,6 +146,10 @@ class BroadcastEnd(In[T]):
     def awaited(self) -> bool:
         """Whether its reader waits."""
         return self._reader is not None or self.waiting_choice is not None
+
+    def close(self) -> None:
+        """See ``In.close``."""
+        self.closed = True
 
     def receive(self, value: T) -> None:
         """A value was written: hands it to the reader that waits, or keeps it."""

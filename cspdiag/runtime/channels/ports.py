@@ -26,6 +26,8 @@ T_contra = TypeVar("T_contra", contravariant=True)
 class Owner(Protocol):
     """A process, as its reading ends know it."""
 
+    name: str
+
     @property
     def ends(self) -> Sequence[AnyIn]:
         """Its reading ends, closed when it ends."""

@@ -5,25 +5,41 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import Net, Network, SubmodelClass
 from cspdiag.simulate.native.stream import WaitingRecord
+from cspdiag.simulate.record.recorder import Recorder
 
 if TYPE_CHECKING:
     from cspdiag.runtime.deadlock import DeadlockReport
 
 
-def deadlock_report(now: int, waiting: Sequence[WaitingRecord], network: Network) -> DeadlockReport:
-    """Who waits for whom; partners are those among the waiting that the network connects to the channel."""
+def deadlock_report(now: int, waiting: Sequence[WaitingRecord], network: Network, recorder: Recorder) -> DeadlockReport:
+    """Who waits for whom; partners are those among the waiting that the network connects to the channel, of a broadcast
+    those at its other side. ``recorder`` knows who has ended.
+    """
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess, find_cycle
 
-    users = {net.path: {path for path, _ in (*net.writers, *net.readers)} for net in network.nets}
+    nets = {net.path: net for net in network.nets}
+    begun = {activity.path for activity in recorder.activities}
+    laws = {entry.name for entry in network.classes if isinstance(entry, SubmodelClass)}
+    begun |= {item.path for item in network.instances if item.class_name in laws and _enclosing(item.path) in begun}
+    missing = [_missing_readers(record, nets) for record in waiting]
+    awaited = [_opposite(record, nets) | set(readers) for record, readers in zip(waiting, missing, strict=True)]
     partners = [
         [
             other
             for other, candidate in enumerate(waiting)
-            if other != index and any(_uses(candidate.path, channel, users) for channel in record.channels)
+            if other != index and any(_runs(candidate.path, user) for user in awaited[index])
         ]
-        for index, record in enumerate(waiting)
+        for index in range(len(waiting))
+    ]
+    ended = [
+        tuple(
+            reader
+            for reader in readers
+            if reader in begun and not any(_runs(other.path, reader) for other in waiting if other is not record)
+        )
+        for record, readers in zip(waiting, missing, strict=True)
     ]
     processes = tuple(
         WaitingProcess(
@@ -33,14 +49,38 @@ def deadlock_report(now: int, waiting: Sequence[WaitingRecord], network: Network
             waits=_words(record),
             channels=record.channels,
             partners=tuple(waiting[other].path for other in partners[index]),
+            ended=ended[index],
         )
         for index, record in enumerate(waiting)
     )
     return DeadlockReport(now, processes, tuple(processes[index] for index in find_cycle(partners)))
 
 
-def _uses(path: str, channel: str, users: Mapping[str, set[str]]) -> bool:
-    return any(user == path or user.startswith(f"{path}.") for user in users.get(channel, ()))
+def _missing_readers(record: WaitingRecord, nets: Mapping[str, Net]) -> tuple[str, ...]:
+    """Who has not taken what the process writes to broadcasts."""
+    ends = zip(record.channels, record.missing, strict=True)
+    return tuple(nets[channel].readers[index][0] for channel, missing in ends for index in missing)
+
+
+def _opposite(record: WaitingRecord, nets: Mapping[str, Net]) -> set[str]:
+    """Who may come to what the process waits for, but for the readers that its broadcasts miss."""
+    found: set[str] = set()
+    for channel, missing in zip(record.channels, record.missing, strict=True):
+        net = nets[channel]
+        if net.kind != "broadcast":
+            found.update(path for path, _ in (*net.writers, *net.readers))
+        elif not missing:
+            found.update(path for path, _ in net.writers)
+    return found
+
+
+def _enclosing(path: str) -> str:
+    return path.rpartition(".")[0]
+
+
+def _runs(path: str, user: str) -> bool:
+    """Whether a process is that user of a channel, or the user is a part of it."""
+    return user == path or user.startswith(f"{path}.")
 
 
 def _words(record: WaitingRecord) -> str:

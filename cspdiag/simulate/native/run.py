@@ -172,7 +172,7 @@ def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, ne
     if ended == "failed":
         outcome.error = _error(end, environment)
     if ended == "deadlock":
-        outcome.deadlock = deadlock_report(end.time, reader.waiting, network)
+        outcome.deadlock = deadlock_report(end.time, reader.waiting, network, reader.recorder)
     return outcome
 
 

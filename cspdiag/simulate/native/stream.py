@@ -27,13 +27,18 @@ _EXECUTION = struct.Struct("=Iqq")
 
 @dataclass
 class WaitingRecord:
-    """A process that waits when nothing goes on any more."""
+    """A process that waits when nothing goes on any more.
+
+    ``missing`` are the ends of a broadcast that the process waits for to take what it writes, for each of ``channels``,
+    counted from 0 in the order of the network's readers.
+    """
 
     path: str
     source: str
     place: str
     words: str
     channels: tuple[str, ...]
+    missing: tuple[tuple[int, ...], ...]
 
 
 @dataclass
@@ -149,9 +154,14 @@ class StreamReader:
         self._bytes(4)
         path, source, place, words = self._text(), self._text(), self._text(), self._text()
         (count,) = _LENGTH.unpack(self._bytes(2))
-        numbers = [_NUMBER.unpack(self._bytes(4))[0] for _ in range(count)]
-        names = tuple(self._channels[number][0] for number in numbers if number in self._channels)
-        self.waiting.append(WaitingRecord(path, source, place, words, names))
+        entries = [(_NUMBER.unpack(self._bytes(4))[0], self._missing_ends()) for _ in range(count)]
+        known = [(self._channels[number][0], missing) for number, missing in entries if number in self._channels]
+        names, missing = tuple(name for name, _ in known), tuple(ends for _, ends in known)
+        self.waiting.append(WaitingRecord(path, source, place, words, names, missing))
+
+    def _missing_ends(self) -> tuple[int, ...]:
+        (count,) = _LENGTH.unpack(self._bytes(2))
+        return tuple(_LENGTH.unpack(self._bytes(2))[0] for _ in range(count))
 
     def _missed(self) -> None:
         channel, count = _PAIR.unpack(self._bytes(8))

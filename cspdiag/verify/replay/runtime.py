@@ -13,7 +13,7 @@ from cspdiag.runtime.channels.any_channel import AnyChannel
 from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
 from cspdiag.runtime.channels.buffers import Buffer, Overwriting
 from cspdiag.runtime.channels.channel import Channel
-from cspdiag.runtime.channels.ports import In, Out, T
+from cspdiag.runtime.channels.ports import In, Out, Owner, T
 from cspdiag.runtime.channels.selector import Selector
 from cspdiag.runtime.channels.variable import Constant, Discard, Variable
 from cspdiag.runtime.choice.alternative import Alternative
@@ -87,11 +87,11 @@ class _BroadcastEnd(_GatedIn, BroadcastEnd[T]):
 
 
 class _Broadcast(_GatedOut, Broadcast[T]):
-    def reader(self, owner: Any = None) -> BroadcastEnd[T]:
-        end: _BroadcastEnd[T] = _BroadcastEnd(self)
+    def reader(self, owner: Owner | None = None) -> BroadcastEnd[T]:
+        end: _BroadcastEnd[T] = _BroadcastEnd(self, "" if owner is None else owner.name)
         self._ends.append(end)
         self.readers_changed()
-        return end
+        return end if owner is None else owner.owns(end)
 
 
 class _OfferedInput(_GatedIn, In[T]):

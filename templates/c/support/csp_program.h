@@ -80,6 +80,7 @@ typedef struct csp_wait_entry {
     bool named;        /* at a channel or port: */
     uint32_t channel;  /* its number */
     int64_t duration;  /* of "after" */
+    const csp_medium *medium; /* where it is named */
 } csp_wait_entry;
 
 /* One of the things that the process waits for, counted from 0; false: there are no more. */

@@ -51,6 +51,15 @@ void csp_report_waiting(const csp_program *program, csp_report *report)
 
 /* ---- Words ---- */
 
+static void name(const csp_medium *medium, csp_wait_entry *entry)
+{
+    entry->named = medium != NULL;
+    entry->medium = medium;
+    if (medium != NULL) {
+        entry->channel = medium->number;
+    }
+}
+
 static void entry_of_guard(const csp_guard *guard, csp_wait_entry *entry)
 {
     switch (guard->kind) {
@@ -68,10 +77,7 @@ static void entry_of_guard(const csp_guard *guard, csp_wait_entry *entry)
         entry->words = "to read";
         break;
     }
-    entry->named = guard->medium != NULL;
-    if (entry->named) {
-        entry->channel = guard->medium->number;
-    }
+    name(guard->medium, entry);
 }
 
 static bool wait_of_alternative(const csp_alternative *alternative, uint32_t index, csp_wait_entry *entry)
@@ -102,8 +108,7 @@ static bool wait_of_offers(const csp_offers *offers, bool reads, uint32_t index,
         if (offer->waits) {
             if (count == index) {
                 entry->words = reads ? "to read" : "to write";
-                entry->named = true;
-                entry->channel = offer->medium->number;
+                name(offer->medium, entry);
                 return true;
             }
             count++;
@@ -118,14 +123,14 @@ bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_en
     const void *const object = csp_object_at(waiting->process, place);
     entry->words = "";
     entry->named = false;
+    entry->medium = NULL;
     entry->channel = 0U;
     entry->duration = 0;
     switch (place->waiting) {
     case CSP_AT_READ:
     case CSP_AT_WRITE:
         entry->words = (place->waiting == (uint8_t)CSP_AT_READ) ? "to read" : "to write";
-        entry->named = true;
-        entry->channel = ((const csp_medium *)object)->number;
+        name((const csp_medium *)object, entry);
         return index == 0U;
     case CSP_AT_ALTERNATIVE:
         return wait_of_alternative((const csp_alternative *)object, index, entry);
@@ -224,7 +229,7 @@ static void append_place(const char *where, char *text, size_t size)
 
 static bool was_told(const csp_waiting_process *waiting, uint32_t count, const csp_wait_entry *entry)
 {
-    csp_wait_entry earlier = {"", false, 0U, 0};
+    csp_wait_entry earlier = {"", false, 0U, 0, NULL};
     bool told = false;
     for (uint32_t index = 0U; (index < count) && !told; index++) {
         (void)csp_wait_of(waiting, index, &earlier);
@@ -236,7 +241,7 @@ static bool was_told(const csp_waiting_process *waiting, uint32_t count, const c
 
 void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size)
 {
-    csp_wait_entry entry = {"", false, 0U, 0};
+    csp_wait_entry entry = {"", false, 0U, 0, NULL};
     text[0] = '\0';
     append_process(program, waiting->process, waiting->place->inner, text, size);
     csp_append(text, size, " waits ");

@@ -304,6 +304,32 @@ static void name_all_channels(void)
 
 #endif
 
+/* Whether the writer of a broadcast waits for this end: to take the value, or, with an output guard, to be read from. */
+static bool is_missing(const csp_broadcast *channel, const csp_broadcast_end *end)
+{
+    return (channel->writer != NULL) ? end->fresh : ((end->reader == NULL) && (end->waiting == NULL));
+}
+
+/* For who waits to write to a broadcast: which of its ends are missing, counted from 0 in the order in which they are served. */
+static void tell_missing(const csp_medium *medium)
+{
+    const csp_broadcast *const channel =
+        (medium->kind == (uint8_t)CSP_BROADCAST) ? (const csp_broadcast *)(const void *)medium : NULL;
+    const csp_broadcast_end *const ends = (channel != NULL) ? channel->ends : NULL;
+    uint16_t count = 0;
+    for (const csp_broadcast_end *end = ends; end != NULL; end = end->next) {
+        count = (uint16_t)(count + (is_missing(channel, end) ? 1U : 0U));
+    }
+    put_short(count);
+    uint16_t index = 0;
+    for (const csp_broadcast_end *end = ends; end != NULL; end = end->next) {
+        if (is_missing(channel, end)) {
+            put_short(index);
+        }
+        index++;
+    }
+}
+
 static void tell_waiting(const csp_program *program, const csp_waiting_process *waiting)
 {
     char text[TEXT] = "";
@@ -327,6 +353,7 @@ static void tell_waiting(const csp_program *program, const csp_waiting_process *
     for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
         if (entry.named) {
             put_number(entry.channel);
+            tell_missing(entry.medium);
         }
     }
     completes();

@@ -1,0 +1,111 @@
+"""The report of a deadlock names who is waited for, and says the same of readable code, fast code and C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli.main import main
+
+PROCESSES = """
+process A { out c : int composition { c ! 1 ; c ! 2 } }
+process R { in c : int communication { var v : int } composition { c ? v } }
+process S { in c : int communication { var v : int } composition { mu c ? v } }
+"""
+HEAD = "deadlock at 0 s: nothing that a process waits for can come any more"
+WRITES = "  Main.a waits to write Main.a.c"
+READS = "  Main.s waits to read Main.a.c (case.csp:4)"
+
+ONE_HAS_ENDED = """
+process Main { communication { a : A r : R s : S a.c -> broadcast -> r.c, s.c } composition { a || r || s } }
+"""
+SOME_HAVE_ENDED = """
+process G { in c : int communication { s : S r : R c -> r.c c -> s.c } composition { s || r } }
+process Main {
+  communication { a : A s : S g : G r : R a.c -> broadcast -> r.c, g.c, s.c } composition { a || r || g || s }
+}
+"""
+INTERRUPTED = """
+process K { out e : int composition { wait 5 ms ; e ! 1 } }
+process Q {
+  in c : int in e : int communication { var v : int var z : int }
+  composition { (mu c ? v) interrupt e ? z -> skip }
+}
+process W { out c : int composition { mu (c ! 1 ; wait 2 ms) } }
+process Main {
+  communication { a : W k : K q : Q s : S a.c -> broadcast -> q.c, s.c k.e -> q.e } composition { a || k || q || s }
+}
+"""
+GUARDED = """
+process B { out c : int composition { c ! 1 ; (c ! 2 -> skip) } }
+process Main { communication { a : B r : R s : S a.c -> broadcast -> r.c, s.c } composition { a || r || s } }
+"""
+NEVER_BEGUN = """
+const on : bool = false
+process Main {
+  communication { a : A r : R s : S a.c -> broadcast -> r.c, s.c } composition { a || (if on then r else skip) || s }
+}
+"""
+WRITER_HAS_ENDED = """
+process Main { communication { a : A r : S s : S a.c -> broadcast -> r.c, s.c } composition { a || r || s } }
+"""
+RING = """
+process X { out c : int in back : int communication { var v : int } composition { c ! 1 ; c ! 2 ; back ? v } }
+process Y { in c : int out back : int communication { var v : int } composition { c ? v ; back ! v ; c ? v } }
+process Main {
+  communication { a : X r : R s : Y a.c -> broadcast -> r.c, s.c s.back -> a.back } composition { a || r || s }
+}
+"""
+
+
+def report(text: str, arguments: list[str], folder: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """The lines of the report of a run."""
+    (folder / "case.csp").write_text(f"{PROCESSES}{text}environment E for Main {{ }}\n")
+    assert main(["run", str(folder / "case.csp"), *arguments, "--quiet"]) == 1
+    shown = capsys.readouterr().err.splitlines()
+    return shown[next(index for index, line in enumerate(shown) if line.startswith("deadlock")) :]
+
+
+@pytest.mark.parametrize("arguments", [["-O0"], ["-O1"], ["--target", "c"]], ids=" ".join)
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (ONE_HAS_ENDED, [HEAD, f"{WRITES} (case.csp:2), for Main.r, which has ended", READS]),
+        (
+            SOME_HAVE_ENDED,
+            [
+                HEAD,
+                f"{WRITES} (case.csp:2), for Main.g.r, Main.r, which have ended",
+                READS.replace(".s", ".g.s"),
+                READS,
+            ],
+        ),
+        (
+            INTERRUPTED,
+            [HEAD.replace("0 s", "6 ms"), f"{WRITES} (case.csp:11), for Main.q, which has ended", READS],
+        ),
+        (GUARDED, [HEAD, f"{WRITES} (case.csp:6), for Main.r, which has ended", READS]),
+        (NEVER_BEGUN, [HEAD, f"{WRITES} (case.csp:2); no other process that still runs uses it", READS]),
+        (
+            WRITER_HAS_ENDED,
+            [
+                HEAD,
+                *(f"{line}; no other process that still runs uses it" for line in (READS.replace(".s", ".r"), READS)),
+            ],
+        ),
+        (
+            RING,
+            [
+                "deadlock at 0 s: 2 processes wait for each other",
+                f"{WRITES} (case.csp:6), for Main.s and for Main.r, which has ended",
+                "  Main.s waits to write Main.s.back (case.csp:7), for Main.a",
+            ],
+        ),
+    ],
+    ids=["one", "some", "interrupted", "guarded", "never begun", "writer", "ring"],
+)
+def test_a_report_names_who_is_missing(
+    text: str, expected: list[str], arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert report(text, arguments, tmp_path, capsys) == expected
