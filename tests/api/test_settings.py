@@ -177,6 +177,7 @@ def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
         ("panGains.kq=3", "Gains has the fields kp, ki"),
         ("panGains=3", "panGains.kp, panGains.ki"),
         ("table[3]=5", "[0] to [2]"),
+        ("table=[3]", "`[3]` has one element, not 3"),
         ("table.x=5", "[0] to [2]"),
         ("follow.law.g.kp=4", "set as a whole"),
         ("Main.follow.law.g.kp=4", "'g' is a parameter, and is set as a whole"),

@@ -167,5 +167,6 @@ def _array(type_: ArrayType, text: str) -> Value:
         raise ValueError(f"`{text}` is no {type_}; write it as [a, b, c]")
     values = tuple(parse_value(type_.element, part) for part in text[1:-1].split(","))
     if type_.size is not None and type_.size != len(values):
-        raise ValueError(f"`{text}` has {len(values)} elements, not {type_.size}")
+        elements = "one element" if len(values) == 1 else f"{len(values)} elements"
+        raise ValueError(f"`{text}` has {elements}, not {type_.size}")
     return values

@@ -62,6 +62,8 @@ class IndexOutOfRange(Diagnostic):
     def help(self) -> str:
         if self.size == 0:
             return "the array is empty"
+        if self.size == 1:
+            return "its only index is 0"
         return f"indexes go from 0 to {self.size - 1}"
 
 

@@ -19,7 +19,10 @@ class IndexOutOfRange(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"index {self.index} is out of range: {self.what} has {self.size} elements, 0 to {self.size - 1}"
+        elements = "one element, 0" if self.size == 1 else f"{self.size} elements, 0 to {self.size - 1}"
+        if self.size == 0:
+            elements = "no elements"
+        return f"index {self.index} is out of range: {self.what} has {elements}"
 
     @property
     def labels(self) -> tuple[Label, ...]:

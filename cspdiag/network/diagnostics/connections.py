@@ -5,6 +5,18 @@ from __future__ import annotations
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
 
+_SHOWN = 3
+"""How many of many ports are named."""
+
+
+@record
+class OpenPort:
+    """A port, or an element of one, that nothing is connected to; ``declared`` is where the port is."""
+
+    name: str
+    direction: str
+    declared: Span
+
 
 @record
 class NotConnected(Diagnostic):
@@ -13,27 +25,42 @@ class NotConnected(Diagnostic):
 
     instance: str
     definition: str
-    ports: tuple[str, ...]
-    direction: str
-    declared: Span
+    ports: tuple[OpenPort, ...]
 
     @property
     def message(self) -> str:
-        ports = " and ".join(f"`{port}`" for port in self.ports[:3])
-        more = f" and {len(self.ports) - 3} more" if len(self.ports) > 3 else ""
-        plural = "s" if len(self.ports) > 1 else ""
-        return f"port{plural} {ports}{more} of `{self.instance}` {'are' if plural else 'is'} not connected"
+        *others, last = [f"`{port.name}`" for port in self.ports[:_SHOWN]]
+        if len(self.ports) > _SHOWN:
+            others, last = [*others, last], f"{len(self.ports) - _SHOWN} more"
+        names = f"{', '.join(others)} and {last}" if others else last
+        many = len(self.ports) > 1
+        return f"port{'s' if many else ''} {names} of `{self.instance}` {'are' if many else 'is'} not connected"
 
     @property
     def help(self) -> str | None:
-        port = f"{self.instance}.{self.ports[0]}"
-        if self.direction == "in":
-            return f"connect it (`... -> {port}`), or give the port a default in `{self.definition}`"
-        return f"connect it, or throw the values away with `{port} -> _`"
+        inputs = [f"{self.instance}.{port.name}" for port in self.ports if port.direction == "in"]
+        outputs = [f"{self.instance}.{port.name}" for port in self.ports if port.direction != "in"]
+        both = bool(inputs and outputs)
+        ways = []
+        if inputs:
+            it = _meant(inputs, "the input", is_distinct=both)
+            default = "the port a default" if len(inputs) == 1 else "the ports defaults"
+            ways.append(f"connect {it} (`... -> {inputs[0]}`), or give {default} in `{self.definition}`")
+        if outputs:
+            it = _meant(outputs, "the output", is_distinct=both)
+            ways.append(f"connect {it}, or throw the values away with `{outputs[0]} -> _`")
+        return "; ".join(ways)
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"the port `{self.ports[0]}` is declared here"),)
+        return tuple(Label(port.declared, f"the port `{port.name}` is declared here") for port in self.ports[:_SHOWN])
+
+
+def _meant(ports: list[str], noun: str, *, is_distinct: bool) -> str:
+    """``it``, ``each``, or the noun where there are ports of both kinds."""
+    if not is_distinct:
+        return "it" if len(ports) == 1 else "each"
+    return noun if len(ports) == 1 else f"{noun}s"
 
 
 @record

@@ -14,6 +14,7 @@ from cspdiag.network.diagnostics.connections import (
     ConnectedTwice,
     JoinsTwoObjects,
     NotConnected,
+    OpenPort,
     PortEndsInLabel,
     PortToPort,
 )
@@ -111,15 +112,12 @@ class _Connector:
 
     def _report_missing(self, instance: InstanceShape, missing: list[str]) -> None:
         ports = {element_name(*element): port for port, element, _ in instance.shape.port_elements()}
-        first = ports[missing[0]]
         self.report.add(
             NotConnected(
                 span=instance.span,
                 instance=instance.name,
                 definition=instance.shape.name,
-                ports=tuple(missing),
-                direction=first.direction,
-                declared=first.span,
+                ports=tuple(OpenPort(key, ports[key].direction, ports[key].span) for key in missing),
             )
         )
 
