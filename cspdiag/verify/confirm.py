@@ -187,7 +187,7 @@ class Verifier:
             result = replay(network, files, read_trace(trace_of(answer, {})), judge, limits)
             if result.other:
                 system = self._systems.of(answer.question.process)
-                other = retold(found, system, result.other, result.standing, network)
+                other = retold(found, system, result.other, result.standing, network, result.other_round_from)
                 trace = read_trace(trace_of(replaced(answer, counterexample=other), {}))
                 again = replay(network, files, trace, judge, limits)
                 found, result = (other, again) if again.succeeded else (found, result)

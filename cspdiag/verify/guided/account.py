@@ -35,14 +35,22 @@ class _Match:
 
 
 def retold(
-    found: Counterexample, system: System, run: Sequence[Happened], standing: Sequence[Standing], network: Network
+    found: Counterexample,
+    system: System,
+    run: Sequence[Happened],
+    standing: Sequence[Standing],
+    network: Network,
+    round_from: int | None = None,
 ) -> Counterexample:
-    """The counterexample with the steps of another run, and with those who wait after it."""
+    """The counterexample with the steps of another run, and with those who wait after it; from ``round_from`` on they
+    are repeated for ever.
+    """
     types = types_of(network)
     teller = _Teller(system, network.top)
     steps = tuple(teller.step(happened, _text(happened, types)) for happened in run)
     waiting = tuple(map(teller.waiting, standing))
-    return replaced(found, steps=steps, cycle=(), waiting=waiting, ring=ring(waiting))
+    cycle = () if round_from is None else steps[round_from:]
+    return replaced(found, steps=steps[:round_from], cycle=cycle, waiting=waiting, ring=ring(waiting))
 
 
 def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:

@@ -24,13 +24,18 @@ class GuidedRun:
     deadlock: DeadlockReport | None
     cut: int
     happened: tuple[Happened, ...] = ()
-    """All that was done, where it has come to a standstill in another way than the script has."""
+    """All that was done, where it has come to a standstill in another way than the script has, or does more than the
+    script before everything is repeated.
+    """
     standing: tuple[Standing, ...] = ()
     """Who waits for ever then."""
     instants: tuple[int, ...] = ()
     """When the communications were, in nanoseconds."""
     repeated: tuple[int, int] | None = None
     """After so many rounds and so many nanoseconds everything is as it was before; None where nothing is repeated."""
+
+    round_from: int | None = None
+    """The number of those in ``happened`` before what is repeated for ever; they end with one round of it."""
 
     @property
     def succeeded(self) -> bool:

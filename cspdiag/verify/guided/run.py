@@ -24,7 +24,7 @@ from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.result import GuidedRun
 from cspdiag.verify.guided.runtime import guidance
-from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing
+from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round
 from cspdiag.verify.guided.world import World
 from cspdiag.verify.runs.task_names import Key, TaskNames, path_of
 
@@ -83,7 +83,9 @@ class Run:
         self._cut: int | None = None
         self._cycle_began: int | None = None
         self._rounds = 0
-        self._situations: dict[tuple[object, ...], tuple[int, int]] = {}
+        self._besides = False
+        self._situations: dict[tuple[object, ...], tuple[int, int, int]] = {}
+        self._period = slice(0, 0)
         self._repeated: tuple[int, int] | None = None
         self._broken_off = False
         self._error: BaseException | None = None
@@ -117,9 +119,29 @@ class Run:
         done = len(self._script.entries) - self._script.left
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
+        round_from = None
+        if divergence is None and self._besides and self._is_told(self._period):
+            happened, round_from = to_first_round(self._happened, self._period)
         return GuidedRun(
-            done, self._actions, divergence, made, deadlock, cut, happened, standing, instants, self._repeated
+            done,
+            self._actions,
+            divergence,
+            made,
+            deadlock,
+            cut,
+            happened,
+            standing,
+            instants,
+            self._repeated,
+            round_from,
         )
+
+    def _is_told(self, period: slice) -> bool:
+        """Whether a round of what is repeated tells what goes on: something that is known of, and in a livelock nothing
+        that anybody sees.
+        """
+        channels = {happened.channel for happened in self._happened[period]}
+        return bool(channels) and not (self._goal.trace.failure == "livelock" and channels & self._goal.outside)
 
     def _called(self, task: Task) -> str:
         return self._goal.called(task, self._names)
@@ -173,9 +195,11 @@ class Run:
         if goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
             raise AstrayError("time passes before everything is repeated")
         situation = (*self._world.situation, *goal.recurrence.state(self._process, self._root))
-        rounds, instant = self._situations.setdefault(situation, (self._rounds, scheduler.now))
+        here = self._rounds, scheduler.now, len(self._happened)
+        rounds, instant, began = self._situations.setdefault(situation, here)
         if rounds < self._rounds:
             self._repeated = self._rounds - rounds, scheduler.now - instant
+            self._period = slice(began, len(self._happened))
         return self._repeated is not None
 
     @property
@@ -329,6 +353,7 @@ class Run:
                 self._cycle_began = scheduler.now
             return True
         head = self._script.head(key)
+        self._besides = self._besides or head is not None or self._cycle_began is None
         if head is not None or self._strict:
             self._lose(self._other(party, channel or action, head))
         return False

@@ -78,6 +78,17 @@ def put_off(entries: Sequence[Passed], channels: Container[str]) -> tuple[Passed
     return (*found, *(entry for late in waiting.values() for entry in late))
 
 
+def to_first_round(happened: Sequence[Happened], period: slice) -> tuple[tuple[Happened, ...], int]:
+    """What happened up to the end of the first round of what is repeated, of which ``period`` is a round, and how much
+    of it comes before that round.
+    """
+    length = period.stop - period.start
+    began = period.start
+    while began and happened[began - 1] == happened[began - 1 + length]:
+        began -= 1
+    return tuple(happened[: began + length]), began
+
+
 class Script:
     """What is wanted of all tasks, in the order of the counterexample, and what of it has been done."""
 

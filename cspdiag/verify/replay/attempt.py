@@ -341,6 +341,7 @@ class Attempt:
             excluded=not run.succeeded,
             judgement=judgement,
             other=run.happened,
+            other_round_from=run.round_from,
             standing=run.standing,
             instants=run.instants[: len(communications)] if as_it_runs else (),
             repeated=run.repeated,

@@ -112,4 +112,4 @@ class _Attempts:
         run = self._guided.follow(conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further)
         led = attempt.led(run, result)
         unlike = difference(self._trace, led.communications, self._types) if led.succeeded else None
-        return led if unlike is None else replaced(led, steps=unlike[0], divergence=unlike[1])
+        return led if unlike is None else replaced(led, steps=unlike[0], divergence=unlike[1], other=())

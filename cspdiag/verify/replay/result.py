@@ -36,7 +36,11 @@ class Replay:
     offered: Mapping[int, str] = EMPTY
     """What the environment offered, by the number of the step."""
     other: tuple[Happened, ...] = ()
-    """What the program did instead, where it has come to a standstill in another way."""
+    """What the program did instead, where it has come to a standstill in another way, or does more than the trace
+    before everything is repeated.
+    """
+    other_round_from: int | None = None
+    """The number of those in ``other`` before what is repeated for ever."""
     standing: tuple[Standing, ...] = ()
     """Who waits for ever after that."""
     instants: tuple[int, ...] = ()

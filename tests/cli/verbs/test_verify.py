@@ -485,6 +485,17 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
             ],
         ),
         (
+            "out o : int",
+            "mu (c ! 1 -> skip []> after 2 ms -> o ! 2) || (c ? t ; c ? t)",
+            [
+                "    1   0 s  c  1",
+                "    2   0 s  c  1",
+                "then again and again, every 2 ms:",
+                "    3  2 ms  o  2",
+                "replayed: the program did all 4 steps, and can go on so for ever",
+            ],
+        ),
+        (
             "in i : int @ 2 ms  in j : int @ 3 ms",
             "(mu i ? t) || (mu j ? u)",
             [

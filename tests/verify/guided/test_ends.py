@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from cspdiag.cli.main import main
+from cspdiag.proofs.counterexamples.counterexample import Step
+from cspdiag.proofs.counterexamples.words import headline
 from tests.support.verifying import answer_to, refuted
 from tests.verify.guided.test_guided import RACE
 
@@ -297,3 +299,75 @@ def test_who_is_stuck_does_not_end() -> None:
     for delay, comes_too_late in (("wait 5 ms", False), ("wait 15 ms", True)):
         text = RACE.replace("DELAY", delay).replace("assert Both deadlock free", "assert Both terminates")
         assert refuted(text) == comes_too_late
+
+
+OFFERS = """process Offers {
+  out c, o : int
+  in d     : int
+
+  communication { var v : int = 0  var late : bool = false }
+
+  composition { OFFERS_ }
+}
+
+process Takes {
+  in c     : int
+  out d, o : int
+
+  communication { var v : int = 0 }
+
+  composition { TAKES_ }
+}
+
+process Both {
+  out o, p : int
+
+  communication {
+    offers : Offers
+    takes  : Takes
+
+    offers.c -> takes.c
+    takes.d  -> offers.d
+    offers.o -> o
+    takes.o  -> p
+  }
+
+  composition { offers || takes }
+}
+
+assert Both terminates
+"""
+
+
+@pytest.mark.parametrize(
+    ("offers", "takes", "before", "again"),
+    [
+        ("mu (c ! 1 -> skip []> after 2 ms -> skip)", "c ? v", ["c"], ["after 2 ms"]),
+        ("mu (c ! 1 -> skip []> after 2 ms -> o ! 2)", "c ? v ; o ! 1", ["c", "p"], ["after 2 ms", "o"]),
+        (
+            "mu ((c ! 1 -> (d ? v -> skip []> after 1 ms -> late := true) []> after 2 ms -> skip) ;"
+            " (if late then wait 1 ms)) until v == 2",
+            "mu (c ? v ; wait 1 ms ; d ! v + 1)",
+            ["c", "after 1 ms", "wait 1 ms"],
+            ["wait 1 ms", "after 2 ms"],
+        ),
+        ("(mu (wait 1 ms)) ; c ! 1", "o ! 1 ; c ? v", ["p"], ["wait 1 ms"]),
+        ("mu (c ! 1 ; wait 2 ms)", "mu (c ? v)", [], ["c", "wait 2 ms"]),
+    ],
+)
+def test_what_has_to_happen_before_a_round_is_told(
+    offers: str, takes: str, before: list[str], again: list[str]
+) -> None:
+    """No time passes while a process can get on, so that a delay is never the first that happens beside an offer."""
+    answer = answer_to(OFFERS.replace("OFFERS_", offers).replace("TAKES_", takes))
+    found = answer.counterexample
+    assert answer.replayed
+    assert found is not None
+    assert [_last(step) for step in found.steps if step.shown] == before
+    assert [_last(step) for step in found.cycle if step.shown] == again
+    assert ("at once" in headline(found)) == (not before)
+
+
+def _last(step: Step) -> str:
+    """A delay, or the name of a channel without those of the processes."""
+    return step.channel.rpartition(": ")[2].rpartition(".")[2]
