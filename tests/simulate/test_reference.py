@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base import SourceFile
 from cspdiag.cli.main import main
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.stopping import stopping
@@ -162,3 +163,16 @@ def test_command_writes_the_trace_and_the_recording(heater: Path, tmp_path: Path
         wanted = (tmp_path / f"-O0.{ending}").read_text(encoding="utf-8")
         assert wanted
         assert (tmp_path / f"reference.{ending}").read_text(encoding="utf-8") == wanted
+
+
+def test_missed_samples_are_named_as_by_the_readable_code() -> None:
+    text = """
+        process Main { in x : int @ 5 ms communication { var a : int } composition { mu (x ? a ; wait 12 ms) } }
+        submodel S { out x : int state k : int = 0 next k = k + 1 x = k }
+        environment E for Main on miss count { s : S s.x -> x }
+    """
+    network = network_of(SourceFile(name="case.csp", text=text))
+    by_reference = reference.simulate(network, environment="E", until=LIMIT, recorder=Recorder())
+    missed = by_reference.outcome.missed
+    assert missed["Main.x"] > 0
+    assert missed == on_readable_code(network, "E").outcome.missed

@@ -69,7 +69,7 @@ def _refuse_other_languages(network: Network, environment: Environment | None) -
 def _outcome(done: Execution, environment: str | None) -> Outcome:
     time = done.ending.time
     outcome = Outcome(_ENDINGS[done.ending.ended], time, _error(done, environment or ""))
-    outcome.missed = {name.partition(".")[2]: count for name, count in done.missed}
+    outcome.missed = dict(done.missed)
     if outcome.ended == "deadlock":
         waiting = tuple(WaitingProcess(path, None, None, what, (), ()) for path, what in done.waiting)
         outcome.deadlock = DeadlockReport(time, waiting, ())
