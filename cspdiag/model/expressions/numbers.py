@@ -250,9 +250,9 @@ class Typer:
         constants = (
             name for name, found in definitions.items() if isinstance(found, ast.Constant | ast.EnumDefinition)
         )
-        suggestion = self.context.speller.nearest(
-            node.name, chain(surroundings.replicators, surroundings.scope.names, constants)
-        )
+        known = chain(surroundings.replicators, surroundings.scope.names, constants)
+        literals = self._literals(node.name)
+        suggestion = None if literals else self.context.speller.nearest(node.name, known)
         if suggestion is None:
             undeclared.add(node.name)
         near = self.find(suggestion) if suggestion else None
@@ -265,10 +265,19 @@ class Typer:
                 wanted=wanted,
                 suggestion=suggestion,
                 declared=declared,
-                advice=_advice_on_missing(node.name, surroundings),
+                advice=(
+                    f"did you mean {' or '.join(literals)}?"
+                    if literals
+                    else _advice_on_missing(node.name, surroundings)
+                ),
             ),
             node,
         )
+
+    def _literals(self, name: str) -> list[str]:
+        """The literals of this name, each with its enumeration."""
+        enums = (found for found in self.context.program.definitions.values() if isinstance(found, ast.EnumDefinition))
+        return [f"`{enum.name.text}.{name}`" for enum in enums if any(name == one.text for one in enum.literals)]
 
     def _refuse_kind(self, node: ast.Name, symbol: Symbol, advice: str | None) -> None:
         if isinstance(symbol, ast.EnumDefinition):
