@@ -124,7 +124,7 @@ def test_a_value_given_outside_the_program(type_: Type, text: str, value: Value)
         (RADIAN, "1<volt>", "no unit"),
         (BOOL, "1", "neither true nor false"),
         (EnumType("Mode", ("idle", "run")), "walk", "none of idle, run"),
-        (ArrayType(DOUBLE, 2), "[1]", "1 elements, not 2"),
+        (ArrayType(DOUBLE, 2), "[1]", "one element, not 2"),
         (ArrayType(DOUBLE, 2), "1, 2", "write it as"),
         (UNKNOWN, "1", "not known"),
     ],
