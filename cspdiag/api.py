@@ -355,9 +355,9 @@ class Drawing:
         """
         from pathlib import Path
 
+        from cspdiag.base.files.whole import write_whole
         from cspdiag.draw.output.formats import FORMATS, rendered
         from cspdiag.draw.scene.palette import Scheme
-        from cspdiag.simulate.record.files import write_whole
 
         suffix = Path(path).suffix.removeprefix(".").lower()
         require_one_of("ending of a picture", suffix, FORMATS)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import re
 
+from cspdiag.base.files.resources import manual_page_file
 from cspdiag.base.record import record
-from cspdiag.base.resources import manual_page_file
 
 FAMILIES = {
     "01-syntax": "Syntax, files and imports",

@@ -96,7 +96,8 @@ class Run(RunData):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the external ports as CSV (format: ``cspdiag run --record``)."""
-        from cspdiag.simulate.record.files import csv_text, write_whole
+        from cspdiag.base.files.whole import write_whole
+        from cspdiag.simulate.record.files import csv_text
 
         with file_errors():
             write_whole(Path(path), csv_text(self).encode())
@@ -138,15 +139,17 @@ class Run(RunData):
 
     def to_npz(self, path: str | Path) -> None:
         """Write the external ports as a numpy archive."""
-        from cspdiag.simulate.record.files import npz_bytes, write_whole
+        from cspdiag.base.files.whole import write_whole
+        from cspdiag.simulate.record.files import npz_bytes
 
         with file_errors():
             write_whole(Path(path), npz_bytes(self))
 
     def to_trace(self, path: str | Path) -> None:
         """Write Chrome trace events (``.json``) or the plain trace (``.jsonl``)."""
+        from cspdiag.base.files.whole import write_whole
         from cspdiag.simulate.record.chrome_trace import chrome_trace_text
-        from cspdiag.simulate.record.files import plain_trace_text, write_whole
+        from cspdiag.simulate.record.files import plain_trace_text
 
         make = plain_trace_text if Path(path).suffix == ".jsonl" else chrome_trace_text
         with file_errors():

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.base import Diagnostic, resources
+from cspdiag.base import Diagnostic
+from cspdiag.base.files import resources
 from cspdiag.base.manual import FAMILIES, manual_page, manual_pages, read_page, reference
 from cspdiag.proofs.answers.findings import diagnostics_of
 from tests.docs.kinds_of_diagnostics import kinds_of_diagnostics

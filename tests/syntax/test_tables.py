@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from lark import Lark
 from lark import logger as lark_logger
 
-from cspdiag.base import resources
+from cspdiag.base.files import resources
 from cspdiag.syntax.parse import tables
 from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE
 from tests.syntax.generate import program, sprinkled

@@ -30,11 +30,11 @@ def check_picture(option: str, path: Path) -> None:
 
 def write_picture(path: Path, deadlock: Deadlock, program: Program | None) -> None:
     """Write the picture of a deadlock; without a layout engine it has no communication diagram, and a line says so."""
+    from cspdiag.base.files.whole import write_whole
     from cspdiag.draw.deadlock.ring import draw_deadlock
     from cspdiag.draw.layout.graph import LayoutError
     from cspdiag.draw.missing import MissingToolError
     from cspdiag.draw.output.formats import rendered
-    from cspdiag.simulate.record.files import write_whole
 
     try:
         scene = draw_deadlock(deadlock, program)

@@ -8,13 +8,13 @@ from argparse import Namespace
 from collections.abc import Sequence
 from difflib import SequenceMatcher
 
+from cspdiag.base.files.whole import replace_files
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.sources import STANDARD_INPUT, decoded, read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.support.diagnostic_formats import show_findings
 from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
-from cspdiag.cli.support.files.output import replace_files
 from cspdiag.cli.support.terminal import say, write_out
 from cspdiag.mend import MendedFile, mend
 

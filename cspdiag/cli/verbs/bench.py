@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.base.resources import benchmark_folder
+from cspdiag.base.files.resources import benchmark_folder
 from cspdiag.cli.support.failure import FINE
 from cspdiag.cli.support.files.written import require_file
 

@@ -102,11 +102,11 @@ def _program(revision: str | None, path: str, arguments: Namespace) -> Program:
 
 
 def _draw(arguments: Namespace, found: Difference) -> None:
+    from cspdiag.base.files.whole import write_whole
     from cspdiag.draw.differences.picture import pictures_of
     from cspdiag.draw.layout.graph import LayoutError
     from cspdiag.draw.missing import MissingToolError
     from cspdiag.draw.output.formats import rendered
-    from cspdiag.simulate.record.files import write_whole
 
     try:
         scenes = pictures_of(found)

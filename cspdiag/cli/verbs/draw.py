@@ -371,6 +371,6 @@ def _refuse_link(path: Path) -> None:
 
 
 def _write(path: Path, data: bytes) -> None:
-    from cspdiag.simulate.record.files import write_whole
+    from cspdiag.base.files.whole import write_whole
 
     write_whole(path, data)

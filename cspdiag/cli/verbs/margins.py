@@ -219,7 +219,7 @@ def _write_plot(path: Path | None, report: LoopReport) -> None:
     if path is None or not report.loops:
         return
     from cspdiag.analyses.margins.bode import bode
-    from cspdiag.simulate.record.files import write_whole
+    from cspdiag.base.files.whole import write_whole
 
     write_whole(path, bode(report.loops, path.suffix.removeprefix(".")))
 

@@ -8,8 +8,8 @@ import re
 import sys
 from argparse import ArgumentParser, Namespace
 
+from cspdiag.base.files.resources import template_folder
 from cspdiag.base.render.snippet import on_one_line
-from cspdiag.base.resources import template_folder
 from cspdiag.cli.support.failure import FINE, UsageError
 from cspdiag.cli.support.files.output import write_new_folder
 from cspdiag.cli.support.terminal import say

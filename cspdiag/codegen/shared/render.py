@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import EMPTY, field_names, is_record, record
-from cspdiag.base.resources import template_folder
 from cspdiag.codegen.shared.plain_text import one_line
 from cspdiag.codegen.shared.target_error import TargetError
 

@@ -6,7 +6,7 @@ import os
 from itertools import groupby
 
 from cspdiag import __version__
-from cspdiag.base.resources import template_folder
+from cspdiag.base.files.resources import template_folder
 from cspdiag.draw.book.chapters import anchor, chapters, declarations
 from cspdiag.draw.output.svg import custom_properties, ink_rules, visible
 from cspdiag.draw.pictures import Pictures

@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from queue import SimpleQueue
 from typing import Any
 
-from cspdiag.base import resources
+from cspdiag.base.files import resources
 from cspdiag.draw.layout.graph import LayoutError
 from cspdiag.draw.missing import missing
 

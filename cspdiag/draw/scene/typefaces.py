@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.base import resources
+from cspdiag.base.files import resources
 from cspdiag.draw.scene.shapes import Face
 
 _FILES = {

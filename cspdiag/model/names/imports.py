@@ -5,7 +5,8 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Callable, Iterator
 
-from cspdiag.base import Report, SourceFile, resources
+from cspdiag.base import Report, SourceFile
+from cspdiag.base.files import resources
 from cspdiag.model.diagnostics.imports import ImportCycle, UnknownLibrary, UnreadableImport
 from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse

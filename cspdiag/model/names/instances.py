@@ -58,7 +58,7 @@ def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, want
 
 
 def _library(name: str) -> str | None:
-    from cspdiag.base.resources import library_source
+    from cspdiag.base.files.resources import library_source
 
     text = library_source("std.control") or ""
     return (

@@ -17,8 +17,8 @@ from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
 
-from cspdiag.base.caches import cache_folder
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.record import record
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")

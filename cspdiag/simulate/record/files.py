@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
-import os
 from collections.abc import Mapping
-from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.model.types import (
@@ -27,46 +23,6 @@ from cspdiag.simulate.record.held import columns_of, held_rows
 
 if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, by way of a temporary one beside it.
-
-    A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it
-    is. Raises OSError as the file system does, with the name that was given, and for a pipe from which nobody reads.
-    """
-    real = os.path.realpath(path)
-    if os.path.exists(path) and not os.path.isfile(path):
-        _write_through(path, data)
-        return
-    temporary = f"{real}.{os.getpid()}.tmp"
-    try:
-        with open(temporary, "xb") as file:
-            try:
-                file.write(data)
-                file.close()
-                with suppress(OSError):
-                    os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-                os.replace(temporary, real)
-            except BaseException:
-                os.unlink(temporary)
-                raise
-    except OSError as problem:
-        raise OSError(problem.errno, problem.strerror, str(path)) from None
-
-
-def _write_through(path: Path, data: bytes) -> None:
-    """Write to a device or a pipe; to wait for somebody who reads from a pipe could take for ever."""
-    waits_not = getattr(os, "O_NONBLOCK", 0)
-    try:
-        number = os.open(path, os.O_WRONLY | waits_not)
-    except OSError as problem:
-        if problem.errno == errno.ENXIO:
-            raise OSError(problem.errno, "nobody reads from it", str(path)) from None
-        raise
-    os.set_blocking(number, True)
-    with os.fdopen(number, "wb") as file:
-        file.write(data)
 
 
 def readable(value: object, kind: Type | None) -> object:

@@ -12,8 +12,8 @@ import sys
 import zlib
 from typing import Any, NamedTuple
 
-from cspdiag.base import resources
-from cspdiag.base.caches import cache_folder
+from cspdiag.base.files import resources
+from cspdiag.base.files.caches import cache_folder
 
 END = "$END"
 """The terminal after the last token."""

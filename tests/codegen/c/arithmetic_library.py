@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cspdiag.base.resources import template_folder
+from cspdiag.base.files.resources import template_folder
 
 SUPPORT = template_folder("c") / "support"
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from cspdiag.base import resources
+from cspdiag.base.files import resources
 from cspdiag.cli.main import main
 from cspdiag.draw.layout import engine
 from cspdiag.draw.layout.elk import engine_available, lay_out

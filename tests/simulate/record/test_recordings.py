@@ -11,8 +11,9 @@ import numpy
 import pytest
 
 import cspdiag
+from cspdiag.base.files.whole import write_whole
 from cspdiag.simulate.record.chrome_trace import chrome_trace_text
-from cspdiag.simulate.record.files import csv_text, plain_trace_text, write_whole
+from cspdiag.simulate.record.files import csv_text, plain_trace_text
 from cspdiag.simulate.result import Run
 
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 
+from cspdiag.base.files.whole import write_whole
 from cspdiag.cli.support.failure import UsageError
 from cspdiag.cli.support.files.manifest import (
     Manifest,
@@ -20,40 +21,7 @@ from cspdiag.cli.support.files.manifest import (
 
 def replace_text(path: str, text: str) -> None:
     """Write a text file as ``write_whole`` does."""
-    from pathlib import Path
-
-    from cspdiag.simulate.record.files import write_whole
-
-    write_whole(Path(path), text.encode())
-
-
-def replace_files(files: Mapping[str, bytes]) -> None:
-    """Give files that there are other contents, by path.
-
-    All are written beside their places first, so that none changes where one cannot be written, and then moved there.
-    Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name given.
-    """
-    from secrets import token_hex
-
-    staged: dict[str, tuple[str, str]] = {}
-    path = ""
-    try:
-        for path, data in files.items():
-            real = os.path.realpath(path)
-            temporary = f"{real}.{token_hex(8)}.tmp"
-            with open(temporary, "xb") as file:
-                staged[path] = temporary, real
-                file.write(data)
-            with suppress(OSError):
-                os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-        for path, (temporary, real) in staged.items():  # noqa: B007 (told of below)
-            os.replace(temporary, real)
-    except OSError as problem:
-        raise OSError(problem.errno, problem.strerror, path) from None
-    finally:
-        for temporary, _ in staged.values():
-            with suppress(FileNotFoundError):
-                os.unlink(temporary)
+    write_whole(path, text.encode())
 
 
 def write_package(folder: str, files: Mapping[str, str], target: str, *, program: str = "", force: bool) -> None:

@@ -13,7 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from cspdiag import __version__
-from cspdiag.base.caches import cache_folder
+from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile

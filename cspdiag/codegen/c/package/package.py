@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from weakref import ref
 
+from cspdiag.base.files.resources import template_folder
 from cspdiag.base.record import record
-from cspdiag.base.resources import template_folder
 from cspdiag.codegen.c.laws.by_hand import checks_file
 from cspdiag.codegen.c.laws.external import external_files
 from cspdiag.codegen.c.laws.laws import law_files

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cspdiag.base.files.whole import write_whole
 from cspdiag.base.record import record, replaced
-from cspdiag.simulate.record.files import write_whole
 from cspdiag.simulate.record.modes import ModeGroup, mode_groups
 from cspdiag.simulate.record.plot.lanes import (
     FAINT,

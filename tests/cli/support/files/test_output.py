@@ -237,8 +237,9 @@ def test_a_pipe_is_written_to_and_stays_one(tmp_path: Path) -> None:
     assert pipe.is_fifo()
 
 
-def test_a_file_that_is_in_the_way_of_writing_stays(tmp_path: Path) -> None:
-    other = tmp_path / f"program.csp.{os.getpid()}.tmp"
+def test_a_file_that_is_in_the_way_of_writing_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("secrets.token_hex", lambda _: "0123456789abcdef")
+    other = tmp_path / "program.csp.0123456789abcdef.tmp"
     other.write_text("of somebody else\n")
     with pytest.raises(FileExistsError):
         replace_text(str(tmp_path / "program.csp"), "text\n")

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.base.files.whole import write_whole
 from cspdiag.cli.support.failure import UsageError
 from cspdiag.cli.support.files import written
-from cspdiag.simulate.record.files import write_whole
 from tests.cli.conftest import Command
 
 PROGRAM = """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.base.caches import cache_folder
+from cspdiag.base.files.caches import cache_folder
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.syntax.parse import tables
 

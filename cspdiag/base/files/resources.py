@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-_PACKAGE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+_PACKAGE = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
 
 
 def _place(*parts: str) -> str:
