@@ -24,6 +24,7 @@ from cspdiag.analyses.timing.flow.books import (
     with_standing,
 )
 from cspdiag.analyses.timing.flow.paths import Job, Node, Path, either
+from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS
 from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 from cspdiag.base import Span
 from cspdiag.base.graphs import strong_components
@@ -148,21 +149,25 @@ class Jobs:
                 if following not in inside:
                     inside.add(following)
                     pending.append(following)
-        around = [
-            (self.thread.places[number], books)
-            for number, books in inside
-            if self._comes_back((number, books), back, period)
-        ]
+        numbers = {state for state in inside if self._comes_back(state, back, period)}
+        around = [(self.thread.places[number], books) for number, books in numbers]
+        turns = self._turns({number for number, _ in numbers})
         for place, books in around:
             if self._lets_pass(place, books):
-                raise UnboundedError(
-                    "between its samples it waits for time to pass in a loop, nobody knows how often", place.span
+                reason = (
+                    "it may go round a loop that waits here for time to pass, without a sample in between, nobody "
+                    "knows how often"
                 )
+                raise UnboundedError(_too_many(turns) if turns else reason, place.span)
         if any(place.cost or place.offers for place, _ in around):
             place = self.thread.places[back[0]]
-            raise UnboundedError(
-                "how often this repeats before it waits for a sample or an event cannot be seen", place.span
-            )
+            reason = "how often this repeats before it waits for a sample or an event cannot be seen"
+            raise UnboundedError(_too_many(turns) if turns else reason, place.span)
+
+    def _turns(self, inside: set[int]) -> int | None:
+        """How many rounds the innermost loop around some places has, if that is known."""
+        around = [circle for circle in self.thread.circles if circle.again <= min(inside) and max(inside) < circle.end]
+        return min(around, key=lambda circle: circle.end - circle.again).turns if around else None
 
     def _comes_back(self, state: State, goal: State, period: int) -> bool:
         seen, pending = {state}, [state]
@@ -304,6 +309,13 @@ class Jobs:
         self.ends = True
         if books and (place.halts or not self.thread.is_outermost):
             self.gaps.append(Gap(number, tuple(sorted((key[0], period) for key, period, _ in books))))
+
+
+def _too_many(turns: int) -> str:
+    return (
+        f"this repeats {turns} times before it waits for a sample or an event, and no more than {MOST_ROUNDS} rounds "
+        "are followed"
+    )
 
 
 def _met(offer: Offer) -> Offer | None:

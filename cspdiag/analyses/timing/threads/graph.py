@@ -122,12 +122,14 @@ class Place:
 @record
 class Circle:
     """A loop of a thread: each round begins anew at the place ``again`` and passes others from there on, up to ``end``.
-    ``ends`` says whether it surely comes to its end if nothing in it waits for ever.
+    ``ends`` says whether it surely comes to its end if nothing in it waits for ever; ``turns`` how many rounds it has,
+    where that is known though they are too many to be followed one by one.
     """
 
     again: int
     end: int
     ends: Callable[[], bool]
+    turns: int | None = None
 
 
 @dataclass(slots=True)

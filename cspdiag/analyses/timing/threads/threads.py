@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import assert_never
 
 from cspdiag.analyses.timing.refusal import Refusal
+from cspdiag.analyses.timing.threads.beginnings import Beginnings
 from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS, Loop
 from cspdiag.analyses.timing.threads.ends import never_waits
 from cspdiag.analyses.timing.threads.graph import Circle, Move, Offer, Thread
@@ -57,6 +58,9 @@ class Threads(Places):
     def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
         super().__init__(network, measured)
         self._looping = Looping(network)
+        self._beginnings = Beginnings(
+            self.ends, {path: self.classes[instance.class_name] for path, instance in self.instances.items()}
+        )
         self._runs: dict[str, Counter[str]] = {}
         self.root = Thread(network.top, (), is_outermost=True)
         entry = self.classes[self.instances[network.top].class_name]
@@ -219,8 +223,8 @@ class Threads(Places):
                 handler = self._action(action.handler, context.changed(action.body), following)
                 inner = replaced(context, handlers=(*context.handlers, (action.exception, handler)))
                 begun = self._action(action.body, inner, following)
-                if action.exception != "Fault":
-                    return begun
+                if action.exception != "Fault" or self._beginnings.waits_first(context.path, action.body):
+                    return begun  # What is computed after each of its waits may fail there.
                 return self.place(context, action, successors=[begun, handler])
             case InterruptOn():
                 if not self.may_hold(action.branch, context):
@@ -283,7 +287,7 @@ class Threads(Places):
             again = self.place(context, action)
             turn = replaced(context.changed(action.body), is_first=False)
             body = self._action(action.body, turn, again)
-            context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True))
+            context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True, action.turns))
             context.thread.places[again].successors = [body, following]
             return body
         turns = SequentialSteps(span=action.span, steps=(action.body,) * action.turns)

@@ -367,3 +367,46 @@ def test_communications_that_begin_ever_more_of_each_other_are_not_counted_for_e
     report = report_of(text)
     assert report.is_schedulable is None
     assert any("in a period cannot be bounded" in refusal.reason for refusal in report.refusals)
+
+
+CAUGHT = "mu (({}) catch Fault -> (seq r < {} : wait 4 ms))"
+OWN = (
+    "process Own { in x : double  communication { var v : double = 0  var k : int = 3 } "
+    "composition { here: (x ? v ; k := 4 / (k - 1)) } }"
+)
+
+
+@pytest.mark.parametrize("read", ["p ? v", "a", "(p ? v -> skip)", "here: (p ? v)", "(seq s < 1 : p ? v)"])
+def test_turns_of_waiting_after_a_fault_are_added_up(read: str) -> None:
+    """The fault comes after the sample, so that two turns are in time, and three are not."""
+    few, many = (program(CAUGHT.format(f"{read} ; k := 4 / (k - 1)", turns)) for turns in (2, 3))
+    assert report_of(few).is_schedulable is True
+    assert not missed(network_of(few), 1)
+    assert report_of(many).is_schedulable is None
+    assert "may not be ready before the next sample" in report_of(many).reason
+    assert missed(network_of(many), 1)
+
+
+def test_turns_of_waiting_after_a_fault_that_ends_the_process_which_reads() -> None:
+    text = program(CAUGHT.format("own", 3), "own : Own  p -> own.x", OWN)
+    assert report_of(text).is_schedulable is True
+    assert not missed(network_of(text), 1)
+
+
+@pytest.mark.parametrize("body", ["k := 6 / (k - 1) ; p ? v", "when k / (k - 1) > 0 & p ? v -> skip", "p ? row[k]"])
+def test_a_fault_before_the_sample_goes_round_without_one(body: str) -> None:
+    report = report_of(program(CAUGHT.format(body, 2), "var row : double[3] = [0, 0, 0]"))
+    assert report.is_schedulable is None
+    assert "a loop that waits here for time to pass, without a sample in between" in report.reason
+
+
+def test_many_turns_are_not_said_to_be_unknown() -> None:
+    counted, open_end = (
+        report_of(program(f"mu (a ; {waits})"))
+        for waits in ("seq r < 2000 : wait 1 us", "mu (wait 1 us ; k := k + 1) until k % 2000 == 0")
+    )
+    assert counted.is_schedulable is open_end.is_schedulable is None
+    assert counted.reason.endswith(
+        "this repeats 2000 times before it waits for a sample or an event, and no more than 1000 rounds are followed"
+    )
+    assert open_end.reason.endswith("without a sample in between, nobody knows how often")

@@ -120,11 +120,13 @@ class Shapes:
         if depth == 0:
             return self._law(unit, None)
         below = depth - 1
-        match self.source.randint(0, 11):
+        match self.source.randint(0, 12):
             case 0 | 1:
                 return self._law(unit, None)
             case 11:
                 return self._counting(unit)
+            case 12:
+                return self._failing(unit, period)
             case 2:
                 return f"({self._work(unit, period, below)} ; {self._work(unit, period, below)})"
             case 3:
@@ -168,6 +170,15 @@ class Shapes:
             f"({i} := 1 ; while {i} < {10 * k} and not ({i} == {k}) do {i} := 2 * {i})",
         ]
         return self.source.choice(forms)
+
+    def _failing(self, unit: Unit, period: int) -> str:
+        """A fault after a sample or before it, in some round, and turns of waiting where it is caught."""
+        i, k = self._count(unit), self.source.randint(1, 6)
+        parts = [self._sampled(unit, period), f"{i} := {i} + 1 ; {i} := {i} + 0 / ({i} - {k})"]
+        if self.source.random() < 0.2:
+            parts.reverse()
+        turns = f"seq {self._name('r')} < {self.source.randint(1, 4)} : wait {self.length(unit, LENGTHS[:3])}"
+        return f"(({' ; '.join(parts)}) catch Fault -> ({turns}))"
 
     def _computing(self, unit: Unit) -> str:
         """A loop of computing, of which nobody knows whether it ends."""

@@ -1,0 +1,76 @@
+"""Which actions wait before they compute anything, so that no fault can come before that wait is over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.analyses.timing.threads.ends import Ends
+from cspdiag.network.ir.actions import (
+    Action,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    CountedLoop,
+    Event,
+    Group,
+    InputEvent,
+    PortEnd,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    RunInstance,
+    SequentialSteps,
+    WaitStep,
+)
+from cspdiag.network.ir.network import ProcessClass, SubmodelClass
+
+
+class Beginnings:
+    """Looks at how the actions of processes begin; ``class_of`` gives the class of an instance by its path."""
+
+    def __init__(self, ends: Ends, class_of: Mapping[str, ProcessClass | SubmodelClass]) -> None:
+        self._ends = ends
+        self._class_of = class_of
+
+    def waits_first(self, path: str, action: Action) -> bool:
+        """Whether an action of the process at a path begins by waiting; False where that is not certain."""
+        match action:
+            case ReadValue():
+                return self._reads(path, action)
+            case Choice(branches=branches):
+                return all(branch.condition is None and self._reads(path, branch.event) for branch in branches)
+            case WaitStep(duration=duration):
+                return any(offer.period for offer in self._ends.delay(path, duration, 0, action.span))
+            case SequentialSteps(steps=steps):
+                return bool(steps) and self.waits_first(path, steps[0])
+            case CountedLoop(body=body, turns=turns):
+                return turns > 0 and self.waits_first(path, body)
+            case Group(body=body) | Repeat(body=body) | CatchException(body=body):
+                return self.waits_first(path, body)
+            case RunInstance(instance=name):
+                return self._runs(path, name)
+            case _:
+                return False
+
+    def _reads(self, path: str, action: ReadValue | Event) -> bool:
+        match action:
+            case ReadyEvent(source=source):
+                return bool(self._ends.reading(path, source, 0, action))
+            case ReadValue(source=source, target=target) | InputEvent(source=source, target=target):
+                return not target.indexes and bool(self._ends.reading(path, source, 0, action))
+            case _:
+                return False
+
+    def _runs(self, path: str, name: str) -> bool:
+        entry = self._class_of[f"{path}.{name}"]
+        if isinstance(entry, ProcessClass):
+            return entry.body is not None and self.waits_first(f"{path}.{name}", entry.body)
+        owner = self._class_of[path]
+        assert isinstance(owner, ProcessClass)
+        declared = next(instance for instance in owner.instances if instance.name == name)
+        inputs = {port.name for port in entry.ports if port.direction == "in"}
+        return any(
+            self._ends.reading(f"{path}.{name}", PortEnd(c.port, c.index, c.attachment.end), 0, declared, owner=path)
+            for c in declared.connections
+            if c.port in inputs and isinstance(c.attachment, PortEnd | ChannelEnd)
+        )
