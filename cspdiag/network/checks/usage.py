@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Set
+from typing import assert_never
 
 from cspdiag.base import Report
 from cspdiag.network.checks.agreement import Agreement
@@ -13,11 +14,27 @@ from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
     AssignValue,
+    Branch,
+    CatchException,
     Choice,
+    CountedLoop,
+    Group,
     IfElse,
+    InputEvent,
     InterruptOn,
+    OptimizedStep,
     OutputEvent,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
     Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
     WaitStep,
     WhileLoop,
     WriteValue,
@@ -82,6 +99,8 @@ def expressions_in(body: Action) -> Iterator[Expression]:
     """The expressions of a composition: values written, conditions, durations and indexes."""
     for action in all_actions(body):
         match action:
+            case ReadValue():
+                yield from action.target.indexes
             case WriteValue():
                 yield action.value
             case AssignValue():
@@ -94,13 +113,33 @@ def expressions_in(body: Action) -> Iterator[Expression]:
             case Repeat():
                 if action.until is not None:
                     yield action.until
-            case Choice() | InterruptOn():
-                for branch in action.branches if isinstance(action, Choice) else (action.branch,):
-                    if branch.condition is not None:
-                        yield branch.condition
-                    if isinstance(branch.event, OutputEvent):
-                        yield branch.event.value
-                    elif isinstance(branch.event, AfterEvent):
-                        yield branch.event.duration
-            case _:
+            case Choice():
+                for branch in action.branches:
+                    yield from _expressions_of_guard(branch)
+            case InterruptOn():
+                yield from _expressions_of_guard(action.branch)
+            case (
+                RunInstance() | SkipStep() | StopStep() | ResetInstance() | RaiseException() | SequentialSteps()
+                | ParallelSteps() | CountedLoop() | CatchException() | Group()
+            ):  # fmt: skip
                 pass
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
+
+
+def _expressions_of_guard(branch: Branch) -> Iterator[Expression]:
+    if branch.condition is not None:
+        yield branch.condition
+    match branch.event:
+        case InputEvent():
+            yield from branch.event.target.indexes
+        case OutputEvent():
+            yield branch.event.value
+        case AfterEvent():
+            yield branch.event.duration
+        case ReadyEvent() | SkipEvent():
+            pass
+        case _:
+            assert_never(branch.event)
