@@ -11,7 +11,18 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base import Report
 from cspdiag.model.program import PortSymbol, Program
-from cspdiag.model.types import BoolType, RealType
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.diagnostics.samples.release import OutputNotReleased
 from cspdiag.network.syntax_walk import declared_in, nodes
 from cspdiag.syntax import ast
@@ -20,6 +31,9 @@ Driven: TypeAlias = "Mapping[PortSymbol, ast.Run] | None"
 """The sampled outputs that were last written by a submodel in a loop, with where it was run."""
 
 _NOTHING: Mapping[PortSymbol, ast.Run] = {}
+
+_SHOWN = 4
+"""Elements of an array that are written out in what is suggested."""
 
 
 def check_release(program: Program, report: Report) -> None:
@@ -43,7 +57,7 @@ def _check_process(
                 process=definition.name.text,
                 port=port.name,
                 instance=run.instance.name.text,
-                release=_release_value(port),
+                release=_release_value(port.type),
                 port_span=port.port.span,
             )
         )
@@ -76,14 +90,29 @@ def _sampled_output(program: Program, part: ast.Node) -> PortSymbol | None:
     return None
 
 
-def _release_value(port: PortSymbol) -> str:
-    match port.type:
+def _release_value(type_: Type) -> str:
+    """Zero, false, the first literal of an enumeration, and the same in each field and element."""
+    match type_:
         case BoolType():
             return "false"
-        case RealType(unit=unit) if unit is not None and str(unit) != "1":
+        case RealType(unit=unit) if str(unit) != "1":
             return f"0<{unit}>"
-        case _:
+        case IntType() | RealType() | TimeType():
             return "0"
+        case EnumType(name=name, literals=(first, *_)):
+            return f"{name}.{first}"
+        case StructType(name=name, fields=fields):
+            return f"{name}({', '.join(f'{field} = {_release_value(inner)}' for field, inner in fields)})"
+        case ArrayType(element=element, size=size):
+            value = _release_value(element)
+            shown = (value, "…", value) if size is None or size > _SHOWN else (value,) * size
+            return f"[{', '.join(shown)}]"
+        case TextType() | EnumType():
+            raise AssertionError(f"no port has the type {type_}")
+        case UnknownType():
+            return "…"
+        case _:
+            assert_never(type_)
 
 
 def _either(*states: Driven) -> Driven:
