@@ -15,13 +15,18 @@ from inspect import iscoroutine
 from types import CodeType, FrameType, FunctionType
 from typing import Any
 
+from .channels.any_channel import AnyChannel
 from .channels.broadcast import Broadcast, BroadcastEnd
 from .channels.ports import In, Out
+from .choice.guards import Output
 from .composition import Branches
 from .kernel.durations import shown
 from .kernel.places import is_of_runtime, source_line
 from .kernel.scheduler import Task, Waits
 from .process import Process
+
+_BOTH_SIDES = frozenset(["read", "write"])
+_OPERATIONS = {"read": ("read", "read_all", "take"), "write": ("write", "write_all", "offer", "choose_output")}
 
 
 @dataclass(frozen=True)
@@ -87,9 +92,22 @@ class DeadlockReport:
         which = "these processes wait" if self.others else "a process waits"
         lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can come any more"]
         for process in self.waiting:
-            alone = "" if process.partners or not process.channels else "; no other process that still runs uses it"
-            lines.append(f"  {process}{_who_has_ended(process, ', for') or alone}")
+            lines.append(f"  {process}{_who_has_ended(process, ', for') or _nobody_comes(process)}")
         return "\n".join(lines)
+
+
+def _nobody_comes(process: WaitingProcess) -> str:
+    """``; no other process that still runs writes to it``; "" where somebody may, and where it waits for no channel."""
+    if process.partners or not process.channels:
+        return ""
+    several = len(process.channels) > 1
+    if "to write" not in process.waits:
+        does = f"writes to {'any of them' if several else 'it'}"
+    elif "to read" not in process.waits:
+        does = f"can take {'any of the values' if several else 'the value'}"
+    else:
+        does = "is at the other side of any of them"
+    return f"; no other process that still runs {does}"
 
 
 def _many(count: int) -> str:
@@ -115,16 +133,17 @@ def report_deadlock(
     """
     tasks = list(_leaves(root))
     waits = [task.waits() for task in tasks]
-    users: defaultdict[int, list[int]] = defaultdict(list)
+    users: defaultdict[tuple[int, str], set[int]] = defaultdict(set)
     for index, task in enumerate(tasks):
-        for end in _ends_used_by(task):
-            users[end].append(index)
+        for end, sides in _ends_used_by(task).values():
+            for side in sides:
+                users[id(end), side].add(index)
     partners = [
-        sorted({other for end in _opposite_ends(wait) for other in users[id(end)]} - {index})
+        sorted({other for end in _opposite_ends(wait) for other in users[end]} - {index})
         for index, wait in enumerate(waits)
     ]
     ended = [
-        tuple(end.owner for end in _missing_ends(wait) if end.closed and not set(users[id(end)]) - {index})
+        tuple(end.owner for end in _missing_ends(wait) if end.closed and not users[id(end), "read"] - {index})
         for index, wait in enumerate(waits)
     ]
     paths = [called(task) for task in tasks]
@@ -162,10 +181,16 @@ def _words(waits: Waits) -> str:
     return " or ".join(dict.fromkeys(words if end is None else f"{words} {end.name}" for words, end in waits))
 
 
-def _opposite_ends(waits: Waits) -> list[Any]:
-    """Those at which partners come: of a broadcast the ends that are missing, or what is written to."""
-    opposite = [getattr(end, "channel", end) for _, end in waits if end is not None and not isinstance(end, Broadcast)]
-    return opposite + _missing_ends(waits)
+def _opposite_ends(waits: Waits) -> list[tuple[int, str]]:
+    """Where partners come, by the identity of the end and the side: of a broadcast the ends that are missing, or the
+    other side of what is read or written.
+    """
+    opposite = [
+        (channel_identity(end), "write" if words == "to read" else "read")
+        for words, end in waits
+        if end is not None and not isinstance(end, Broadcast)
+    ]
+    return opposite + [(id(end), "read") for end in _missing_ends(waits)]
 
 
 def _missing_ends(waits: Waits) -> list[BroadcastEnd[Any]]:
@@ -209,23 +234,36 @@ def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]]
     """Identities of the channels that the task can reach from where it waits; ``names_in`` tells which names of a
     function count, otherwise all do.
     """
-    return {channel_identity(end) for end in _ends_used_by(task, names_in).values()}
+    return {channel_identity(end) for end, _ in _ends_used_by(task, names_in).values()}
 
 
 def _ends_used_by(
     task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None
-) -> dict[int, In[Any] | Out[Any]]:
-    """The ends of channels, by their identities, as ``channels_used_by`` finds them."""
-    found: dict[int, In[Any] | Out[Any]] = {}
+) -> dict[int, tuple[In[Any] | Out[Any], set[str]]]:
+    """The ends of channels, by their identities, as ``channels_used_by`` finds them, with the sides that it uses."""
+    found: dict[int, tuple[In[Any] | Out[Any], set[str]]] = {}
     for frame in frames_of(task):
         names = names_in_code(frame.f_code) if names_in is None else names_in(task, frame)
         names = _with_callees(names, frame)
-        for value in frame.f_locals.values():
+        own = frame.f_locals.get("self")
+        for name, value in frame.f_locals.items():
             if isinstance(value, Process):
-                _collect([part for name, part in vars(value).items() if name in names], found)
+                for part, end in vars(value).items():
+                    if part in names:
+                        _collect([end], found, _sides(value, part, names))
             else:
-                _collect([value], found)
+                _collect([value], found, _sides(own, name, names))
     return found
+
+
+def _sides(process: object, name: str, names: Container[str]) -> frozenset[str]:
+    """The sides of a channel at which code uses it that a process knows by a name: that of its port, or those that the
+    code names at all.
+    """
+    annotation = str(getattr(type(process).__init__, "__annotations__", {}).get(name, ""))
+    said = frozenset(side for side, kind in (("read", "In["), ("write", "Out[")) if kind in annotation)
+    named = frozenset(side for side, operations in _OPERATIONS.items() if any(each in names for each in operations))
+    return said or named or _BOTH_SIDES
 
 
 def _with_callees(names: set[str], frame: FrameType) -> set[str]:
@@ -254,24 +292,31 @@ def names_in_code(code: CodeType) -> set[str]:
     return names
 
 
-def _collect(values: Iterable[Any], found: dict[int, In[Any] | Out[Any]]) -> None:
-    pending = list(values)
-    seen: set[int] = set()
+def _collect(
+    values: Iterable[Any], found: dict[int, tuple[In[Any] | Out[Any], set[str]]], sides: frozenset[str]
+) -> None:
+    """Adds the ends among values and their parts; ``sides`` are those at which the values themselves are used."""
+    pending = [(value, sides) for value in values]
+    seen: set[tuple[int, frozenset[str]]] = set()
     while pending:
-        value = pending.pop()
-        if id(value) in seen:
+        value, sides = pending.pop()
+        if (id(value), sides) in seen:
             continue
-        seen.add(id(value))
+        seen.add((id(value), sides))
         if isinstance(value, Process):
-            pending += [part for name, part in vars(value).items() if name != "enclosing"]
+            parts = ((name, part) for name, part in vars(value).items() if name != "enclosing")
+            pending += [(part, _sides(value, name, ())) for name, part in parts]
         elif isinstance(value, list | tuple):
-            pending += value
+            pending += [(part, sides) for part in value]
         elif isinstance(value, dict):
-            pending += value.values()
+            pending += [(part, sides) for part in value.values()]
         elif isinstance(value, In | Out):
-            found[id(value)] = value
+            # Several may only use an `any` channel at the same side: of others who comes at all is the partner.
+            used = sides if isinstance(value, AnyChannel) else _BOTH_SIDES
+            found.setdefault(id(value), (value, set()))[1].update(used)
         else:
-            pending += [guard.end for guard in getattr(value, "guards", ()) if hasattr(guard, "end")]
+            guards = [guard for guard in getattr(value, "guards", ()) if hasattr(guard, "end")]
+            pending += [(guard.end, frozenset(["write" if isinstance(guard, Output) else "read"])) for guard in guards]
 
 
 def find_cycle(partners: list[list[int]]) -> list[int]:

@@ -16,6 +16,8 @@ process S { in c : int communication { var v : int } composition { mu c ? v } }
 HEAD = "deadlock at 0 s: nothing that a process waits for can come any more"
 WRITES = "  Main.a waits to write Main.a.c"
 READS = "  Main.s waits to read Main.a.c (case.csp:4)"
+NOBODY_WRITES = "no other process that still runs writes to it"
+NOBODY_TAKES = "no other process that still runs can take the value"
 
 ONE_HAS_ENDED = """
 process Main { communication { a : A r : R s : S a.c -> broadcast -> r.c, s.c } composition { a || r || s } }
@@ -57,6 +59,28 @@ process Main {
   communication { a : X r : R s : Y a.c -> broadcast -> r.c, s.c s.back -> a.back } composition { a || r || s }
 }
 """
+READERS_OF_ANY = """
+process Main { communication { w : R2 r : S s : T a : A1 a.c -> any -> r.c, s.c s.d -> w.c }
+  composition { a || r || s || w } }
+process A1 { out c : int composition { c ! 1 } }
+process R2 { in c : int communication { var v : int } composition { c ? v ; c ? v } }
+process T { in c : int out d : int communication { var v : int } composition { d ! 0 ; mu (c ? v ; d ! v) } }
+"""
+WRITERS_OF_ANY = """
+process Main { communication { a : A b : A r : R a.c, b.c -> any -> r.c } composition { a || r || b } }
+"""
+LOCAL_ANY = """
+process Main {
+  communication { channel c : int any var v : int var w : int }
+  composition { c ! 1 || (mu c ? v) || (mu c ? w) }
+}
+"""
+RING_OF_ANY = """
+process X { out c : int in back : int communication { var v : int } composition { c ! 1 ; back ? v ; c ! 2 } }
+process Y { in c : int out back : int communication { var v : int } composition { mu (c ? v ; c ? v ; back ! v) } }
+process Main { communication { x : X y : Y z : Y x.c -> any -> y.c, z.c  y.back, z.back -> any -> x.back }
+  composition { x || y || z } }
+"""
 
 
 def report(text: str, arguments: list[str], folder: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
@@ -86,12 +110,12 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
             [HEAD.replace("0 s", "6 ms"), f"{WRITES} (case.csp:11), for Main.q, which has ended", READS],
         ),
         (GUARDED, [HEAD, f"{WRITES} (case.csp:6), for Main.r, which has ended", READS]),
-        (NEVER_BEGUN, [HEAD, f"{WRITES} (case.csp:2); no other process that still runs uses it", READS]),
+        (NEVER_BEGUN, [HEAD, f"{WRITES} (case.csp:2); {NOBODY_TAKES}", READS]),
         (
             WRITER_HAS_ENDED,
             [
                 HEAD,
-                *(f"{line}; no other process that still runs uses it" for line in (READS.replace(".s", ".r"), READS)),
+                *(f"{line}; {NOBODY_WRITES}" for line in (READS.replace(".s", ".r"), READS)),
             ],
         ),
         (
@@ -102,8 +126,48 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
                 "  Main.s waits to write Main.s.back (case.csp:7), for Main.a",
             ],
         ),
+        (
+            READERS_OF_ANY,
+            [
+                HEAD,
+                f"  Main.r waits to read Main.a.c (case.csp:4); {NOBODY_WRITES}",
+                f"  Main.s waits to read Main.a.c (case.csp:10); {NOBODY_WRITES}",
+                "  Main.w waits to read Main.s.d (case.csp:9)",
+            ],
+        ),
+        (
+            WRITERS_OF_ANY,
+            [
+                HEAD,
+                f"{WRITES} (case.csp:2); {NOBODY_TAKES}",
+                f"  Main.b waits to write Main.a.c (case.csp:2); {NOBODY_TAKES}",
+            ],
+        ),
+        (LOCAL_ANY, [HEAD, *[f"  Main waits to read Main.c (case.csp:8); {NOBODY_WRITES}"] * 2]),
+        (
+            RING_OF_ANY,
+            [
+                "deadlock at 0 s: 2 processes wait for each other",
+                "  Main.x waits to read Main.y.back (case.csp:6), for Main.y",
+                "  Main.y waits to read Main.x.c (case.csp:7), for Main.x",
+                "besides:",
+                "  Main.z waits to read Main.x.c (case.csp:7)",
+            ],
+        ),
     ],
-    ids=["one", "some", "interrupted", "guarded", "never begun", "writer", "ring"],
+    ids=[
+        "one",
+        "some",
+        "interrupted",
+        "guarded",
+        "never begun",
+        "writer",
+        "ring",
+        "readers of any",
+        "writers of any",
+        "local any",
+        "ring of any",
+    ],
 )
 def test_a_report_names_who_is_missing(
     text: str, expected: list[str], arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.network.ir.network import Net, Network, SubmodelClass
@@ -20,24 +20,29 @@ def deadlock_report(now: int, waiting: Sequence[WaitingRecord], network: Network
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess, find_cycle
 
     nets = {net.path: net for net in network.nets}
-    begun = {activity.path for activity in recorder.activities}
+    processes_begun = {activity.path for activity in recorder.activities}
     laws = {entry.name for entry in network.classes if isinstance(entry, SubmodelClass)}
-    begun |= {item.path for item in network.instances if item.class_name in laws and _enclosing(item.path) in begun}
+    begun = processes_begun | {
+        item.path for item in network.instances if item.class_name in laws and _enclosing(item.path) in processes_begun
+    }
     missing = [_missing_readers(record, nets) for record in waiting]
     awaited = [_opposite(record, nets) | set(readers) for record, readers in zip(waiting, missing, strict=True)]
     partners = [
         [
             other
             for other, candidate in enumerate(waiting)
-            if other != index and any(_runs(candidate.path, user) for user in awaited[index])
+            if other != index
+            and any(_runs(candidate.path, user, processes_begun) for user in awaited[index])
+            and not _waits_alike(record, candidate)
         ]
-        for index in range(len(waiting))
+        for index, record in enumerate(waiting)
     ]
     ended = [
         tuple(
             reader
             for reader in readers
-            if reader in begun and not any(_runs(other.path, reader) for other in waiting if other is not record)
+            if reader in begun
+            and not any(_runs(other.path, reader, processes_begun) for other in waiting if other is not record)
         )
         for record, readers in zip(waiting, missing, strict=True)
     ]
@@ -63,14 +68,15 @@ def _missing_readers(record: WaitingRecord, nets: Mapping[str, Net]) -> tuple[st
 
 
 def _opposite(record: WaitingRecord, nets: Mapping[str, Net]) -> set[str]:
-    """Who may come to what the process waits for, but for the readers that its broadcasts miss."""
+    """Who may come to the other side of what the process waits for, but for the readers that its broadcasts miss."""
+    words = _words(record).split(" or ")
     found: set[str] = set()
-    for channel, missing in zip(record.channels, record.missing, strict=True):
+    for channel in record.channels:
         net = nets[channel]
-        if net.kind != "broadcast":
-            found.update(path for path, _ in (*net.writers, *net.readers))
-        elif not missing:
+        if f"to read {channel}" in words:
             found.update(path for path, _ in net.writers)
+        if f"to write {channel}" in words and net.kind != "broadcast":
+            found.update(path for path, _ in net.readers)
     return found
 
 
@@ -78,9 +84,16 @@ def _enclosing(path: str) -> str:
     return path.rpartition(".")[0]
 
 
-def _runs(path: str, user: str) -> bool:
-    """Whether a process is that user of a channel, or the user is a part of it."""
-    return user == path or user.startswith(f"{path}.")
+def _runs(path: str, user: str, begun: Collection[str]) -> bool:
+    """Whether a process is that user of a channel, or runs it as a part of itself: it never began one of its own."""
+    while user != path and user and user not in begun:
+        user = _enclosing(user)
+    return user == path
+
+
+def _waits_alike(record: WaitingRecord, other: WaitingRecord) -> bool:
+    """Whether two parallel parts of one process wait for the same: neither comes to the other side meanwhile."""
+    return record.path == other.path and _words(record) == _words(other)
 
 
 def _words(record: WaitingRecord) -> str:

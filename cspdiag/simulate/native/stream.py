@@ -152,7 +152,8 @@ class StreamReader:
 
     def _waiting(self) -> None:
         self._bytes(4)
-        path, source, place, words = self._text(), self._text(), self._text(), self._text()
+        _, source, place, words = self._text(), self._text(), self._text(), self._text()
+        path = words.partition(" waits ")[0]  # That of the law, where a process runs one.
         (count,) = _LENGTH.unpack(self._bytes(2))
         entries = [(_NUMBER.unpack(self._bytes(4))[0], self._missing_ends()) for _ in range(count)]
         known = [(self._channels[number][0], missing) for number, missing in entries if number in self._channels]
