@@ -139,6 +139,25 @@ _KINDS = (
 _EXCHANGES = {word: words + others for words, others in _KINDS for word in words}
 
 
+_MISTYPED = (
+    "sqrt()", "[3] - 3", "min([1], 2)", "int([3])", "-true", "not 1.5", "convert()", "[1][true]", "true + 1",
+    'if "a" < 3 then 1 else 2', "(if 1 then 2 else 3)", "3 ms - [1]", "Missing(a = 1).a", "double(true)",
+)  # fmt: skip
+"""Expressions that no place accepts, most of them with a type that their place would."""
+_VALUE = re.compile(r"(?<=[=(] )[^,;={}()\n]+|(?<=\()[^,;={}()\n]+")
+
+
+def _damage_values(random: Random, path: Path) -> str:
+    """Write expressions of wrong types in place of values and arguments."""
+    text = _text(path)
+    for _ in range(random.randint(1, 2)):
+        places = [found.span() for found in _VALUE.finditer(text)]
+        if places:
+            start, end = random.choice(places)
+            text = text[:start] + random.choice(_MISTYPED) + text[end:]
+    return text
+
+
 def _damage_gently(random: Random, path: Path) -> str:
     """Exchange one or two words for others of their kind, so that most often a program remains."""
     tokens = list(_tokens(path))
@@ -158,6 +177,7 @@ _DAMAGES: tuple[Callable[[Random, Path], str], ...] = (
     _damage_tokens,
     _damage_gently,
     _damage_gently,
+    _damage_values,
     _damage_characters,
     _damage_lines,
 )

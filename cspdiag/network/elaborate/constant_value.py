@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, assert_never
 
 from cspdiag.model.constants import arithmetic
-from cspdiag.model.types import IntType, RealType, StructType
+from cspdiag.model.types import UNKNOWN, IntType, RealType, StructType
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -59,6 +59,8 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
 
     match expression:
         case LiteralValue():
+            if expression.type == UNKNOWN:
+                raise _NoValueError
             return expression.value
         case ParameterValue() | SignalValue():
             found = lookup(expression)

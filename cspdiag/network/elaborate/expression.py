@@ -88,6 +88,8 @@ class _Lowering:
 
     def lower(self, expression: ast.Expression) -> Expression:
         wanted = self.program.types.get(expression, UNKNOWN)
+        if expression in self.program.poisoned:
+            return _unknown(expression.span)
         match expression:
             case ast.Number():
                 return _number(expression.value, wanted, expression.span)

@@ -37,6 +37,10 @@ class CompilerError(CspdiagError):
     """There is no C compiler, or it has refused a file; the message is for people."""
 
 
+class CompilationTimeoutError(CompilerError):
+    """A C compiler was stopped because it computed for too long."""
+
+
 @record
 class Compiler:
     """A C compiler: the command and how its version describes itself."""
@@ -162,9 +166,10 @@ class Build:
         self._run([*folders, "-c", str(scratch / path), "-o", str(made)], scratch)
         _keep(made, place)
 
-    def assembled(self, path: str, *options: tuple[str, ...]) -> dict[str, str]:
+    def assembled(self, path: str, *options: tuple[str, ...], patience: int | None = None) -> dict[str, str]:
         """What the compiler writes for a file that it is to compile to assembly, by suffix (``s``, ``su``): with the
-        first options that it knows.
+        first options that it knows. Raises CompilerError, also where that takes more than ``patience`` seconds of
+        computing.
         """
         with _Scratch(self.cache) as scratch:
             _write(scratch, self.files)
@@ -173,7 +178,11 @@ class Build:
             results.mkdir()
             for position, chosen in enumerate(options):
                 try:
-                    self._run([*folders, *chosen, "-S", str(scratch / path), "-o", str(results / "made.s")], scratch)
+                    self._run(
+                        [*folders, *chosen, "-S", str(scratch / path), "-o", str(results / "made.s")], scratch, patience
+                    )
+                except CompilationTimeoutError:
+                    raise
                 except CompilerError:
                     if position + 1 == len(options):
                         raise
@@ -188,13 +197,18 @@ class Build:
             made.write_text(text, encoding="utf-8")
             _keep(made, place)
 
-    def _run(self, arguments: list[str], scratch: Path | None) -> None:
+    def _run(self, arguments: list[str], scratch: Path | None, patience: int | None = None) -> None:
         command = [*self.compiler.command, *self._flags, *arguments]
+        # The limit is inherited by what a compiler starts, where a signal would only reach the compiler itself.
+        limited = command if patience is None else ["sh", "-c", 'ulimit -t "$0"; exec "$@"', str(patience), *command]
+        began = time.monotonic()
         try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            done = subprocess.run(limited, capture_output=True, text=True, check=False)
         except OSError as problem:
             raise CompilerError(f"{command[0]} cannot be run: {problem.strerror}") from problem
         if done.returncode != 0:
+            if patience is not None and time.monotonic() - began >= patience:
+                raise CompilationTimeoutError(f"{command[0]} computes for more than {patience} s")
             said = done.stderr.strip() or f"exit code {done.returncode}"
             raise CompilerError(f"{command[0]} failed:\n{explained(said, self.files, scratch)}")
 

@@ -14,6 +14,8 @@ from cspdiag.simulate.native.build import Build, CompilerError
 
 _PROBE = "sizes_probe.c"
 _INDIRECT = "__indirect_call"
+_PATIENCE = 20
+"""Seconds of computing after which a compiler is not waited for: the package is written, and this is said beside it."""
 
 
 @record
@@ -106,7 +108,7 @@ def _facts(build: Build, path: str) -> FileFacts:
         return FileFacts(found["variables"], functions)
     except (OSError, ValueError, KeyError):
         pass
-    made = build.assembled(path, ("-fstack-usage", "-fcallgraph-info=su"), ("-fstack-usage",), ())
+    made = build.assembled(path, ("-fstack-usage", "-fcallgraph-info=su"), ("-fstack-usage",), (), patience=_PATIENCE)
     facts = FileFacts(dict(_variables(made["s"])), _functions(made))
     told = {
         "variables": dict(facts.variables),

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.semantics.laws import Law
 from tests.network.submodels.compiled import MS, environment
@@ -168,3 +175,25 @@ def test_a_value_may_go_straight_back() -> None:
     wire = environment(text).system
     assert wire is not None
     assert Law(wire, {}).evaluate(y=4.0)["x"] == 4.0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "[3] - 3", "-[1]", "not 3", "sqrt()", "sqrt([3.0])", "min([1], 2)", "int([3])", "double([3])", "convert()",
+        "if [3] < 3.0 then 5<rad/V/s^2> else 6<rad/V/s^2>", 'if "a" < 3 then 5<rad/V/s^2> else 6<rad/V/s^2>',
+        'floor("x")', "Missing(a = 1).a",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("replaced", ["motor : Motor(gain = {})", "Motor(gain: double<rad/V/s^2> = {})"])
+def test_values_of_wrong_types_are_reported_and_not_computed_with(replaced: str, wrong: str) -> None:
+    pattern = re.escape(replaced).replace(r"\{\}", ".*?") + r"(?=\n| step)"
+    text, times = re.subn(pattern, replaced.format(wrong), PROGRAM)
+    assert times == 1
+    errors = [
+        found
+        for found in pipeline.check(SourceFile(name="case.csp", text=text), read_source).report.diagnostics
+        if found.severity == "error"
+    ]
+    assert errors
+    assert all(wrong in text.splitlines()[found.span.line - 1] for found in errors)

@@ -26,7 +26,7 @@ from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.native import run as native
-from cspdiag.simulate.native.build import Build, CompilerError, explained, find_compiler
+from cspdiag.simulate.native.build import Build, CompilationTimeoutError, CompilerError, explained, find_compiler
 from cspdiag.simulate.native.stream import StreamReader
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -260,6 +260,17 @@ def test_what_a_compiler_says_leads_back_to_the_program(monkeypatch: pytest.Monk
     with pytest.raises(CompilerError, match=r"law\.c:2:5: error: no b \[laws\.csp:3\]"):
         Build(files, ["law.c"], folder=tmp_path / "cache").executable()
     assert explained("other.c:1:1: error", files, None) == "other.c:1:1: error"
+
+
+def test_a_compiler_that_goes_on_computing_is_stopped(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """With all that it has started; its other options are not tried then."""
+    log = tmp_path / "log"
+    script = f'[ "$1" = --version ] && echo mine && exit\necho tried >> {log}\nsh -c "while :; do :; done"; exit 1'
+    monkeypatch.setenv("CC", compiler_that(tmp_path, script))
+    build = Build({"a.c": "int a;\n"}, ["a.c"], folder=tmp_path / "cache")
+    with pytest.raises(CompilationTimeoutError, match=r"cc computes for more than 1 s$"):
+        build.assembled("a.c", ("-fstack-usage",), (), patience=1)
+    assert log.read_text() == "tried\n"
 
 
 @needs_compiler
