@@ -19,7 +19,7 @@ from cspdiag.semantics.media import Medium, Place
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Ending, Execution
-from cspdiag.semantics.values import FaultError
+from cspdiag.semantics.values import FaultError, RaisedError
 
 
 def execute(
@@ -54,7 +54,7 @@ def execute(
     assert isinstance(cls, ProcessClass)
     depth = sys.getrecursionlimit()
     sys.setrecursionlimit(max(depth, 20_000))
-    reason = ""
+    failure: RaisedError | None = None
     try:
         program = ProcessInstance(Program(network, world), cls, network.top, dict(network.arguments), ports)
         if plant is not None:
@@ -64,17 +64,18 @@ def execute(
         ending = world.run(program.run(), until)
     except FaultError as fault:
         ending = Ending("failed", world.now, "EnvironmentFailure")
-        reason = str(fault)
+        failure = fault
     finally:
         # What still waits is given up; that is no end of a process.
         world.observer = None
         sys.setrecursionlimit(depth)
     if world.failure is not None:
         ending = ending._replace(error=exception_name(world.failure))
-        reason = str(world.failure)
+        failure = world.failure
     released = [] if chosen is None else _release(observer, network, ending.time)
     missed = [(port.name, port.missed) for port in world.inputs if isinstance(port, outside.SampledInput)]
-    return Execution(world.trace, ending, released, missed, tuple(world.waits()), reason)
+    reason = "" if failure is None else str(failure)
+    return Execution(world.trace, ending, released, missed, reason, failure)
 
 
 def _release(observer: Observer | None, network: Network, time: int) -> list[tuple[str, object]]:

@@ -181,7 +181,7 @@ class SampledInput(ExternalInput):
         session = self.sessions.get(end) or self.begin(end, available=True)
         if session.missed and self.world.timeouts:
             session.missed = False
-            raise MissedSampleError
+            raise MissedSampleError(f"a sample of {self.name} was overwritten before it had been taken")
         session.available = session.missed = False
         return self.present
 

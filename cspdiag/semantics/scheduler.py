@@ -69,6 +69,8 @@ class Scheduler:
         self.ready: list[Task] = []
         self.waiting: list[Request] = []
         """In the order in which they began."""
+        self.main: Task | None = None
+        """The whole program."""
         self.running: Task | None = None
         self.begun = 0
         self.failure: RaisedError | None = None
@@ -284,7 +286,7 @@ class Scheduler:
 
     def run(self, program: Run, until: int | None) -> Ending:
         """Run to the end, or to ``until``. «Scheduling and traces»"""
-        main = self.start(program, (), None)
+        main = self.main = self.start(program, (), None)
         self.make_ready(main)
         self.run_until_none_is_ready()
         while not main.ended:

@@ -56,7 +56,7 @@ class Execution(NamedTuple):
     released: Sequence[tuple[str, object]] | None = None
     missed: Sequence[tuple[str, int]] = ()
     """For each sampled input how many samples were overwritten before somebody had taken them."""
-    waiting: Sequence[tuple[str, str]] = ()
-    """The paths of the processes that wait at the end, and for what, for people."""
     reason: str = ""
     """What made it fail, for people."""
+    failure: Exception | None = None
+    """The exception itself."""

@@ -1,4 +1,4 @@
-"""The report of a deadlock names who is waited for, and says the same of readable code, fast code and C."""
+"""The report of a deadlock names who is waited for, and says the same at all levels and of C."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
     return shown[next(index for index, line in enumerate(shown) if line.startswith("deadlock")) :]
 
 
-@pytest.mark.parametrize("arguments", [["-O0"], ["-O1"], ["--target", "c"]], ids=" ".join)
+@pytest.mark.parametrize("arguments", [["-O0"], ["-O1"], ["--target", "c"], ["-O", "reference"]], ids=" ".join)
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

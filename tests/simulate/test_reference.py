@@ -37,9 +37,9 @@ class Stopping(Recorder):
 
 
 def account(run: Run) -> list[str]:
-    """The summary without how long the run took, and the reason for a failure without its place."""
+    """The summary without how long the run took."""
     first, _, *rest = run.summary().splitlines()
-    return [first.partition(", in ")[0], *rest]
+    return [first, *rest]
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -176,3 +176,45 @@ def test_missed_samples_are_named_as_by_the_readable_code() -> None:
     missed = by_reference.outcome.missed
     assert missed["Main.x"] > 0
     assert missed == on_readable_code(network, "E").outcome.missed
+
+
+OUTSIDE = """
+submodel S { out x : int state k : int = 5 next k = k - 1 x = k }
+environment E for Main { s : S s.x -> x }
+"""
+FAILURES = {
+    "a fault": (
+        "process Main { in x : int @ 1 ms communication { var v : int }\n composition {\n mu (x ? v ;\n v := 1 / v) } }"
+    ),
+    "a fault in a condition": (
+        "process Main { in x : int @ 1 ms communication { var v : int }\n"
+        " composition { mu (\n x ? v) until\n 1 / v > 3 } }"
+    ),
+    "an exception of a process below": (
+        "exception Oops\nprocess P { in x : int communication { var v : int } composition { x ? v ;\n raise Oops } }\n"
+        "process Main { in x : int @ 1 ms communication { p : P x -> p.x } composition { p || stop } }"
+    ),
+    "a missed sample": (
+        "process Main { in x : int @ 1 ms communication { var v : int } composition { x ? v ; wait 3 ms ;\n x ? v } }"
+    ),
+    "a law": (
+        "submodel L {\n in x : int out y : int\n let a = x - 2\n y = 3 /\n a }\n"
+        "process Main { in x : int @ 1 ms communication { l : L x -> l.x l.y -> _ } composition { mu l } }"
+    ),
+    "the environment": (
+        "process Main { in x : int @ 1 ms communication { var v : int } composition { mu x ? v } }\n"
+        "submodel T { in a : int out b : int\n b = 4 / (a - 1) }"
+    ),
+}
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_failures_have_the_places_that_the_readable_code_gives_them(failure: str) -> None:
+    outside = OUTSIDE
+    if failure == "the environment":
+        outside = outside.replace("s.x -> x", "t : T s.x -> t.a t.b -> x")
+    network = network_of(SourceFile(name="case.csp", text=FAILURES[failure] + outside))
+    run = reference.simulate(network, environment="E", until=LIMIT, recorder=Recorder())
+    assert run.outcome.ended == "failed"
+    assert "case.csp:" in account(run)[0]
+    assert account(run) == account(on_readable_code(network, "E"))

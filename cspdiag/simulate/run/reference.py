@@ -8,16 +8,17 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.network import Environment, Network
 from cspdiag.network.ir.walk import parts
-from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
 from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.stopping import Stopped, stopping
 from cspdiag.runtime.outcome import Ending, Outcome
 from cspdiag.semantics.execute import execute
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Execution
+from cspdiag.simulate.native.deadlock import deadlock_report
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import chosen_environment
+from cspdiag.simulate.run.whereabouts import Whereabouts
 
 _ENDINGS: dict[str, Ending] = {
     "terminated": "terminated",
@@ -52,7 +53,11 @@ def simulate(network: Network, *, environment: str | None, until: int | None, re
     except Stopped as stopped:
         outcome = Outcome("stopped", worlds[0].now if worlds else 0, signal=stopped.signal)
     else:
-        outcome = _outcome(done, name)
+        outcome = _outcome(done, name or "", Whereabouts(network))
+        if outcome.ended == "deadlock":
+            assert worlds[0].main is not None
+            waiting = Whereabouts(network).waiting(worlds[0].main)
+            outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)
     outcome.wall_time = perf_counter() - began
     return Run(network, chosen, outcome, recorder)
 
@@ -66,26 +71,24 @@ def _refuse_other_languages(network: Network, environment: Environment | None) -
             )
 
 
-def _outcome(done: Execution, environment: str | None) -> Outcome:
-    time = done.ending.time
-    outcome = Outcome(_ENDINGS[done.ending.ended], time, _error(done, environment or ""))
+def _outcome(done: Execution, environment: str, places: Whereabouts) -> Outcome:
+    outcome = Outcome(_ENDINGS[done.ending.ended], done.ending.time, _error(done, environment, places))
     outcome.missed = dict(done.missed)
-    if outcome.ended == "deadlock":
-        waiting = tuple(WaitingProcess(path, None, None, what, (), ()) for path, what in done.waiting)
-        outcome.deadlock = DeadlockReport(time, waiting, ())
     return outcome
 
 
-def _error(done: Execution, environment: str) -> Exception | None:
+def _error(done: Execution, environment: str, places: Whereabouts) -> Exception | None:
+    if done.failure is None:
+        return None
+    place, line = places.origin(done.failure)
     match done.ending.error:
-        case None:
-            return None
-        case "Fault":
-            return Fault(done.reason)
-        case "Timeout":
-            return Timeout("a sample was overwritten before it was taken")
         case "EnvironmentFailure":
-            return EnvironmentFailure(environment, Fault(done.reason), None)
+            return EnvironmentFailure(environment, Fault(done.reason), line)
+        case "Fault":
+            return Fault(done.reason, place)
+        case "Timeout":
+            error: ProcessError = Timeout(done.reason)
         case declared:
-            error: Exception = type(declared, (ProcessError,), {})()
-            return error
+            error = type(declared or "", (ProcessError,), {})()
+    error.place = place
+    return error

@@ -1,0 +1,120 @@
+"""Where the tasks of a run on the meaning of the language stand, and from where an exception came, in the words of
+generated programs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from posixpath import dirname
+from types import TracebackType
+from typing import Any
+
+from cspdiag.base import Span
+from cspdiag.network.ir.network import Network
+from cspdiag.runtime.kernel.exceptions import Place
+from cspdiag.semantics.choice import Interrupt
+from cspdiag.semantics.instances import ProcessInstance
+from cspdiag.semantics.laws import Law
+from cspdiag.semantics.media import Broadcast, Offer
+from cspdiag.semantics.requests import Parallel, Request, Task, Wait
+from cspdiag.semantics.submodels import SubmodelInstance
+from cspdiag.simulate.native.stream import WaitingRecord
+
+
+class Whereabouts:
+    """Finds places in the text of a network from the frames of its interpreter."""
+
+    def __init__(self, network: Network) -> None:
+        self._folder = dirname(network.source)
+
+    def origin(self, error: BaseException) -> tuple[Place | None, str | None]:
+        """The process in which an exception was raised, with the source line, and that line; None where no process
+        was.
+        """
+        found = _Found()
+        traceback: TracebackType | None = error.__traceback__
+        while traceback is not None:
+            found.enter(traceback.tb_frame.f_locals)
+            traceback = traceback.tb_next
+        line = None if found.span is None else self._line(found.span)
+        return (Place(found.path, line) if found.path else None), line
+
+    def waiting(self, main: Task) -> list[WaitingRecord]:
+        """All that wait, in the order of the text."""
+        return [self._record(task, task.request) for task in _leaves(main) if task.request is not None]
+
+    def _record(self, task: Task, request: Request) -> WaitingRecord:
+        found = _Found()
+        steps: Any = task.steps
+        while getattr(steps, "gi_frame", None) is not None:
+            found.enter(steps.gi_frame.f_locals)
+            steps = steps.gi_yieldfrom
+        offers = request.offers_now()
+        words = [f"to {'write' if offer.writes else 'read'} {offer.medium.name}" for offer in offers]
+        if not words:
+            is_stop = isinstance(request, Wait)
+            words = ["for ever, at stop" if is_stop else "for an alternative of which no guard is enabled"]
+        place = "" if found.span is None else self._line(found.span)
+        return WaitingRecord(
+            path=found.path,
+            source="",
+            place=place,
+            words=f"{found.path} waits {' or '.join(dict.fromkeys(words))}",
+            channels=tuple(offer.medium.name for offer in offers),
+            missing=tuple(_missing(offer) for offer in offers),
+        )
+
+    def _line(self, span: Span) -> str:
+        inside = span.file.removeprefix(f"{self._folder}/") if self._folder else span.file
+        return f"{inside}:{span.line}"
+
+
+class _Found:
+    """The innermost process and statement of some frames, entered from outside."""
+
+    def __init__(self) -> None:
+        self.path = ""
+        self.span: Span | None = None
+
+    def enter(self, local: Mapping[str, Any]) -> None:
+        """A frame, by its local variables."""
+        match local.get("self"):
+            case ProcessInstance() as process:
+                self.path = process.path
+                self._at(local.get("action", local.get("expression")))
+            case SubmodelInstance() as law:
+                owner = law.owner
+                assert isinstance(owner, ProcessInstance)
+                name = next(name for name, other in owner.submodels.items() if other is law)
+                self.path, self.span = f"{owner.path}.{name}", law.cls.span
+            case Law():
+                self._at(local.get("expression"))
+            case _:
+                pass  # Frames of the interpreter itself.
+
+    def _at(self, part: Any) -> None:
+        if part is not None:
+            self.span = part.span
+
+
+def _leaves(task: Task) -> Iterator[Task]:
+    """Those that wait for nothing that they run themselves."""
+    match task.request:
+        case Parallel(tasks=tasks):
+            for branch in tasks:
+                if not branch.ended:
+                    yield from _leaves(branch)
+        case Interrupt(body=body) if not body.ended:
+            yield from _leaves(body)
+        case _:
+            yield task
+
+
+def _missing(offer: Offer) -> tuple[int, ...]:
+    """The ends of a broadcast that a writer waits for, as they are counted."""
+    medium = offer.medium
+    if not (isinstance(medium, Broadcast) and offer.writes):
+        return ()
+    awaited = {other.end for other in medium.offers if not other.writes}
+    missing = medium.missing if medium.writing is offer else [end for end in medium.ends if end not in awaited]
+    return tuple(index for index, end in enumerate(medium.ends) if end in missing)
