@@ -124,6 +124,7 @@ class Findings:
                 reads=reads,
                 extent=extent,
                 is_certain=is_certain,
+                is_always=between.on_every_way,
             )
         )
 

@@ -47,7 +47,8 @@ class Gap:
     @property
     def perhaps(self) -> Gap:
         """The same, where something may end it before."""
-        return replaced(self, on_every_way=False) if self.duration and self.on_every_way else self
+        takes_time = bool(self.duration) or self.event is not None
+        return replaced(self, on_every_way=False) if takes_time and self.on_every_way else self
 
     @property
     def late(self) -> int:
@@ -73,7 +74,9 @@ def either(one: Gap | None, other: Gap | None) -> Gap | None:
     if one is None or other is None:
         return other if one is None else one
     longer, shorter = (one, other) if one.rank >= other.rank else (other, one)
-    is_as_long = shorter.on_every_way and shorter.duration >= longer.duration
+    is_as_long = shorter.on_every_way and (
+        shorter.duration >= longer.duration if longer.event is None else shorter.event is not None
+    )
     return longer if is_as_long else longer.perhaps
 
 

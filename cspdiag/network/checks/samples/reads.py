@@ -113,15 +113,18 @@ def joined(one: Reads, other: Reads, pending: Gap | None) -> Reads:
     """One part after the other."""
     came_late = other.held if one.after is not None or one.held is not None or one.passing is not None else None
     after = either(then(one.after, other.passing), came_late if one.after is not None else None)
+    # One way may have reads in both: what is longer counts, and is as certain as these.
+    last = other.after if other.past is None or other.after is None else other.after.perhaps
+    first = one.before if one.past is None or one.before is None else one.before.perhaps
     drifts = (
         then(one.drift, other.drift),
         then(one.drift, other.past),
         then(one.past, other.drift),
     )
     return Reads(
-        before=either(one.before, then(one.passing, other.before)),
+        before=both(first, then(one.passing, other.before)),
         past=then(one.past, other.past),
-        after=either(other.after, after),
+        after=both(last, after),
         least=one.least + other.least,
         most=one.most + other.most,
         span=other.span if other.most else one.span,

@@ -93,6 +93,8 @@ class SamplesMissed(Diagnostic):
     extent: Extent
     is_certain: bool
     """Whether samples are missed, not only if the loop has many turns."""
+    is_always: bool
+    """Whether every way between the two reads takes that long."""
 
     @property
     def message(self) -> str:
@@ -104,11 +106,12 @@ class SamplesMissed(Diagnostic):
                 f"between two reads of {every}, this {self.meanwhile}: if that comes late in a period, samples are "
                 "missed"
             )
+        takes = "takes" if self.is_always else "take"
         taken = "one sample" if self.reads == 1 else f"{self.reads} samples"
         if not self.turns:
             if self.reads == 1:
-                return f"between two reads of {every}, this {self.meanwhile}: samples are missed"
-            return f"this {self.meanwhile} and takes {taken} of {every}: more are missed"
+                return f"between two reads of {every}, this {self.meanwhile}: {self._then}samples are missed"
+            return f"this {self.meanwhile} and {takes} {taken} of {every}: {self._then}more are missed"
         match self.extent:
             case "two turns":
                 does = f"two turns of the loop can together {self._wait} and take {taken}"
@@ -127,13 +130,18 @@ class SamplesMissed(Diagnostic):
     @property
     def meanwhile(self) -> str:
         """What is done between two reads."""
+        waits = "waits" if self.is_always or self.turns else "can wait"
         if self.event is not None:
-            return f"waits for the event `{self.event}`"
+            return f"{waits} for the event `{self.event}`"
         if self.beside is not None:
-            return f"waits {duration(self.waits)} after the event `{self.beside}`"
+            return f"{waits} {duration(self.waits)} after the event `{self.beside}`"
         if self.extent == "two reads and a turn":
-            return f"waits {duration(self.waits)} where a turn of the loop reads none"
-        return f"waits {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
+            return f"{waits} {duration(self.waits)} where a turn of the loop reads none"
+        return f"{waits} {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
+
+    @property
+    def _then(self) -> str:
+        return "" if self.is_always else "where it does, "
 
     @property
     def _wait(self) -> str:
@@ -148,7 +156,8 @@ class SamplesMissed(Diagnostic):
             return f"{turns} can {self._wait}, for {samples} of `{self.port}`"
         if self.reads == 1:
             return f"between two reads of `{self.port}` it {self.meanwhile}"
-        return f"it {self.meanwhile} and takes {self.reads} samples of `{self.port}`"
+        takes = "takes" if self.is_always or self.turns else "take"
+        return f"it {self.meanwhile} and {takes} {self.reads} samples of `{self.port}`"
 
     @property
     def _missed(self) -> str:

@@ -125,7 +125,7 @@ TOO_LATE = [
     ("(wait 4 ms ; wait 7 ms)", "a turn of the loop can wait 11 ms"),
     ("(seq i < 3 : wait 5 ms)", "a turn of the loop can wait 15 ms"),
     ("(after 15 ms -> skip [] e ? n -> skip)", "a turn of the loop can wait 15 ms"),
-    ("(if n > 3 then wait 20 ms)", "between two reads of `x`, which comes every 10 ms, this waits 20 ms"),
+    ("(if n > 3 then wait 20 ms)", "between two reads of `x`, which comes every 10 ms, this can wait 20 ms"),
     ("(wait 30 ms interrupt after 24 ms -> skip)", "this waits 24 ms"),
     ("((mu (x ? v)) interrupt after 400 ms -> wait 20 ms)", "this waits 20 ms"),
     ("e ? n", "this waits for the event `e`"),
@@ -172,7 +172,17 @@ LOOPS = [
     ("mu (x ? v ; (wait 20 ms interrupt x ? w -> skip))", None),
     ("mu (prialt k < 2 : after (2 - k) * 20 ms -> x ? v)", "between two reads of `x`, which comes every 10 ms"),
     ("mu (prialt k < 2 : after (2 - k) * 4 ms -> x ? v)", None),
-    ("mu (mu x ? v interrupt x ? w -> wait 15 ms)", "this waits 30 ms"),
+    ("mu (mu x ? v interrupt x ? w -> wait 15 ms)", "this can wait 30 ms"),
+    ("mu (x ? v ; (if v == 100 then wait 25 ms))", "this can wait 25 ms: where it does, samples are missed"),
+    ("mu (x ? v ; (if v == 100 then wait 25 ms else wait 30 ms))", "this can wait 30 ms"),
+    ("mu (x ? v ; (if v == 100 then wait 25 ms else wait 25 ms))", "this waits 25 ms: samples are missed"),
+    ("mu (x ? v ; (if v == 100 then wait 25 ms) ; wait 25 ms)", "this can wait 50 ms"),
+    (
+        "mu ((if v == 100 then skip else x ? v) ; wait 25 ms ; x ? v ; wait 1 ms)",
+        "this waits 25 ms: samples are missed",
+    ),
+    ("mu (x ? v ; (if v == 100 then e ? n))", "this can wait for the event `e`: if that takes longer"),
+    ("mu (x ? v ; (if v == 100 then e ? n else e ? n))", "this waits for the event `e`"),
     ("stop ; mu (x ? v ; wait 30 ms)", None),
 ]
 
