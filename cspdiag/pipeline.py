@@ -180,7 +180,7 @@ def compile_network(
             alone=alone,
         )
     except NoSuchElementError as problem:
-        raise SettingError(str(problem)) from None
+        raise SettingError(str(problem.as_written(overrides or ()))) from None
     return None if checked.report.has_errors else network
 
 

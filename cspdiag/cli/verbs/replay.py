@@ -58,10 +58,13 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
     from cspdiag.settings import SettingError, split_settings
 
     try:
-        settings = {**trace.settings, **split_settings(arguments.settings)}
+        own = split_settings(arguments.settings)
+        settings = {**trace.settings, **own}
         built = build(read_source(arguments.file), read_source, top=trace.process, settings=settings)
     except (SettingError, SelectionError) as problem:
-        raise UsageError(str(problem)) from None
+        kept = [f"{name}={value}" for name, value in trace.settings.items() if name not in own]
+        source = f" ({arguments.replay} has the settings {', '.join(kept)})" if own and kept else ""
+        raise UsageError(f"{problem}{source}") from None
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built.network
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TypeAlias
 
 from cspdiag.base.record import record
@@ -34,7 +34,18 @@ def of_root(values: Mapping[str, Value], root: Root) -> dict[str, Value]:
 
 
 class NoSuchElementError(LookupError):
-    """A path names an element that an array of instances does not have; the message is one line."""
+    """A path below a root names an element that an array of instances does not have; the message is one line."""
+
+    def __init__(self, root: Root, path: str, array: str, has: str) -> None:
+        super().__init__(f"there is no parameter {path!r} (`{array}` has {has})")
+        self.root, self.path, self.array, self.has = root, path, array, has
+
+    def as_written(self, overrides: Collection[str]) -> NoSuchElementError:
+        """The same of a path that begins with the name of the root, if that was written."""
+        if in_root(self.root, self.path) not in overrides:
+            return self
+        name = self.root.name.text
+        return NoSuchElementError(self.root, f"{name}.{self.path}", f"{name}.{self.array}", self.has)
 
 
 @record
@@ -136,7 +147,7 @@ def refuse_missing(program: Program, root: Root, paths: Iterable[str], instances
                 array = ".".join(map(str, (*steps[: depth - 1], Step(steps[depth - 1].name, ()))))
                 elements = [name for name in known if name.startswith(f"{array}[") and "." not in name[len(array) :]]
                 has = f"{elements[0]} to {elements[-1]}" if len(elements) > 1 else (elements or ["no element"])[0]
-                raise NoSuchElementError(f"there is no parameter {path!r} (`{array}` has {has})")
+                raise NoSuchElementError(root, path, array, has)
 
 
 def _own_parameter(definition: ast.Node, name: str) -> ast.Parameter | None:

@@ -262,6 +262,45 @@ def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: P
     assert cspdiag("run", proved, "--replay", trace, "--quiet") == (1, "", "")
 
 
+TABLE = """
+const table : int[2] = [1, 1]
+process A(n: int = 0) {
+  out c : int
+  communication { var i : int = 0 }
+  composition { (mu (i := i + 1 ; c ! i) until i >= table[0] + n) ; c ! 0 }
+}
+process B { in c : int communication { var v : int } composition { (c ? v ; c ? v ; c ? v) } }
+process Main { communication { a : A b : B a.c -> b.c } composition { a || b } }
+assert Main deadlock free
+"""
+
+
+@pytest.mark.parametrize(
+    ("made", "replayed", "reason"),
+    [
+        ("table[0]=1", "table[0]=1", "\nreplayed: the program did"),
+        ("table=[1, 5]", None, "\nreplayed: the program did"),
+        ("table[0]=1", "table[0]=2", "not replayed: "),
+        ("a.n=0", "a.n=1", "not replayed: "),
+        ("table[0]=1", "table[1]=7", "\nreplayed: the program did"),
+        ("table=[1, 5]", "table[0]=2", "table[0] is set twice: by itself and as a part of table"),
+        ("table[0]=1", "table=[2, 2]", "table[0] is set twice: by itself and as a part of table"),
+        ("a.n=0", "Main.a.n=1", "a.n is set twice: as a.n and as Main.a.n"),
+    ],
+)
+def test_settings_of_a_replay_replace_those_of_the_trace(
+    cspdiag: Command, tmp_path: Path, made: str, replayed: str | None, reason: str
+) -> None:
+    path, trace = tmp_path / "table.csp", tmp_path / "trace.json"
+    path.write_text(TABLE)
+    assert cspdiag("verify", path, "--set", made, "--trace-out", trace).code == 1
+    result = cspdiag("run", path, "--replay", trace, *(() if replayed is None else ("--set", replayed)))
+    assert reason in result.err
+    if "set twice" in reason:
+        assert result.code == 2
+        assert result.err.endswith(f" ({trace} has the settings {made})\n")
+
+
 def test_nothing_is_written_where_nothing_was_refuted(cspdiag: Command, proved: Path, tmp_path: Path) -> None:
     result = cspdiag("verify", proved, "--trace-out", tmp_path / "trace.json")
     assert result.code == 0
