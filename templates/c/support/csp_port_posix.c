@@ -173,8 +173,10 @@ void csp_port_finish(const struct csp_program *program)
     if (instants > 0U) {
         char text[MISSED] = "";
         show_lateness();
-        csp_describe_missed(program, text, sizeof text);
-        (void)fprintf(stderr, "  missed samples: %s\n", text);
+        if (!program->tells_misses) {
+            csp_describe_missed(program, text, sizeof text);
+            (void)fprintf(stderr, "  missed samples: %s\n", text);
+        }
     }
     csp_signals_end();
 }

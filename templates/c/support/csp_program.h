@@ -41,6 +41,7 @@ typedef struct csp_program {
     void (*process_name)(uint32_t number, char *text, size_t size);
     void (*channel_name)(uint32_t number, char *text, size_t size);
     const char *const *exception_names; /* of the declared ones, from CSP_FIRST_EXCEPTION */
+    bool tells_misses; /* who runs it says how many samples were missed: the port does not */
 } csp_program;
 
 /* Called first by what builds a network: nothing is left of an earlier run. */

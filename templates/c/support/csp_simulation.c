@@ -164,6 +164,7 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     }
     static csp_environment environment;
     csp_program run = *program;
+    run.tells_misses = true;
     if (scenario->environment != NULL) {
         environment = *scenario->environment;
         run.environment = &environment;

@@ -12,6 +12,7 @@ import shutil
 import signal
 import stat
 import subprocess
+import sys
 import termios
 import threading
 import time
@@ -358,3 +359,30 @@ def test_a_signal_while_nobody_reads_loses_no_record() -> None:
         reader.read()
     assert reader.end is not None
     assert reader.end.ending == 4
+
+
+COUNTING = """
+process Main { in x : int @ 1 ms communication { var v : int } composition { mu x ? v } }
+submodel S { out x : int x = 1 }
+environment E for Main on miss count { s : S s.x -> x }
+"""
+
+
+@needs_compiler
+def test_missed_samples_are_told_once_against_the_clock(tmp_path: Path) -> None:
+    (tmp_path / "case.csp").write_text(COUNTING)
+    run = [sys.executable, "-m", "cspdiag", "run", "case.csp", "--target", "c", "--real-time", "--for", "20ms"]
+    told = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stderr
+    assert told.count("missed samples: ") == 1
+    assert "instants, late by" in told
+
+
+@needs_compiler
+def test_a_program_that_runs_by_itself_tells_missed_samples_once(tmp_path: Path) -> None:
+    files = pipeline.generate(network_of(COUNTING), read_source, "c", 0)
+    sources = [path for path in files if path.endswith(".c")]
+    real_time = native._wanted(sources, real_time=True)
+    program = Build(files, real_time, ("-O0",)).executable()
+    told = subprocess.run([program, "--for", "20000000"], capture_output=True, text=True, check=True).stderr
+    assert told.count("missed samples: ") == 1
+    assert "instants, late by" in told
