@@ -77,7 +77,8 @@ def _verdict(system: System, folder: str, said: str, limits: Limits) -> Verdict:
         return Unknown("spin", f"a path is longer than {_DEPTH} steps")
     if "Search not completed" in said or "aborting" in said or stored is None:
         return Unknown("spin", f"the memory limit of {limits.memory / 1e6:g} MB was reached")
-    return Proved("spin", f"SPIN looked at all {states} states and found no deadlock; it knows no knots", states)
+    looked = "the only state" if states == 1 else f"all {states} states"
+    return Proved("spin", f"SPIN looked at {looked} and found no deadlock; it knows no knots", states)
 
 
 def _refuted(system: System, all_commands: Sequence[Command], taken: Sequence[int], states: int | None) -> Refuted:

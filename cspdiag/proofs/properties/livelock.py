@@ -8,7 +8,7 @@ from typing import assert_never
 
 from cspdiag.proofs.properties.cycles import Finite, endless_run
 from cspdiag.proofs.transitions.systems.system import Event, System
-from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
 _SEEN_OUTSIDE = ("external", "sample", "miss", "time")
 
@@ -37,6 +37,7 @@ def _reason(found: Finite) -> str:
         case "minimization":
             return "put together two by two and made minimal, the processes have no loop without environment and time"
         case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
-            return f"no cycle among the {found.states} reachable states is without environment and time"
+            where = f"at {ONE_REACHABLE}" if found.states == 1 else f"among the {found.states} reachable states"
+            return f"no cycle {where} is without environment and time"
         case _:
             assert_never(found.method)

@@ -11,7 +11,7 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free
 from cspdiag.proofs.properties.cycles import Finite, endless_run
 from cspdiag.proofs.transitions.systems.system import System
-from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
 
 def terminates(
@@ -43,6 +43,7 @@ def _reason(found: Finite) -> str:
         case "minimization":
             return "put together two by two and made minimal, the processes repeat nothing"
         case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
-            return f"no cycle among the {found.states} reachable states"
+            where = f"at {ONE_REACHABLE}" if found.states == 1 else f"among the {found.states} reachable states"
+            return f"no cycle {where}"
         case _:
             assert_never(found.method)

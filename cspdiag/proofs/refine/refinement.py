@@ -24,7 +24,7 @@ from cspdiag.proofs.search.packed_conditions import Deadlocks
 from cspdiag.proofs.search.packing import Flags, Packing, Words
 from cspdiag.proofs.search.traces import end_of
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
-from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict, counted
 
 
 def refines_in_traces(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
@@ -63,7 +63,8 @@ def _refines(
     if (undecided := _undecided(nodes, labels)) is not None:
         return Unknown("breadth-first", undecided)
     model = "stable failure" if failures else "trace"
-    reason = f"every {model} in the {search.states} reachable states is one of the specification"
+    where = ONE_REACHABLE if search.states == 1 else f"the {search.states} reachable states"
+    reason = f"every {model} in {where} is one of the specification"
     return Proved("breadth-first", reason + _caveat(specification, limits, failures), search.states)
 
 
@@ -134,8 +135,8 @@ def _of_outside(
     if _undecided(nodes, labels) is not None:
         return None
     reason = (
-        f"put together two by two and made minimal, the processes have {search.states} states, and do only what the "
-        "specification does"
+        f"put together two by two and made minimal, the processes have {counted(search.states, 'state')}, and do only "
+        "what the specification does"
     )
     return Proved("minimization", reason + _caveat(specification, limits, failures), search.states)
 

@@ -12,7 +12,7 @@ from cspdiag.proofs.rules import forms as rules_forms
 from cspdiag.proofs.rules.runs import PeriodicRun, at_rest, moves_of, the_run, unsteady
 from cspdiag.proofs.search.stuck_sets import Offers
 from cspdiag.proofs.structure.question import Question
-from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, counted
 
 MOST_MOVES = 1_000_000
 """A run that has not come round after so many moves is left to other methods."""
@@ -69,15 +69,9 @@ def _judged(question: Question, run: PeriodicRun) -> Verdict:
         return Proved(
             "rules", "in each round every process communicates once with each partner, in any order: an I/O-PAR network"
         )
-    if not run.period:
-        return Proved(
-            "rules",
-            f"no process has a choice, and the only run that there is ends after {len(run.taken)} steps with all "
-            "processes",
-        )
-    return Proved(
-        "rules", f"no process has a choice, and the only run that there is begins anew after {len(run.taken)} steps"
-    )
+    steps = counted(len(run.taken), "step")
+    does = f"begins anew after {steps}" if run.period else f"ends after {steps} with all processes"
+    return Proved("rules", f"no process has a choice, and the only run that there is {does}")
 
 
 def _order_in_words(question: Question) -> str:

@@ -65,9 +65,9 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
                 return Refuted("stubborn", graph.trace(number), waiting, states=len(graph.states))
     except LimitError as stop:
         return Unknown("stubborn", str(stop))
-    return Proved(
-        "stubborn", f"none of the {len(graph.states)} states that stand for all is deadlocked", len(graph.states)
-    )
+    count = len(graph.states)
+    reason = f"none of the {count} states that stand for all is deadlocked"
+    return Proved("stubborn", "the only state that stands for all is not deadlocked" if count == 1 else reason, count)
 
 
 def knot_free(system: System, limits: Limits) -> Verdict:
@@ -97,10 +97,10 @@ def knot_free(system: System, limits: Limits) -> Verdict:
                 break
     except LimitError as stop:
         return Unknown("stubborn", str(stop))
+    count = len(graph.states)
+    reason = f"in none of the {count} states that stand for all is a process stuck"
     return Proved(
-        "stubborn",
-        f"in none of the {len(graph.states)} states that stand for all is a process stuck",
-        len(graph.states),
+        "stubborn", "in the only state that stands for all no process is stuck" if count == 1 else reason, count
     )
 
 

@@ -564,3 +564,22 @@ def test_a_loop_that_no_diagram_shows_is_found_in_the_text(cspdiag: Command, tmp
     file.write_text(ROUNDS.replace("ROUND", "mu (skip -> skip [] skip -> u := 1) until u == 1"))
     told = cspdiag("verify", file).err
     assert f"then again and again, without a communication or a delay: `Main` ({file}:12)" in told
+
+
+@pytest.mark.parametrize(
+    ("method", "reason"),
+    [
+        ("breadth-first", "no deadlock (the only reachable state is not deadlocked)"),
+        ("stubborn", "no knot (in the only state that stands for all no process is stuck)"),
+    ],
+)
+def test_one_state_is_counted_as_one(cspdiag: Command, tmp_path: Path, method: str, reason: str) -> None:
+    path = tmp_path / "one.csp"
+    path.write_text(
+        "process Q { in e : int communication { var v : int } composition { mu e ? v } }\n"
+        "assert Q deadlock free\nassert Q refines Q\n"
+    )
+    told = cspdiag("verify", path, "--method", method).err
+    assert reason in told
+    assert "every trace in the only reachable state is one of the specification" in told
+    assert not re.search(r"\b1 \w*\s?states\b", told)

@@ -93,10 +93,9 @@ def _summary(report: TimingReport) -> Iterator[str]:
     if not all(loop.is_met for loop in report.loops):
         yield from _advice(report)
     if report.measured:
-        yield (
-            f"execution times of {len(report.measured)} laws and processes were measured: a longest one seen is no "
-            "proof that none is longer"
-        )
+        count = len(report.measured)
+        of = f"`{report.measured[0]}`" if count == 1 else f"{count} laws and processes"
+        yield f"execution times of {of} were measured: a longest one seen is no proof that none is longer"
     yield "times count from the nominal release, the tick; a step runs until its process waits, and nothing preempts it"
 
 
