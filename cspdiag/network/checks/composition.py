@@ -112,7 +112,14 @@ def _check_loop(
         agreement.refuted(EndlessLoop, loop.span)
         return
     delays = [one for one in _delays(loop.body) if is_over_at_once(placed, one[1])]
-    endless = EndlessLoop(span=loop.span, conditional=condition is not None, delay=delays[0][0] if delays else None)
+    endless = EndlessLoop(
+        span=loop.span,
+        conditional=condition is not None,
+        may_end_first=(
+            isinstance(loop, Repeat) and condition is not None and decided_by_instance(placed, condition) != {False}
+        ),
+        delay=delays[0][0] if delays else None,
+    )
     causes = [duration for _, duration in delays] + ([] if condition is None else [condition])
     if any(isinstance(part, ParameterValue) for cause in causes for part in walk(cause)):
         agreement.found(endless)

@@ -131,6 +131,8 @@ class EndlessLoop(Diagnostic):
     title = "loop in which no time passes"
 
     conditional: bool
+    may_end_first: bool = False
+    """Whether its condition may hold after the first turn, and so end it."""
     delay: Span | None = None
     """A delay inside that is over at once."""
 
@@ -140,6 +142,11 @@ class EndlessLoop(Diagnostic):
 
     @property
     def message(self) -> str:
+        if self.may_end_first:
+            return (
+                "this loop never waits, and nothing inside changes its condition: it ends after its first turn, or "
+                "time stands still"
+            )
         if self.conditional:
             return "this loop never waits, and nothing inside changes its condition: once in it, time stands still"
         return "this loop never waits for a communication or for time, so that nothing else could ever run"
@@ -148,4 +155,6 @@ class EndlessLoop(Diagnostic):
     def help(self) -> str | None:
         if self.delay is not None:
             return "a delay of no or a negative duration is over at once: let it last longer"
+        if self.may_end_first:
+            return "leave the loop away if one turn is meant; else put a communication or a `wait` into it"
         return "put a communication or a `wait` into the loop"
