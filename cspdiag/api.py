@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.draw.pictures import Which
     from cspdiag.draw.scene.shapes import Scene
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.simulate.result import Run
 
@@ -93,7 +93,7 @@ class LoadedProgram:
         return self._checked.report.diagnostics
 
     @cached_property
-    def network(self) -> Network:
+    def network(self) -> CoreNetwork:
         """The network of the outermost process. Raises what ``build`` raises."""
         return self.build()
 
@@ -103,7 +103,7 @@ class LoadedProgram:
         top: str | None = None,
         environment: str | None = None,
         set: Mapping[str, Setting] | None = None,
-    ) -> Network:
+    ) -> CoreNetwork:
         """The network of the process ``top`` for an environment, with constants and parameters set.
 
         Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``SelectionError`` where there is
@@ -113,7 +113,7 @@ class LoadedProgram:
 
     def _build(
         self, top: str | None, environment: str | None, set: Mapping[str, Setting] | None, *, alone: bool
-    ) -> Network:
+    ) -> CoreNetwork:
         built = pipeline.build(
             self.source, read_source, top=top, environment=environment, settings=settings_of(set), alone=alone
         )

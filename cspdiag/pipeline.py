@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from cspdiag.model.program import Program, Value
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.infer.contexts import Surroundings
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.network.lower.setting_paths import Root
     from cspdiag.proofs.answers.question import Question
     from cspdiag.settings import Overrides
@@ -42,7 +42,7 @@ class Checked:
     readable: Program | None = None
     analysis: Analysis | None = None
     """What the checks have found out that lowering needs too."""
-    network: Network | None = None
+    network: CoreNetwork | None = None
     """That of the outermost process beside all its environments, where an analysis has needed it."""
 
 
@@ -53,7 +53,7 @@ class Built:
     """
 
     checked: Checked
-    network: Network | None
+    network: CoreNetwork | None
     overrides: Overrides
 
 
@@ -65,10 +65,10 @@ class Asked:
 
     checked: Checked
     questions: tuple[Question, ...]
-    networks: dict[str, Network]
+    networks: dict[str, CoreNetwork]
     parameters: Mapping[str, Value]
 
-    def network(self, process: str) -> Network | None:
+    def network(self, process: str) -> CoreNetwork | None:
         """The network of a process as the outermost one; None where that reports an error."""
         if process not in self.networks:
             is_specification = process in {question.specification for question in self.questions}
@@ -148,7 +148,7 @@ def compile_network(
     overrides: Mapping[str, Value] | None = None,
     surroundings: Surroundings = "environment",
     alone: bool = False,
-) -> Network | None:
+) -> CoreNetwork | None:
     """Lower a program that has no errors to its network; None where that reports an error.
 
     ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of
@@ -264,7 +264,7 @@ def ask(
 
 @room_to_recurse()
 def generate(
-    network: Network,
+    network: CoreNetwork,
     read: Reader,
     target: str = "python",
     level: int = 0,

@@ -11,14 +11,14 @@ from cspdiag.model.program import Program
 
 if TYPE_CHECKING:
     from cspdiag.network.analyse import Analysis as Checked
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
 
 __all__ = ["ANALYSES", "Analysis", "analyse"]
 
 ANALYSES: dict[str, Analysis] = {"load": LOAD}
 
 
-def analyse(program: Program, checked: Checked, report: Report) -> Network | None:
+def analyse(program: Program, checked: Checked, report: Report) -> CoreNetwork | None:
     """Run every analysis that a program without errors gives rise to; only then is it lowered for them, and the network
     returned.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from cspdiag.base import Report
 from cspdiag.base.record import record
 from cspdiag.model.program import Program
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 
 
 @record
@@ -18,4 +18,4 @@ class Analysis:
     """
 
     concerns: Callable[[Program], bool]
-    run: Callable[[Network, Report], None]
+    run: Callable[[CoreNetwork, Report], None]

@@ -13,15 +13,14 @@ from cspdiag.analyses.diagnostics.load import Overload
 from cspdiag.base import Report, Span
 from cspdiag.model.program import Program
 from cspdiag.network.ir.actions import (
-    Action,
     AssignValue,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
     InterruptOn,
-    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -35,7 +34,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass, SubmodelClass
 from cspdiag.syntax import ast
 
 
@@ -43,7 +42,7 @@ def _states_times(program: Program) -> bool:
     return any(isinstance(d, ast.SubmodelDefinition) and d.wcet is not None for d in program.definitions.values())
 
 
-def check_load(network: Network, report: Report) -> None:
+def check_load(network: CoreNetwork, report: Report) -> None:
     """Warn where the laws need more than the whole processor."""
     loads = _Loads(network)
     share = loads.of_instance(network.top)
@@ -54,7 +53,7 @@ def check_load(network: Network, report: Report) -> None:
 
 
 class _Loads:
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self.classes = {entry.name: entry for entry in network.classes}
         self.class_of = {instance.path: self.classes[instance.class_name] for instance in network.instances}
         self.periods: dict[str, int] = {}
@@ -83,7 +82,7 @@ class _Loads:
         self.laws.append((path, round(100 * share), law.span))
         return share
 
-    def _action(self, path: str, action: Action) -> float:
+    def _action(self, path: str, action: CoreAction) -> float:
         match action:
             case RunInstance():
                 return self.of_instance(f"{path}.{action.instance}")
@@ -112,12 +111,10 @@ class _Loads:
                 | RaiseException()
             ):
                 return 0.0
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _sequence(self, path: str, steps: tuple[Action, ...]) -> float:
+    def _sequence(self, path: str, steps: tuple[CoreAction, ...]) -> float:
         """A law that reads a sample begins a period; those after it that read none run in the same one."""
         largest = present = 0.0
         period: int | None = None

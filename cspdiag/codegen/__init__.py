@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from cspdiag.codegen.options import Generator, Options
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
 
 
-def _python(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+def _python(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     if options.level == 0:
         from cspdiag.codegen.python import package as python
 
@@ -21,19 +21,19 @@ def _python(network: Network, modules: Mapping[str, str], options: Options) -> d
     return package.generate(network, modules, options)
 
 
-def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+def _c(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     from cspdiag.codegen.c.package import package
 
     return package.generate(network, modules, options)
 
 
-def _promela(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+def _promela(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     from cspdiag.codegen.promela import package
 
     return package.generate(network)
 
 
-def _cspm(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+def _cspm(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     from cspdiag.codegen.cspm import package
 
     return package.generate(network)
@@ -50,7 +50,7 @@ def target_errors() -> type[ValueError]:
     return TargetError
 
 
-def external_modules(network: Network, target: str = "python") -> tuple[str, ...]:
+def external_modules(network: CoreNetwork, target: str = "python") -> tuple[str, ...]:
     """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names
     them.
     """

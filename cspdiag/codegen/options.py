@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from cspdiag.base.record import EMPTY, record
 from cspdiag.codegen.shared.render import Replacement
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 
 
 @record(kw_only=True)
@@ -26,5 +26,5 @@ class Options:
     templates: Mapping[str, Replacement] = EMPTY
 
 
-Generator = Callable[[Network, Mapping[str, str], Options], dict[str, str]]
+Generator = Callable[[CoreNetwork, Mapping[str, str], Options], dict[str, str]]
 """From a network, and the texts of the external modules that it names by path, to the files of a package by path."""

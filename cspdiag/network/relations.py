@@ -13,12 +13,12 @@ from typing import TypeAlias, assert_never
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     End,
     Event,
@@ -26,7 +26,6 @@ from cspdiag.network.ir.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
@@ -195,7 +194,7 @@ class _Walk:
             _put(uses, self.same.get(key, key), use, parallel=False)
         return uses if self.shape.is_external else {}
 
-    def _action(self, action: Action) -> UsesByKey:
+    def _action(self, action: CoreAction) -> UsesByKey:
         match action:
             case RunInstance():
                 return self._run(self.shape.instances[action.instance], action.span)
@@ -240,8 +239,6 @@ class _Walk:
                 return self._fold([both, self._action(action.branch.body)], False)
             case CountedLoop() | Group():
                 return self._action(action.body)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
@@ -251,7 +248,7 @@ class _Walk:
             whole = _joined(whole, part, parallel)
         return whole
 
-    def _branch(self, branch: Branch) -> UsesByKey:
+    def _branch(self, branch: Branch[CoreAction]) -> UsesByKey:
         return self._fold([self._event(branch.event, branch.condition), self._action(branch.body)], False)
 
     def _event(self, event: Event, condition: Expression | None) -> UsesByKey:

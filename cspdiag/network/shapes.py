@@ -13,7 +13,7 @@ from cspdiag.base import Span
 from cspdiag.base.record import node, record
 from cspdiag.model.program import PortSymbol, Value
 from cspdiag.model.types import Type
-from cspdiag.network.ir.actions import Action
+from cspdiag.network.ir.actions import CoreAction
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ChannelKind, Direction
 from cspdiag.syntax import ast
@@ -195,7 +195,7 @@ class Shape:
         """Kinds that relationships of this process ask for on its own ports."""
         self.port_spans: dict[Key, Span] = {}
         """First relationship or communication that uses a port of this process."""
-        self.body: Action | None = None
+        self.body: CoreAction | None = None
         self.has_refused_relationship = False
         """Whether a relationship was reported: what seems unused may have been meant in it."""
         self.incomplete = False

@@ -18,7 +18,7 @@ from cspdiag.proofs.verdict import LimitError, Limits, Method
 from cspdiag.verify.systems import SystemCache, VerificationError
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
     from cspdiag.proofs.transitions.classes.told_apart import ToldApart
     from cspdiag.proofs.transitions.systems.system import System
@@ -43,7 +43,7 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden)
 
 
-def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
+def replayed(network: CoreNetwork, trace: Trace, read: pipeline.Reader) -> Replay:
     """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and LimitError."""
     from cspdiag.verify.replay.attempts import replay
 
@@ -216,7 +216,7 @@ class Verifier:
         except LimitError:
             return answer
 
-    def _generated(self, process: str, network: Network) -> dict[str, str]:
+    def _generated(self, process: str, network: CoreNetwork) -> dict[str, str]:
         """The package of a process, which all its counterexamples are tried on. Raises as
         ``pipeline.generate`` does.
         """
@@ -224,7 +224,7 @@ class Verifier:
             self._files[process] = pipeline.generate(network, self._read, level=0)
         return self._files[process]
 
-    def _judge(self, answer: Answer, network: Network, limits: Limits) -> Judge | None:
+    def _judge(self, answer: Answer, network: CoreNetwork, limits: Limits) -> Judge | None:
         """Who says of a run whether it refines the specification that was asked about."""
         specification = answer.question.specification
         if specification is None:

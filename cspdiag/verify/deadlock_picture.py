@@ -10,12 +10,12 @@ from cspdiag.draw.deadlock.ring import Deadlock
 from cspdiag.runtime.kernel.durations import shown
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
 
 
-def deadlock_of(report: DeadlockReport, network: Network) -> Deadlock:
+def deadlock_of(report: DeadlockReport, network: CoreNetwork) -> Deadlock:
     """What is drawn of the report of a run of a network."""
     users = {net.path: (*net.writers, *net.readers) for net in network.nets}
     besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)

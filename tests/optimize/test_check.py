@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
@@ -16,7 +16,7 @@ from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import BinaryOperation, LiteralValue, ParameterValue, VariableValue
 from cspdiag.network.ir.network import Connection, InstanceOf, LocalChannel, Network, Port, SubmodelState
 from cspdiag.optimize import PASSES, Pass, optimize
-from cspdiag.optimize.check.network import BrokenNetworkError, require_whole
+from cspdiag.optimize.check.network import MADE_BY, BrokenNetworkError, require_whole
 from tests.network import programs
 
 TEXT = """
@@ -130,6 +130,11 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
         "ProcessScope is there before the pass `flatten`",
     ),
 }  # fmt: skip
+
+
+def test_every_step_that_is_in_no_text_has_its_pass() -> None:
+    assert MADE_BY.keys() == set(get_args(ir.MadeAction))
+    assert set(MADE_BY.values()) <= {entry.name for entry in PASSES}
 
 
 @pytest.mark.parametrize("name", BROKEN)

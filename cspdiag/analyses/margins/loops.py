@@ -12,7 +12,7 @@ from cspdiag.analyses.margins.open_loop import Cut, OpenLoop, minimal
 from cspdiag.analyses.margins.system import Loops
 from cspdiag.base import Span
 from cspdiag.base.record import record
-from cspdiag.network.ir.network import Environment, Network
+from cspdiag.network.ir.network import CoreNetwork, Environment
 
 if TYPE_CHECKING:
     import control  # type: ignore[import-untyped]
@@ -67,7 +67,7 @@ class LoopReport:
 
 
 def analyse_loops(
-    network: Network, environment: Environment, *, point: Mapping[str, float] | None = None, only: str | None = None
+    network: CoreNetwork, environment: Environment, *, point: Mapping[str, float] | None = None, only: str | None = None
 ) -> LoopReport:
     """Margins of every loop that goes from a law through the plant back to it.
 
@@ -92,7 +92,7 @@ def analyse_loops(
     return LoopReport(environment.name, tuple(found), tuple(refusals))
 
 
-def opened_again(network: Network, environment: Environment, loop: AnalysedLoop) -> OpenLoop | None:
+def opened_again(network: CoreNetwork, environment: Environment, loop: AnalysedLoop) -> OpenLoop | None:
     """A loop of another variant of the same program, about the same point; None where that has no such loop. Raises
     NotLinearError.
     """
@@ -105,7 +105,7 @@ def opened_again(network: Network, environment: Environment, loop: AnalysedLoop)
 
 
 def _points(
-    network: Network, environment: Environment, point: Mapping[str, float] | None
+    network: CoreNetwork, environment: Environment, point: Mapping[str, float] | None
 ) -> Iterator[tuple[dict[str, float], Loops]]:
     """Where to linearize: at rest, and in motion for what does not answer there."""
     rest = Loops(network, environment, dict(point or {}))

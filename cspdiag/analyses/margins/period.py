@@ -13,7 +13,7 @@ from cspdiag.analyses.margins.margin import margins, stability
 from cspdiag.analyses.margins.open_loop import OpenLoop
 from cspdiag.base.record import record
 from cspdiag.network.ir.expressions import LiteralValue
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 
 Variant = Callable[[Mapping[str, int]], "OpenLoop | None"]
 """A loop with constants set, in nanoseconds; None where the program has no such loop then."""
@@ -72,7 +72,7 @@ def _positive(number: str, text: str) -> float:
     return value
 
 
-def period_constants(network: Network, loop: OpenLoop) -> dict[str, int]:
+def period_constants(network: CoreNetwork, loop: OpenLoop) -> dict[str, int]:
     """The constants of the text that say the period of the loop's own law, with their values in nanoseconds; empty
     where it is a number in the text.
     """

@@ -26,7 +26,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
 )
 from cspdiag.network.ir.expressions import Value
-from cspdiag.network.ir.network import ConstantEnd, Network, ProcessClass
+from cspdiag.network.ir.network import ConstantEnd, CoreNetwork, ProcessClass
 
 Branching = tuple[str, int]
 """A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""
@@ -46,7 +46,7 @@ class Copy:
 class Structure:
     """The ways from the outermost process down to each leaf, and the variables that are filled by reading."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self._classes = {entry.name: entry for entry in network.classes}
         self._class_of = {instance.path: instance.class_name for instance in network.instances}
         self.ways: dict[str, list[tuple[Branching, ...]]] = {}
@@ -128,7 +128,7 @@ def end_name(end: End) -> str:
             return end.port if end.index is None else f"{end.port}[{end.index}]"
 
 
-def standing_inputs(network: Network, path: str) -> dict[str, Value]:
+def standing_inputs(network: CoreNetwork, path: str) -> dict[str, Value]:
     """What the inputs of a law read from the beginning: defaults, and the initial values of variables of the process
     around it.
     """

@@ -17,7 +17,7 @@ from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
 from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
-from cspdiag.network.ir.network import Environment, Network, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelClass
 
 if TYPE_CHECKING:
     import numpy
@@ -31,7 +31,7 @@ LARGEST_NUMBER_OF_INSTANTS = 20_000
 class Loops:
     """The laws of a program beside one environment, linearized about an operating point."""
 
-    def __init__(self, network: Network, environment: Environment, point: dict[str, float]) -> None:
+    def __init__(self, network: CoreNetwork, environment: Environment, point: dict[str, float]) -> None:
         if environment.system is None:
             raise NotLinearError(
                 f"the environment `{environment.name}` has no model of the plant, only drivers", environment.span

@@ -17,7 +17,7 @@ from cspdiag.pipeline import build, check, generate
 from cspdiag.settings import SettingError, split_settings
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
 
 EXAMPLE = "cspdiag compile models/jiwy/jiwy.csp -o build\ncspdiag compile models/jiwy/jiwy.csp -O1 --emit network"
 
@@ -101,9 +101,9 @@ def _emit_network(arguments: Namespace) -> int:
         from cspdiag.optimize import PASSES, explain_fusion, optimize
 
         *before, last = PASSES
-        network = optimize(network, before)
-        explained = [f"// {line}\n" for line in explain_fusion(network)]
-        write_out(printable("".join([dump(optimize(network, (last,))), "\n", *explained])))
+        unfused = optimize(network, before)
+        explained = [f"// {line}\n" for line in explain_fusion(unfused)]
+        write_out(printable("".join([dump(optimize(unfused, (last,))), "\n", *explained])))
     else:
         write_out(printable(dump(network)))
     return FINE
@@ -169,7 +169,7 @@ def _is_another(earlier: str, file: str) -> bool:
     return os.path.isfile(earlier) and not os.path.samefile(earlier, file)
 
 
-def _network(arguments: Namespace) -> Network | None:
+def _network(arguments: Namespace) -> CoreNetwork | None:
     from cspdiag.network.lower.program import SelectionError
 
     try:

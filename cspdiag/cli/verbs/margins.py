@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
     from cspdiag.analyses.margins.open_loop import OpenLoop
     from cspdiag.analyses.margins.period import Variant, Wanted
-    from cspdiag.network.ir.network import Environment, Network
+    from cspdiag.network.ir.network import CoreNetwork, Environment
     from cspdiag.pipeline import Built
 
 EXAMPLE = (
@@ -121,14 +121,14 @@ def _settings(arguments: Namespace) -> dict[str, str]:
     return split_settings(arguments.settings)
 
 
-def _environment(network: Network, name: str | None) -> Environment:
+def _environment(network: CoreNetwork, name: str | None) -> Environment:
     for environment in network.environments:
         if name is None or environment.name == name:
             return environment
     raise UsageError(f"`{network.top}` has no environment, and so no plant that would close its loops")
 
 
-def _analysed(arguments: Namespace, network: Network, environment: Environment) -> LoopReport:
+def _analysed(arguments: Namespace, network: CoreNetwork, environment: Environment) -> LoopReport:
     from cspdiag.analyses.margins.loops import analyse_loops
 
     return analyse_loops(network, environment, point=_point(arguments, environment), only=arguments.loop)
@@ -155,7 +155,7 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
 
 
 def _periods(
-    arguments: Namespace, built: Built, network: Network, report: LoopReport, margin: Wanted
+    arguments: Namespace, built: Built, network: CoreNetwork, report: LoopReport, margin: Wanted
 ) -> dict[str, tuple[int | None, str]]:
     """For each loop whose period is a constant of the text, the largest one, with the name of the constant."""
     from cspdiag.analyses.margins.period import largest_period, period_constants
@@ -185,7 +185,7 @@ class _Search:
         self.environment = arguments.environment
         self.checked = built.checked
         self.overrides = built.overrides
-        self.networks: dict[tuple[tuple[str, int], ...], Network | None] = {}
+        self.networks: dict[tuple[tuple[str, int], ...], CoreNetwork | None] = {}
 
     def variants(self, loop: AnalysedLoop) -> Variant:
         """One loop with constants set."""
@@ -203,7 +203,7 @@ class _Search:
 
         return variant
 
-    def _network(self, constants: Mapping[str, int]) -> Network | None:
+    def _network(self, constants: Mapping[str, int]) -> CoreNetwork | None:
         from cspdiag import pipeline
 
         key = tuple(constants.items())

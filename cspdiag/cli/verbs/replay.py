@@ -11,7 +11,7 @@ from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, Usage
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.verify.replay.result import Replay
     from cspdiag.verify.runs.trace import Trace
 
@@ -52,7 +52,7 @@ def _refuse_others(arguments: Namespace) -> None:
         raise UsageError(f"--replay goes without {names}: the trace says what happens and when")
 
 
-def _network(arguments: Namespace, trace: Trace) -> Network | None:
+def _network(arguments: Namespace, trace: Trace) -> CoreNetwork | None:
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.pipeline import build
     from cspdiag.settings import SettingError, split_settings
@@ -69,7 +69,7 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
     return built.network
 
 
-def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
+def _told(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]:
     from cspdiag.runtime.kernel.durations import shown
     from cspdiag.verify.runs.names import below
     from cspdiag.verify.runs.values import types_of, written

@@ -15,7 +15,7 @@ from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
     from cspdiag.cli.support.runs.standstill import Visited
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.result import Run
@@ -166,7 +166,7 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _tell_of_no_end(network: Network) -> None:
+def _tell_of_no_end(network: CoreNetwork) -> None:
     """Say that a run without a time limit goes on until somebody ends it, where that is sure."""
     from cspdiag.network.checks.endless import never_ends
 
@@ -175,7 +175,7 @@ def _tell_of_no_end(network: Network) -> None:
         say(f"cspdiag: {name} never ends by itself: Ctrl-C ends the run, --for 20s would end it at 20 s")
 
 
-def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
+def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> Run:
     from cspdiag.cli.support.runs.progress import Progress
     from cspdiag.cli.support.runs.standstill import Standstill
     from cspdiag.codegen import target_errors
@@ -211,7 +211,7 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
         raise NoResultError(str(problem)) from None
 
 
-def _simulate_on_reference(arguments: Namespace, network: Network, until: int | None, recorder: Recorder) -> Run:
+def _simulate_on_reference(arguments: Namespace, network: CoreNetwork, until: int | None, recorder: Recorder) -> Run:
     from cspdiag.simulate.run.execute import NoEnvironmentError
     from cspdiag.simulate.run.reference import NoMeaningError, simulate
 
@@ -222,7 +222,11 @@ def _simulate_on_reference(arguments: Namespace, network: Network, until: int | 
 
 
 def _simulate_in_python(
-    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
+    arguments: Namespace,
+    network: CoreNetwork,
+    until: int | None,
+    recorder: Recorder,
+    on_start: Callable[[Visited], None],
 ) -> Run:
     from cspdiag import pipeline
     from cspdiag.cli.support.runs.standstill import InThread
@@ -252,7 +256,11 @@ def _simulate_in_python(
 
 
 def _simulate_native(
-    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
+    arguments: Namespace,
+    network: CoreNetwork,
+    until: int | None,
+    recorder: Recorder,
+    on_start: Callable[[Visited], None],
 ) -> Run:
     from cspdiag.simulate.native.run import simulate
 

@@ -20,7 +20,7 @@ from cspdiag.cli.support.terminal import put, say, show_diagnostics, write_out
 if TYPE_CHECKING:
     from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.analyses.timing.tasks.measured import Measured
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
 
 
@@ -107,7 +107,7 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _report(arguments: Namespace, network: Network, measured: Sequence[Measured]) -> TimingReport:
+def _report(arguments: Namespace, network: CoreNetwork, measured: Sequence[Measured]) -> TimingReport:
     from cspdiag.analyses.timing.report.timing import timing_report
     from cspdiag.analyses.timing.tasks.measured import times_of_laws
 

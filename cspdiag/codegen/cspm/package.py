@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from cspdiag.codegen.shared.identifiers import distinct
 from cspdiag.codegen.shared.models import system_of
 from cspdiag.codegen.shared.plain_text import one_line
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 
 
-def generate(network: Network) -> dict[str, str]:
+def generate(network: CoreNetwork) -> dict[str, str]:
     """The script of a network, by path. Raises TargetError where it would have too many states."""
     text = cspm(system_of(network), network.source)
     return {f"{network.name}.csp": text}

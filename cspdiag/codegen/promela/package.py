@@ -16,7 +16,7 @@ from cspdiag.codegen.shared.identifiers import distinct
 from cspdiag.codegen.shared.models import system_of
 from cspdiag.codegen.shared.plain_text import one_line
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 
 MOST_COMMANDS = 250_000
@@ -28,7 +28,7 @@ Command = tuple[int, tuple[tuple[int, int, int], ...]]
 """An event, or INTERNAL, and for each of its parties the component with its state before and after."""
 
 
-def generate(network: Network) -> dict[str, str]:
+def generate(network: CoreNetwork) -> dict[str, str]:
     """The model of a network, by path. Raises TargetError where it would have too many states."""
     text = promela(system_of(network), network.source)
     return {f"{network.name}.pml": text}

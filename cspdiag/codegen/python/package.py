@@ -21,14 +21,14 @@ from cspdiag.codegen.python.project import project_view
 from cspdiag.codegen.python.text.imports import import_lines
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.shared.render import Render, Replacement, renderer
-from cspdiag.network.ir.network import Environment, Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, Environment, Network, ProcessClass
 
 EnvironmentMaker = Callable[[Environment, Network, PackageNames, ExternalModules], EnvironmentModule]
 """Makes the module of an environment."""
 
 
 def generate(
-    network: Network,
+    network: CoreNetwork,
     modules: Mapping[str, str] | None = None,
     make_environment: EnvironmentMaker = environment_module,
     templates: Mapping[str, Replacement] = EMPTY,

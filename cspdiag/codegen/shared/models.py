@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.transitions.systems.system import System
 
 
-def system_of(network: Network) -> System:
+def system_of(network: CoreNetwork) -> System:
     """The transition system of a network. Raises TargetError where it would have too many states."""
     from cspdiag.proofs.transitions import transition_system
     from cspdiag.proofs.transitions.threads.explore import TransitionError

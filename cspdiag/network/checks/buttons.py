@@ -11,7 +11,7 @@ from cspdiag.network.checks.usage import expressions_in
 from cspdiag.network.diagnostics.composition.alternatives import ReleaseNotToldApart
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
-from cspdiag.network.ir.actions import Action, Branch, Choice, InputEvent, InterruptOn, ReadValue, ReadyEvent
+from cspdiag.network.ir.actions import Branch, Choice, CoreAction, InputEvent, InterruptOn, ReadValue, ReadyEvent
 from cspdiag.network.relations import end_key, variables_read
 from cspdiag.network.shapes import Key, attached_key
 
@@ -40,7 +40,7 @@ def check_releases(placed: Placed, agreement: Agreement) -> None:
             agreement.refuted(ReleaseNotToldApart, branch.event.span)
 
 
-def _guards(body: Action) -> Iterator[tuple[Branch, bool]]:
+def _guards(body: CoreAction) -> Iterator[tuple[Branch[CoreAction], bool]]:
     for action in all_actions(body):
         if isinstance(action, Choice):
             for branch in action.branches:
@@ -49,14 +49,14 @@ def _guards(body: Action) -> Iterator[tuple[Branch, bool]]:
             yield action.branch, True
 
 
-def _is_button(placed: Placed, branch: Branch) -> bool:
+def _is_button(placed: Placed, branch: Branch[CoreAction]) -> bool:
     if not isinstance(branch.event, InputEvent) or branch.condition is not None:
         return False
     key = end_key(branch.event.source)
     return placed.facts[key][0] == "event" and isinstance(placed.shape.port_or_channel_type(key), BoolType)
 
 
-def _reads(placed: Placed, body: Action) -> Iterator[Key]:
+def _reads(placed: Placed, body: CoreAction) -> Iterator[Key]:
     """Each place of the process where something is read, or handed to an instance to be read."""
     for action in all_actions(body):
         if isinstance(action, ReadValue):

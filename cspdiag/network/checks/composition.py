@@ -14,11 +14,11 @@ from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.possible import decided_by_instance, overtaken
 from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_open, is_over_at_once
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     Choice,
+    CoreAction,
     Event,
     InputEvent,
     InterruptOn,
@@ -99,7 +99,7 @@ def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: 
 def _check_loop(
     placed: Placed,
     waiting: MayWait,
-    loop: Repeat | WhileLoop,
+    loop: Repeat[CoreAction] | WhileLoop[CoreAction],
     condition: Expression | None,
     report: Report,
     agreement: Agreement,
@@ -127,7 +127,7 @@ def _check_loop(
         report.add(endless)
 
 
-def _may_end(placed: Placed, loop: Repeat | WhileLoop, condition: Expression | None) -> bool:
+def _may_end(placed: Placed, loop: Repeat[CoreAction] | WhileLoop[CoreAction], condition: Expression | None) -> bool:
     """Whether a loop may not begin at all, or end: what its condition looks at is changed inside, or has other values
     in other instances.
     """
@@ -147,7 +147,7 @@ def _may_end(placed: Placed, loop: Repeat | WhileLoop, condition: Expression | N
     return not looked_at.isdisjoint(written) or any(is_open(placed, key) for key in looked_at)
 
 
-def _delays(body: Action) -> Iterator[tuple[Span, Expression]]:
+def _delays(body: CoreAction) -> Iterator[tuple[Span, Expression]]:
     """The delays and the time-outs in an action, with their places."""
     for action in all_actions(body):
         match action:
@@ -162,7 +162,7 @@ def _delays(body: Action) -> Iterator[tuple[Span, Expression]]:
                 pass
 
 
-def _written_in(shape: Shape, body: Action) -> set[Key]:
+def _written_in(shape: Shape, body: CoreAction) -> set[Key]:
     written: set[Key] = set()
     for action in all_actions(body):
         match action:
@@ -183,9 +183,9 @@ def _written_in(shape: Shape, body: Action) -> set[Key]:
     return written
 
 
-def _check_branches(placed: Placed, choice: Choice, report: Report, agreement: Agreement) -> None:
+def _check_branches(placed: Placed, choice: Choice[CoreAction], report: Report, agreement: Agreement) -> None:
     """Behind a guard that is always ready, a prioritized alternative never goes on."""
-    always: Branch | None = None
+    always: Branch[CoreAction] | None = None
     seen: dict[tuple[str, Key], Branch] = {}
     for branch in choice.branches:
         if _never_holds(branch, agreement):
@@ -205,7 +205,7 @@ def _check_branches(placed: Placed, choice: Choice, report: Report, agreement: A
             always = branch
 
 
-def _check_time_outs(placed: Placed, choice: Choice, agreement: Agreement) -> None:
+def _check_time_outs(placed: Placed, choice: Choice[CoreAction], agreement: Agreement) -> None:
     """A time-out beside samples, a shorter one or a branch that is always ready must come before them to be chosen at
     all.
     """
@@ -228,7 +228,7 @@ def _check_time_outs(placed: Placed, choice: Choice, agreement: Agreement) -> No
             )
 
 
-def _never_holds(branch: Branch, agreement: Agreement) -> bool:
+def _never_holds(branch: Branch[CoreAction], agreement: Agreement) -> bool:
     condition = branch.condition
     if condition is None or condition.span is None:
         return False

@@ -19,18 +19,17 @@ from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     RaiseException,
@@ -94,7 +93,7 @@ def check_guards(placed: Placed, report: Report) -> None:
                 pass
 
 
-def _check(placed: Placed, branch: Branch, report: Report) -> None:
+def _check(placed: Placed, branch: Branch[CoreAction], report: Report) -> None:
     if not isinstance(branch.event, ReadyEvent):
         return
     key = end_key(branch.event.source)
@@ -116,7 +115,7 @@ class _Beginnings:
         self.key = key
         self.depth = depth
 
-    def of(self, action: Action) -> Beginning:
+    def of(self, action: CoreAction) -> Beginning:
         match action:
             case RunInstance():
                 instance = self.placed.shape.instances[action.instance]
@@ -152,19 +151,17 @@ class _Beginnings:
                 return _of_alternatives(map(self.of, (action.then, action.otherwise)), action.span)
             case CatchException() | InterruptOn():
                 return self.of(action.body)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _first(self, steps: tuple[Action, ...]) -> Beginning:
+    def _first(self, steps: tuple[CoreAction, ...]) -> Beginning:
         for step in steps:
             found = self.of(step)
             if not isinstance(found, Silent):
                 return found
         return _SILENT
 
-    def _branch(self, branch: Branch) -> Beginning:
+    def _branch(self, branch: Branch[CoreAction]) -> Beginning:
         match branch.event:
             case ReadyEvent() | InputEvent() as event if end_key(event.source) == self.key:
                 return _READS

@@ -16,8 +16,8 @@ from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.ir.actions import (
-    Action,
     CatchException,
+    CoreAction,
     CountedLoop,
     Group,
     InterruptOn,
@@ -165,7 +165,7 @@ def _inputs(instance: InstanceShape) -> Iterator[tuple[Key, Span]]:
             yield key, attached.span
 
 
-def _repeated(body: Action) -> Iterator[str]:
+def _repeated(body: CoreAction) -> Iterator[str]:
     """The instances that every turn of a loop runs, whatever is chosen elsewhere."""
     pending = [(body, False)]
     while pending:

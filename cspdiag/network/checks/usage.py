@@ -11,18 +11,17 @@ from cspdiag.network.diagnostics.channels import ChannelReadAsVariable
 from cspdiag.network.diagnostics.usage import PortUnused, VariableUnused
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     RaiseException,
@@ -84,7 +83,7 @@ def check_usage(
             agreement.refuted(VariableUnused, channel.span, channel.name)
 
 
-def _check_values(shape: Shape, body: Action, report: Report) -> None:
+def _check_values(shape: Shape, body: CoreAction, report: Report) -> None:
     for expression in expressions_in(body):
         for value in variables_read(expression):
             channel = shape.channels.get(value.channel)
@@ -95,7 +94,7 @@ def _check_values(shape: Shape, body: Action, report: Report) -> None:
                 report.add(refused)
 
 
-def expressions_in(body: Action) -> Iterator[Expression]:
+def expressions_in(body: CoreAction) -> Iterator[Expression]:
     """The expressions of a composition: values written, conditions, durations and indexes."""
     for action in all_actions(body):
         match action:
@@ -123,13 +122,11 @@ def expressions_in(body: Action) -> Iterator[Expression]:
                 | ParallelSteps() | CountedLoop() | CatchException() | Group()
             ):  # fmt: skip
                 pass
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
 
-def _expressions_of_guard(branch: Branch) -> Iterator[Expression]:
+def _expressions_of_guard(branch: Branch[CoreAction]) -> Iterator[Expression]:
     if branch.condition is not None:
         yield branch.condition
     match branch.event:

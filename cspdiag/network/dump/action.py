@@ -21,7 +21,6 @@ from cspdiag.network.ir.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
@@ -125,7 +124,7 @@ def action_lines(action: Action) -> Iterator[str]:
         case Group():
             yield f"group {action.label}"
             yield from _inside(action.body)
-        case OptimizedStep():
+        case ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication():
             yield from _made_by_a_pass(action)
         case _:
             assert_never(action)

@@ -17,13 +17,13 @@ from cspdiag.network.elaborate.finite import assured
 from cspdiag.network.elaborate.places import ChannelPlace, Places, ProcessPort
 from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     ChannelEnd,
     Choice,
+    CoreAction,
     CountedLoop,
     End,
     Event,
@@ -61,7 +61,7 @@ MOST_UNROLLED = 16
 """Turns of a replicated ``seq`` that are written down one by one; more of them that are all the same are a loop."""
 
 
-def compose(sizes: Sizes, shape: Shape, places: Places, composition: ast.Composition) -> Action:
+def compose(sizes: Sizes, shape: Shape, places: Places, composition: ast.Composition) -> CoreAction:
     """The composition as actions; what could not be resolved was reported and does nothing."""
     return _Composer(sizes, shape, places).action(composition, shape.values)
 
@@ -74,7 +74,7 @@ class _Composer:
         self.shape = shape
         self.places = places
 
-    def action(self, part: ast.Composition, values: Values) -> Action:
+    def action(self, part: ast.Composition, values: Values) -> CoreAction:
         span = part.span
         match part:
             case ast.Run():
@@ -138,7 +138,7 @@ class _Composer:
             case _:
                 assert_never(part)
 
-    def _if(self, part: ast.If, values: Values) -> Action:
+    def _if(self, part: ast.If, values: Values) -> CoreAction:
         condition = self._expression(part.condition, values)
         holds = self._decided(part.condition, condition)
         if holds is not None:
@@ -160,12 +160,12 @@ class _Composer:
         value = constant_value(lowered, lambda _: None)
         return value if isinstance(value, bool) else None
 
-    def _interrupt(self, part: ast.Interrupt, values: Values) -> Action:
+    def _interrupt(self, part: ast.Interrupt, values: Values) -> CoreAction:
         body = self.action(part.process, values)
         branch = self._branch(part.guard, part.handler, values, part.span)
         return body if branch is None else InterruptOn(span=part.span, body=body, branch=branch)
 
-    def _replicated(self, part: ast.Replicated, values: Values) -> Action:
+    def _replicated(self, part: ast.Replicated, values: Values) -> CoreAction:
         if part.operator in ("alt", "prialt"):
             prioritized = part.operator == "prialt"
             branches = tuple(self._branches((part,), values, prioritized))
@@ -196,14 +196,16 @@ class _Composer:
         self.shape.incomplete = self.shape.incomplete or repetitions is None
         return repetitions or []
 
-    def _branches(self, parts: tuple[ast.Composition, ...], values: Values, prioritized: bool) -> Iterator[Branch]:
+    def _branches(
+        self, parts: tuple[ast.Composition, ...], values: Values, prioritized: bool
+    ) -> Iterator[Branch[CoreAction]]:
         """The branches of an alternative, replicated ones in their place."""
         for part in parts:
             yield from self._branch_of(part, values, prioritized, lambda body: body)
 
     def _branch_of(
-        self, part: ast.Composition, values: Values, prioritized: bool, wrap: Callable[[Action], Action]
-    ) -> Iterator[Branch]:
+        self, part: ast.Composition, values: Values, prioritized: bool, wrap: Callable[[CoreAction], CoreAction]
+    ) -> Iterator[Branch[CoreAction]]:
         match part:
             case ast.Guarded():
                 branch = self._branch(part.guard, part.process, values, part.span, wrap)
@@ -231,8 +233,8 @@ class _Composer:
         process: ast.Composition,
         values: Values,
         span: Span,
-        wrap: Callable[[Action], Action] = lambda body: body,
-    ) -> Branch | None:
+        wrap: Callable[[CoreAction], CoreAction] = lambda body: body,
+    ) -> Branch[CoreAction] | None:
         condition: Expression | None = None
         if guard.condition is not None:
             condition = self._expression(guard.condition, values)
@@ -313,7 +315,7 @@ class _Composer:
             return LiteralValue(type=UNKNOWN, value=0, span=name.span)
         return VariableValue(type=place.channel.type, channel=place.channel.name, span=name.span)
 
-    def _broken(self, span: Span) -> Action:
+    def _broken(self, span: Span) -> CoreAction:
         """Stands for something that was reported; checks that would follow from its absence are off."""
         self.shape.incomplete = True
         return SkipStep(span=span)

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TypeAlias, assert_never
+from typing import Any, TypeAlias, assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import (
-    Action,
     AssignValue,
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
-    End,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -33,6 +31,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key, PortElement, Shape, attached_key
 
@@ -61,7 +60,7 @@ class ReadingEnds:
         for key, places in self._places.items():
             self._assign(key, places)
 
-    def _walk(self, action: Action, path: Path) -> None:
+    def _walk(self, action: CoreAction, path: Path) -> None:
         match action:
             case RunInstance():
                 self._run(action.instance, path)
@@ -93,18 +92,16 @@ class ReadingEnds:
                 WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
             ):
                 pass
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _parallel(self, steps: tuple[Action, ...], path: Path) -> None:
+    def _parallel(self, steps: tuple[CoreAction, ...], path: Path) -> None:
         self._parallels += 1
         number = self._parallels
         for branch, step in enumerate(steps):
             self._walk(step, (*path, (number, branch)))
 
-    def _event(self, branch: Branch, path: Path) -> None:
+    def _event(self, branch: Branch[CoreAction], path: Path) -> None:
         if isinstance(branch.event, ReadyEvent | InputEvent):
             self._add(end_key(branch.event.source), branch.event, path)
 
@@ -192,57 +189,20 @@ def _one_by_one(readers: dict[object, list[Path]]) -> dict[object, int]:
     return ends
 
 
-def with_ends(action: Action, ends: ReadingEnds) -> Action:
+def with_ends(action: CoreAction, ends: ReadingEnds) -> CoreAction:
     """The composition with the reading ends filled in."""
     if not any(ends.of_communication.values()):
         return action
 
-    def inner(part: Action) -> Action:
-        match part:
-            case ReadValue():
-                return replaced(part, source=_with(part.source, ends.of_communication[id(part)]))
-            case SequentialSteps() | ParallelSteps():
-                return replaced(part, steps=tuple(map(inner, part.steps)))
-            case Choice():
-                return replaced(part, branches=tuple(map(branch, part.branches)))
-            case Repeat() | WhileLoop() | CountedLoop() | Group():
-                return replaced(part, body=inner(part.body))
-            case IfElse():
-                return replaced(part, then=inner(part.then), otherwise=inner(part.otherwise))
-            case CatchException():
-                return replaced(part, body=inner(part.body), handler=inner(part.handler))
-            case InterruptOn():
-                return replaced(part, body=inner(part.body), branch=branch(part.branch))
-            case (
-                RunInstance()
-                | WriteValue()
-                | AssignValue()
-                | SkipStep()
-                | StopStep()
-                | WaitStep()
-                | ResetInstance()
-                | RaiseException()
-            ):
-                return part
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
-            case _:
-                assert_never(part)
+    def change(part: Any) -> Any:
+        if isinstance(part, ReadValue | ReadyEvent | InputEvent):
+            return replaced(part, source=replaced(part.source, end=ends.of_communication[id(part)]))
+        return part
 
-    def branch(part: Branch) -> Branch:
-        event = part.event
-        if isinstance(event, ReadyEvent | InputEvent):
-            event = replaced(event, source=_with(event.source, ends.of_communication[id(event)]))
-        return replaced(part, event=event, body=inner(part.body))
-
-    return inner(action)
+    return rewritten(action, change)
 
 
-def _with(end: End, number: int) -> End:
-    return replaced(end, end=number)
-
-
-def all_actions(action: Action) -> Iterator[Action]:
+def all_actions(action: CoreAction) -> Iterator[CoreAction]:
     """The action and every one inside it, in text order."""
     pending = [action]
     while pending:
@@ -251,7 +211,7 @@ def all_actions(action: Action) -> Iterator[Action]:
         pending.extend(reversed(actions_inside(present)))
 
 
-def actions_inside(action: Action) -> tuple[Action, ...]:
+def actions_inside(action: CoreAction) -> tuple[CoreAction, ...]:
     """Those of which an action consists, in text order; none for a communication and the like."""
     match action:
         case SequentialSteps() | ParallelSteps():
@@ -278,7 +238,5 @@ def actions_inside(action: Action) -> tuple[Action, ...]:
             | RaiseException()
         ):
             return ()
-        case OptimizedStep():
-            raise AssertionError("made by the optimizer, later")
         case _:
             assert_never(action)

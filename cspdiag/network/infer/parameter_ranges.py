@@ -11,13 +11,13 @@ from typing import Any
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import ParameterValue, Value
-from cspdiag.network.ir.network import Instantiation, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import CoreClass, Instantiation, SubmodelClass
 from cspdiag.network.ir.ranges import Range, joined
 
 
 def with_ranges(
-    classes: Iterable[ProcessClass | SubmodelClass], instances: Iterable[Instantiation]
-) -> tuple[ProcessClass | SubmodelClass, ...]:
+    classes: Iterable[CoreClass | SubmodelClass], instances: Iterable[Instantiation]
+) -> tuple[CoreClass | SubmodelClass, ...]:
     """The classes with the range of each parameter written to where it is used."""
     arguments: dict[str, list[Mapping[str, Value]]] = {}
     for instance in instances:
@@ -41,7 +41,7 @@ def ranges_of(instances: Iterable[Mapping[str, Value]]) -> dict[str, Range]:
     return ranges or {}
 
 
-def _with(entry: ProcessClass | SubmodelClass, ranges: Mapping[str, Range]) -> ProcessClass | SubmodelClass:
+def _with(entry: CoreClass | SubmodelClass, ranges: Mapping[str, Range]) -> CoreClass | SubmodelClass:
     if not any(parameter.name in ranges for parameter in entry.parameters):
         return entry
 

@@ -9,7 +9,7 @@ from cspdiag.base.record import record, replaced
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import constant_in, is_always_ready, known_duration, sample_period
-from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputEvent, ReadyEvent, Target
+from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, CoreAction, Event, InputEvent, ReadyEvent, Target
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, UnaryOperation, Value, VariableValue
 from cspdiag.network.ir.walk import parts
@@ -27,7 +27,7 @@ class Overtaken:
 
     place: int
     waits: int
-    by: Branch
+    by: Branch[CoreAction]
     port: Key | None
     period: int
     has_priority: bool
@@ -58,7 +58,7 @@ def _parameter(given: Mapping[str, Value], name: ParameterValue | SignalValue) -
     return given.get(name.name)
 
 
-def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
+def overtaken(placed: Placed, choice: Choice[CoreAction]) -> Iterator[Overtaken]:
     """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before
     them.
     """
@@ -77,7 +77,7 @@ def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
             yield Overtaken(place, waits, choice.branches[first], port, period, is_behind)
 
 
-def _ready_within(placed: Placed, branch: Branch) -> tuple[int, Key | None] | None:
+def _ready_within(placed: Placed, branch: Branch[CoreAction]) -> tuple[int, Key | None] | None:
     """Within how many nanoseconds a guard is ready for certain, and the input of which it is a sample."""
     event = branch.event
     if is_always_ready(placed, event):
@@ -90,10 +90,10 @@ def _ready_within(placed: Placed, branch: Branch) -> tuple[int, Key | None] | No
     return (waits, None) if waits else None
 
 
-def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
+def possible_branches(placed: Placed, choice: Choice[CoreAction]) -> tuple[Branch[CoreAction], ...]:
     """The branches that can be chosen."""
     late = {found.place for found in overtaken(placed, choice)}
-    possible: list[Branch] = []
+    possible: list[Branch[CoreAction]] = []
     for place, branch in enumerate(choice.branches):
         holds = decided(placed, branch.condition)
         if holds is False or place in late:
@@ -104,7 +104,7 @@ def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
     return tuple(possible)
 
 
-def ways_of_samples(placed: Placed, choice: Choice) -> tuple[Choice, ...]:
+def ways_of_samples(placed: Placed, choice: Choice[CoreAction]) -> tuple[Choice[CoreAction], ...]:
     """An alternative as it is where the condition of its samples holds, and where it does not and others are waited
     for; itself where there is no such one.
 
@@ -136,7 +136,7 @@ def _is_sample(placed: Placed, event: Event) -> bool:
     return isinstance(event, ReadyEvent | InputEvent) and bool(sample_period(placed, end_key(event.source)))
 
 
-def _written(branches: Iterable[Branch]) -> set[str]:
+def _written(branches: Iterable[Branch[CoreAction]]) -> set[str]:
     """The variables that are written in branches, and by their guards."""
     return {part.channel for branch in branches for part in parts(branch) if isinstance(part, Target)}
 

@@ -9,18 +9,17 @@ from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.infer.contexts import NetKind, Placed, port_facts
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Event,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     RaiseException,
@@ -133,7 +132,7 @@ class MayWait:
             known = self._known[placed] = body is None or self.action(placed, body)
         return known
 
-    def action(self, placed: Placed, action: Action) -> bool:
+    def action(self, placed: Placed, action: CoreAction) -> bool:
         """Whether a run of the action waits, or may: a way that never waits counts only where nothing decides against
         it.
         """
@@ -162,12 +161,10 @@ class MayWait:
                 return self.action(placed, action.body)
             case InterruptOn():
                 return self._interrupt(placed, action)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _choice(self, placed: Placed, choice: Choice) -> bool:
+    def _choice(self, placed: Placed, choice: Choice[CoreAction]) -> bool:
         """One that has a branch ``skip -> P`` goes that way for ever; beside other guards that are always ready the
         others have a turn.
         """
@@ -178,7 +175,7 @@ class MayWait:
             return any(self.action(placed, branch.body) for branch in choice.branches)
         return True
 
-    def _interrupt(self, placed: Placed, interrupt: InterruptOn) -> bool:
+    def _interrupt(self, placed: Placed, interrupt: InterruptOn[CoreAction]) -> bool:
         """A guard that is ready at once cancels the body before it waits, unless it fails before that."""
         branch = interrupt.branch
         is_cancelled = branch.condition is None and is_always_ready(placed, branch.event)
@@ -186,7 +183,7 @@ class MayWait:
             return self.action(placed, interrupt.body)
         return self.action(placed, branch.body)
 
-    def _may_raise(self, placed: Placed, action: Action) -> bool:
+    def _may_raise(self, placed: Placed, action: CoreAction) -> bool:
         """Whether an exception of the program may end an action."""
         instances = placed.shape.instances
         return any(

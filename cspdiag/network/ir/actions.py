@@ -1,17 +1,28 @@
 """What a process does: the composition, resolved, and unrolled but for long sequences of turns that are all the same.
 
-The last few actions are not in the text: the passes of ``network.optimize`` make them.
+``CoreAction`` is what a text can say; the passes of ``cspdiag.optimize`` make more, and what they give is an
+``Action``. What consists of actions is generic in which of the two, ``Action`` where nothing is said: a type checker
+then knows who never meets what the optimizer makes.
 """
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    A_co = TypeVar("A_co", covariant=True, default="Action")
+else:
+    from typing import TypeVar
+
+    A_co = TypeVar("A_co", covariant=True)
 
 
 @record
@@ -116,17 +127,17 @@ class RaiseException(Step):
 
 
 @record(kw_only=True)
-class SequentialSteps(Step):
+class SequentialSteps(Step, Generic[A_co]):
     """One after another."""
 
-    steps: tuple[Action, ...]
+    steps: tuple[A_co, ...]
 
 
 @record(kw_only=True)
-class ParallelSteps(Step):
+class ParallelSteps(Step, Generic[A_co]):
     """All at once; ``prioritized``: each has a higher priority than those to its right."""
 
-    steps: tuple[Action, ...]
+    steps: tuple[A_co, ...]
     prioritized: bool
 
 
@@ -169,87 +180,82 @@ Event: TypeAlias = ReadyEvent | InputEvent | OutputEvent | AfterEvent | SkipEven
 
 
 @record(kw_only=True)
-class Branch(Step):
+class Branch(Step, Generic[A_co]):
     """A guarded process: the condition that must hold, the event, and what follows."""
 
     condition: Expression | None
     event: Event
-    body: Action
+    body: A_co
 
 
 @record(kw_only=True)
-class Choice(Step):
+class Choice(Step, Generic[A_co]):
     """An alternative. A guarded process alone is one with a single branch.
 
-    ``name`` is unique in the class once the passes of ``network.optimize`` have given names.
+    ``name`` is unique in the class once the passes of ``cspdiag.optimize`` have given names.
     """
 
-    branches: tuple[Branch, ...]
+    branches: tuple[Branch[A_co], ...]
     prioritized: bool
     name: str = ""
 
 
 @record(kw_only=True)
-class Repeat(Step):
+class Repeat(Step, Generic[A_co]):
     """The mu process: runs the body, then tests; for ever without ``until``."""
 
-    body: Action
+    body: A_co
     until: Expression | None
 
 
 @record(kw_only=True)
-class WhileLoop(Step):
+class WhileLoop(Step, Generic[A_co]):
     """Tests first."""
 
     condition: Expression
-    body: Action
+    body: A_co
 
 
 @record(kw_only=True)
-class CountedLoop(Step):
+class CountedLoop(Step, Generic[A_co]):
     """A replicated ``seq`` whose turns are all the same: runs the body ``turns`` times, which is at least twice."""
 
-    body: Action
+    body: A_co
     turns: int
 
 
 @record(kw_only=True)
-class IfElse(Step):
+class IfElse(Step, Generic[A_co]):
     """A condition; ``otherwise`` is SkipStep where nothing was said."""
 
     condition: Expression
-    then: Action
-    otherwise: Action
+    then: A_co
+    otherwise: A_co
 
 
 @record(kw_only=True)
-class CatchException(Step):
+class CatchException(Step, Generic[A_co]):
     """If the exception ends the body, the handler runs."""
 
-    body: Action
+    body: A_co
     exception: str
-    handler: Action
+    handler: A_co
 
 
 @record(kw_only=True)
-class InterruptOn(Step):
+class InterruptOn(Step, Generic[A_co]):
     """The body is abandoned at its next communication once the branch's guard is ready; then the branch's body runs."""
 
-    body: Action
-    branch: Branch
+    body: A_co
+    branch: Branch[A_co]
 
 
 @record(kw_only=True)
-class Group(Step):
+class Group(Step, Generic[A_co]):
     """A named group."""
 
     label: str
-    body: Action
-
-
-@record(kw_only=True)
-class OptimizedStep(Step):
-    """A step that only the passes of ``network.optimize`` make; whoever runs before them never meets one."""
+    body: A_co
 
 
 @record(kw_only=True)
@@ -262,7 +268,7 @@ class InputRead:
 
 
 @record(kw_only=True)
-class ReadInputs(OptimizedStep):
+class ReadInputs(Step):
     """The inputs of an inlined control law: all reads are begun at once in this order, then it waits for all.
 
     It is a point of cancellation, as every communication is, also without any reads. ``law`` is the instance that
@@ -282,7 +288,7 @@ class OutputWrite:
 
 
 @record(kw_only=True)
-class WriteOutputs(OptimizedStep):
+class WriteOutputs(Step):
     """The outputs of an inlined control law: all values are offered at once in this order, then it waits for all.
 
     It is a point of cancellation, as every communication is, also without any writes. ``law`` is the instance that
@@ -294,7 +300,7 @@ class WriteOutputs(OptimizedStep):
 
 
 @record(kw_only=True)
-class RunLaw(OptimizedStep):
+class RunLaw(Step):
     """One run of an inlined control law, as ``SubmodelClass`` says, on states and constants of the enclosing class.
 
     ``law`` is the instance's name and the prefix of all its names (``servo.pid.ud``). The equations make local signals,
@@ -314,7 +320,7 @@ class RunLaw(OptimizedStep):
 
 
 @record(kw_only=True)
-class ResetStates(OptimizedStep):
+class ResetStates(Step):
     """Puts states of the class back to their initial values; the name of an ``ExternalCall`` means the ``reset`` of
     what it calls.
     """
@@ -323,7 +329,7 @@ class ResetStates(OptimizedStep):
 
 
 @record(kw_only=True)
-class ProcessScope(OptimizedStep):
+class ProcessScope(Step):
     """The body of a process that was flattened into this class.
 
     ``instance`` is its path below this class. ``ends`` are its reading ends: the sampled ones of them with one period
@@ -338,7 +344,7 @@ class ProcessScope(OptimizedStep):
 
 
 @record(kw_only=True)
-class ReportCommunication(OptimizedStep):
+class ReportCommunication(Step):
     """Tells the trace of a communication on a channel that was optimized away; ``channel`` is its path below this
     class.
     """
@@ -347,30 +353,26 @@ class ReportCommunication(OptimizedStep):
     value: Expression
 
 
-Action: TypeAlias = (
-    RunInstance
-    | ReadValue
-    | WriteValue
-    | AssignValue
-    | SkipStep
-    | StopStep
-    | WaitStep
-    | ResetInstance
-    | RaiseException
-    | SequentialSteps
-    | ParallelSteps
-    | Choice
-    | Repeat
-    | WhileLoop
-    | CountedLoop
-    | IfElse
-    | CatchException
-    | InterruptOn
-    | Group
-    | ReadInputs
-    | WriteOutputs
-    | RunLaw
-    | ResetStates
-    | ProcessScope
-    | ReportCommunication
+_Leaf: TypeAlias = (
+    RunInstance | ReadValue | WriteValue | AssignValue | SkipStep | StopStep | WaitStep | ResetInstance | RaiseException
 )
+_Composed: TypeAlias = (
+    SequentialSteps[A_co]
+    | ParallelSteps[A_co]
+    | Choice[A_co]
+    | Repeat[A_co]
+    | WhileLoop[A_co]
+    | CountedLoop[A_co]
+    | IfElse[A_co]
+    | CatchException[A_co]
+    | InterruptOn[A_co]
+    | Group[A_co]
+)
+CoreAction: TypeAlias = "_Leaf | _Composed[CoreAction]"
+"""What the composition of a text becomes."""
+
+MadeAction: TypeAlias = ReadInputs | WriteOutputs | RunLaw | ResetStates | ProcessScope | ReportCommunication
+"""What only the passes of ``cspdiag.optimize`` make."""
+
+Action: TypeAlias = "_Leaf | _Composed[Action] | MadeAction"
+"""What a process does before or after these passes."""

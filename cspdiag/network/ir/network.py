@@ -11,12 +11,12 @@ Every backend, analysis and picture reads this and nothing else.
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.types import EnumType, StructType, Type
-from cspdiag.network.ir.actions import Action, End
+from cspdiag.network.ir.actions import A_co, CoreAction, End
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, Value
@@ -159,7 +159,7 @@ class CreatedChoice:
 
 
 @record(kw_only=True)
-class ProcessClass(Declared):
+class ProcessClass(Declared, Generic[A_co]):
     """A process: ports, what it owns, and its composition. With ``external`` it owns nothing and ``body`` is None.
 
     The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and
@@ -173,7 +173,7 @@ class ProcessClass(Declared):
     ports: tuple[Port, ...] = ()
     channels: tuple[LocalChannel, ...] = ()
     instances: tuple[InstanceOf, ...] = ()
-    body: Action | None = None
+    body: A_co | None = None
     external: ExternalBody | None = None
     wcet: int | None = None
     constants: tuple[SubmodelEquation, ...] = ()
@@ -276,7 +276,7 @@ class Net:
 
 
 @record(kw_only=True)
-class Network:
+class Network(Generic[A_co]):
     """A whole program. ``classes`` come in an order in which each is preceded by the classes of its instances."""
 
     name: str
@@ -288,16 +288,21 @@ class Network:
     enums: tuple[EnumType, ...]
     structs: tuple[StructType, ...]
     exceptions: tuple[str, ...]
-    classes: tuple[ProcessClass | SubmodelClass, ...]
+    classes: tuple[ProcessClass[A_co] | SubmodelClass, ...]
     external_ports: tuple[ExternalPort, ...]
     environments: tuple[Environment, ...]
     instances: tuple[Instantiation, ...]
     nets: tuple[Net, ...]
     doc: str | None = None
 
-    def class_named(self, name: str) -> ProcessClass | SubmodelClass:
+    def class_named(self, name: str) -> ProcessClass[A_co] | SubmodelClass:
         """The class of that name; KeyError if there is none."""
         for entry in self.classes:
             if entry.name == name:
                 return entry
         raise KeyError(name)
+
+
+CoreClass: TypeAlias = "ProcessClass[CoreAction]"
+CoreNetwork: TypeAlias = "Network[CoreAction]"
+"""A network that the passes of ``cspdiag.optimize`` have not changed."""

@@ -25,6 +25,7 @@ from cspdiag.network.ir.network import (
     ClassParameter,
     Connection,
     ConstantEnd,
+    CoreClass,
     DiscardEnd,
     InstanceOf,
     LocalChannel,
@@ -64,10 +65,10 @@ class Classes:
         self.definitions = definitions
         self.relations = relations
         self.report = report
-        self.made: dict[str, ProcessClass | SubmodelClass] = {}
+        self.made: dict[str, CoreClass | SubmodelClass] = {}
         self._distinct = DistinctNames(program.definitions)
         self.class_of: dict[Occurrence | LawOccurrence, str] = {}
-        self._names: dict[ProcessClass | SubmodelClass, str] = {}
+        self._names: dict[CoreClass | SubmodelClass, str] = {}
         self._ends: dict[Shape, ReadingEnds] = {}
 
     def make(self, occurrences: list[Occurrence]) -> None:
@@ -90,7 +91,7 @@ class Classes:
             known = self._ends[shape] = ReadingEnds(shape)
         return known
 
-    def _name(self, cls: ProcessClass | SubmodelClass) -> str:
+    def _name(self, cls: CoreClass | SubmodelClass) -> str:
         """The name of a class; shapes after the first are numbered: ``Ring_2``."""
         known = self._names.get(cls)
         if known is not None:
@@ -104,8 +105,8 @@ class Classes:
 
     def _make_processes(self, occurrences: list[Occurrence]) -> None:
         """The classes of one definition: equal shapes are one class, its derived parameters those of all."""
-        sketches: dict[object, ProcessClass] = {}
-        groups: dict[ProcessClass, list[Occurrence]] = {}
+        sketches: dict[object, CoreClass] = {}
+        groups: dict[CoreClass, list[Occurrence]] = {}
         for occurrence in occurrences:
             inside = tuple(self.class_of[child] for child in occurrence.children.values())
             key = (occurrence.placed, inside)
@@ -130,7 +131,7 @@ class _Sketch:
         self.shape = occurrence.placed.shape
         self.plain = LoweringContext(values={})
 
-    def process_class(self) -> ProcessClass:
+    def process_class(self) -> CoreClass:
         definition = self.occurrence.definition
         external = definition.external
         body = self.shape.body
@@ -297,13 +298,13 @@ def reading_ends(classes: Classes, shape: Shape, key: str) -> int:
 class _Derivation:
     """Gives the derived parameters of the instances in a class their values, seen over all occurrences of the class."""
 
-    def __init__(self, classes: Classes, sketch: ProcessClass, members: list[Occurrence]) -> None:
+    def __init__(self, classes: Classes, sketch: CoreClass, members: list[Occurrence]) -> None:
         self.classes = classes
         self.sketch = sketch
         self.members = members
         self.lifted: list[ClassParameter] = []
 
-    def complete(self) -> ProcessClass:
+    def complete(self) -> CoreClass:
         instances = tuple(map(self._instance, self.sketch.instances))
         return replaced(self.sketch, instances=instances, parameters=(*self.sketch.parameters, *self.lifted))
 

@@ -19,7 +19,7 @@ from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
 from cspdiag.network.elaborate.vocabulary import Vocabulary
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.infer.parameter_ranges import with_ranges
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork, Network
 from cspdiag.network.lower import environments, external_bodies
 from cspdiag.network.lower.classes import Classes, by_name
 from cspdiag.network.lower.environments import lower_environment
@@ -84,7 +84,7 @@ def lower(
     surroundings: Surroundings = "environment",
     checked: Analysis | None = None,
     alone: bool = False,
-) -> Network | None:
+) -> CoreNetwork | None:
     """The network of an outermost process; None where something is wrong that was reported.
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text;

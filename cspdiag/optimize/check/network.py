@@ -14,7 +14,7 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.model.types import DOUBLE, Type
 from cspdiag.network.ir.actions import (
     Choice,
-    OptimizedStep,
+    MadeAction,
     ProcessScope,
     ReadInputs,
     ReportCommunication,
@@ -35,7 +35,7 @@ from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.check.composition import Composition
 from cspdiag.optimize.check.expressions import Names, agrees, is_value_of, wrong_in_expression
 
-_MADE_BY: dict[type[OptimizedStep], str] = {
+MADE_BY: dict[type[MadeAction], str] = {
     ReadInputs: "inline_laws",
     WriteOutputs: "inline_laws",
     RunLaw: "inline_laws",
@@ -124,8 +124,8 @@ def _wrong_in_process(
     yield from _repeated("parameter", [parameter.name for parameter in entry.parameters])
     yield from _repeated("state or constant", [item.name for item in (*entry.states, *entry.constants)])
     for part in parts(entry.body):
-        if isinstance(part, OptimizedStep) and _MADE_BY[type(part)] not in passes:
-            yield f"{type(part).__name__} is there before the pass `{_MADE_BY[type(part)]}`"
+        if isinstance(part, MadeAction) and MADE_BY[type(part)] not in passes:
+            yield f"{type(part).__name__} is there before the pass `{MADE_BY[type(part)]}`"
     composition = Composition(entry, exceptions)
     yield from composition.wrong()
     for instance in entry.instances:

@@ -7,12 +7,12 @@ import time
 from cspdiag.analyses.timing.report.diagnostics import diagnostic_of
 from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.analyses.timing.result import TimingReport
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.answers.answer import Answer, Outcome
 from cspdiag.proofs.answers.question import Question
 
 
-def schedulable(question: Question, network: Network) -> Answer:
+def schedulable(question: Question, network: CoreNetwork) -> Answer:
     """Proved where every sampled loop is ready before its next sample, unknown where a time has no bound."""
     began = time.monotonic()
     report = timing_report(network)

@@ -14,7 +14,7 @@ from cspdiag.base.record import record
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
-from cspdiag.network.ir.network import InstanceOf, Net, Network, Port, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, InstanceOf, Net, Port, ProcessClass
 from cspdiag.proofs.counterexamples.counterexample import BlockedProcess
 from cspdiag.proofs.counterexamples.last_element import LastElement
 from cspdiag.proofs.counterexamples.suggestion import Suggestion
@@ -22,7 +22,7 @@ from cspdiag.proofs.counterexamples.surroundings import around, covers, looks_th
 from cspdiag.syntax import ast
 
 
-def buffered(program: Program, network: Network, waiting: Sequence[BlockedProcess]) -> Iterator[Suggestion]:
+def buffered(program: Program, network: CoreNetwork, waiting: Sequence[BlockedProcess]) -> Iterator[Suggestion]:
     """A buffer in a channel that somebody waits to write to."""
     spans = {net.path: net.span for net in network.nets if net.external is None and net.kind == "sync"}
     known: set[int] = set()
@@ -68,7 +68,7 @@ class _Pair:
 
 
 def exchanged_connections(
-    program: Program, network: Network, waiting: Sequence[BlockedProcess]
+    program: Program, network: CoreNetwork, waiting: Sequence[BlockedProcess]
 ) -> Iterator[Suggestion]:
     """What somebody takes first connected where it takes something later, if both lead to processes for which they play
     the same part.
@@ -86,7 +86,7 @@ def exchanged_connections(
                 yield suggestion
 
 
-def _pairs(program: Program, network: Network, waiting: Sequence[BlockedProcess]) -> Iterator[_Pair]:
+def _pairs(program: Program, network: CoreNetwork, waiting: Sequence[BlockedProcess]) -> Iterator[_Pair]:
     """The ports at which somebody waits, each with every other one like it."""
     places = _Places(program, network)
     for entry in waiting:
@@ -99,7 +99,7 @@ def _pairs(program: Program, network: Network, waiting: Sequence[BlockedProcess]
 class _Places:
     """A network by paths."""
 
-    def __init__(self, program: Program, network: Network) -> None:
+    def __init__(self, program: Program, network: CoreNetwork) -> None:
         self._program = program
         classes = {entry.name: entry for entry in network.classes}
         self.nets = {net.path: net for net in network.nets if net.external is None}

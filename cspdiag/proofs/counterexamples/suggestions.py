@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cspdiag.model.program import Program
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.change_connections import buffered, exchanged_connections
 from cspdiag.proofs.counterexamples.change_steps import exchanged, parallel, served_first, served_in_any_order
 from cspdiag.proofs.counterexamples.counterexample import Counterexample
 from cspdiag.proofs.counterexamples.suggestion import Suggestion
 
 
-def suggestions(found: Counterexample, program: Program, network: Network) -> Iterator[Iterator[Suggestion]]:
+def suggestions(found: Counterexample, program: Program, network: CoreNetwork) -> Iterator[Iterator[Suggestion]]:
     """What could be tried about processes that wait for each other, by kinds of changes."""
     waiting = [entry for entry in found.waiting if entry.name in found.ring] or list(found.waiting)
     places = list(dict.fromkeys(entry.span for entry in waiting if entry.span is not None))

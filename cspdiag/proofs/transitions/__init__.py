@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir.network import Network
+    from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.transitions.classes.told_apart import AsSpecification, ToldApart
     from cspdiag.proofs.transitions.systems.system import System
 
 
 def transition_system(
-    network: Network, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+    network: CoreNetwork, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
 ) -> System:
     """The transition system of a network in the most general environment: any value, any event at any time, samples at
     their ticks.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cspdiag.network.ir.network import Net, Network, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, Net, SubmodelClass
 from cspdiag.simulate.native.stream import WaitingRecord
 from cspdiag.simulate.record.recorder import Recorder
 
@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from cspdiag.runtime.deadlock import DeadlockReport
 
 
-def deadlock_report(now: int, waiting: Sequence[WaitingRecord], network: Network, recorder: Recorder) -> DeadlockReport:
+def deadlock_report(
+    now: int, waiting: Sequence[WaitingRecord], network: CoreNetwork, recorder: Recorder
+) -> DeadlockReport:
     """Who waits for whom; partners are those among the waiting that the network connects to the channel, of a broadcast
     those at its other side. ``recorder`` knows who has ended.
     """

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.sizes import PREFIX, SizeQuestions, Sizes
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.build import Build, CompilerError
 
 _PROBE = "sizes_probe.c"
@@ -72,7 +72,7 @@ def _bytes(count: int) -> str:
     return f"{count} bytes" if count < 100_000 else f"{count / 1000:.0f} kB"
 
 
-def memory_report(network: Network, files: Mapping[str, str], level: int) -> MemoryReport:
+def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) -> MemoryReport:
     """Compile a generated package to find out. Raises CompilerError."""
     questions = SizeQuestions(network, level)
     complete = {**files, _PROBE: questions.probe()}
@@ -181,7 +181,7 @@ def _estimated(functions: Mapping[str, FunctionFacts]) -> int:
     return sum(sorted((function.stack for function in functions.values()), reverse=True)[:8])
 
 
-def report_or_reason(network: Network, files: Mapping[str, str], level: int) -> str:
+def report_or_reason(network: CoreNetwork, files: Mapping[str, str], level: int) -> str:
     """The report, or why there is none."""
     try:
         return memory_report(network, files, level).text

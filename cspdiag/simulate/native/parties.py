@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from cspdiag.network.ir.network import Network, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, SubmodelClass
 
 
 class Parties:
@@ -14,7 +14,7 @@ class Parties:
     now.
     """
 
-    def __init__(self, network: Network, running: Collection[str]) -> None:
+    def __init__(self, network: CoreNetwork, running: Collection[str]) -> None:
         self._running = running
         laws = {entry.name for entry in network.classes if isinstance(entry, SubmodelClass)}
         self._laws = {item.path for item in network.instances if item.class_name in laws}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.refusals import refuse_devices
-from cspdiag.network.ir.network import Environment, Network
+from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.pipeline import Reader, generate
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.native.build import Build, CompilerError
@@ -54,7 +54,7 @@ _ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit"
 
 
 def simulate(
-    network: Network,
+    network: CoreNetwork,
     read: Reader,
     *,
     level: int = 0,
@@ -105,7 +105,7 @@ def _run(
     command: list[str],
     recorder: Recorder,
     environment: Environment | None,
-    network: Network,
+    network: CoreNetwork,
     on_start: Callable[[NativeRun], None] | None,
     *,
     real_time: bool,
@@ -150,7 +150,7 @@ def _run(
     return outcome
 
 
-def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, network: Network) -> Outcome | None:
+def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, network: CoreNetwork) -> Outcome | None:
     """How it ended; None if it has not said that, and nobody knows."""
     from cspdiag.runtime import Outcome
 

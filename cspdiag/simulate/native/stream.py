@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from io import BufferedIOBase
 
 from cspdiag.model.types import Type
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.parties import Parties
 from cspdiag.simulate.native.values import Decoder, decoder, layout
 from cspdiag.simulate.record.recorder import Recorder
@@ -58,7 +58,7 @@ class StreamReader:
     """Hands the records of one run of a network to a recorder."""
 
     stream: BufferedIOBase
-    network: Network
+    network: CoreNetwork
     recorder: Recorder
     flattened: bool = False
     """Whether processes are parts of the thread that runs them, as ``-O1`` makes them."""

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from cspdiag.base.record import record
 from cspdiag.network.ir import actions as act
-from cspdiag.network.ir.network import Net, Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, Net, ProcessClass
 from cspdiag.network.ir.walk import instances_run, parts
 
 
@@ -30,7 +30,7 @@ class ModeGroup:
     __hash__ = object.__hash__
 
 
-def mode_groups(network: Network) -> tuple[ModeGroup, ...]:
+def mode_groups(network: CoreNetwork) -> tuple[ModeGroup, ...]:
     """The groups of a program; a program without parallel parts is one group."""
     top = network.class_named(network.top)
     if not isinstance(top, ProcessClass) or top.body is None:
@@ -54,7 +54,7 @@ def _is_parallel(step: act.Action) -> bool:
     return isinstance(step, act.ParallelSteps)
 
 
-def _group(network: Network, top: ProcessClass, branch: act.Action) -> ModeGroup:
+def _group(network: CoreNetwork, top: ProcessClass, branch: act.Action) -> ModeGroup:
     members = tuple(dict.fromkeys(instances_run(branch)))
     name = branch.label if isinstance(branch, act.Group) else _common_name(members, network.top)
     ports = tuple(
@@ -78,7 +78,7 @@ def _uses(net: Net, paths: set[str]) -> bool:
     return any(inside(path) for path, _ in (*net.readers, *net.writers))
 
 
-def _modes(network: Network, enclosing: ProcessClass, path: str, action: act.Action) -> Iterator[tuple[str, str]]:
+def _modes(network: CoreNetwork, enclosing: ProcessClass, path: str, action: act.Action) -> Iterator[tuple[str, str]]:
     """Processes that are run one after the other in ``action``; a single one is looked into."""
     classes = {instance.name: network.class_named(instance.class_name) for instance in enclosing.instances}
     processes = [name for name in dict.fromkeys(instances_run(action)) if isinstance(classes[name], ProcessClass)]

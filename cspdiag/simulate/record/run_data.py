@@ -10,7 +10,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.model.types import Type
-from cspdiag.network.ir.network import Environment, Network
+from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.simulate.record.leaves import column
 from cspdiag.simulate.record.recorder import Activity, Communication, ExecutionTime, Recorder
 
@@ -41,7 +41,7 @@ class RunData:
 
     def __init__(
         self,
-        network: Network,
+        network: CoreNetwork,
         environment: Environment | None,
         outcome: Outcome,
         recorder: Recorder,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
-from cspdiag.network.ir.network import Environment, Network
+from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.record.recorder import Recorder
@@ -30,7 +30,7 @@ class BodyError(CspdiagError):
     """
 
 
-def chosen_environment(network: Network, name: str | None) -> Environment | None:
+def chosen_environment(network: CoreNetwork, name: str | None) -> Environment | None:
     """The environment of that name, or the first; None for a program without ports and environments.
 
     Raises NoEnvironmentError, with a message for people, where there is none to be had.
@@ -53,7 +53,7 @@ def chosen_environment(network: Network, name: str | None) -> Environment | None
 
 
 def simulate(
-    network: Network,
+    network: CoreNetwork,
     files: Mapping[str, str],
     *,
     environment: str | None = None,

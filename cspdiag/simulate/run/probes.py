@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cspdiag.model.types import has_unit
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.recorder import Recorder
 
 
-def probe(running: RunningNetwork, network: Network, recorder: Recorder) -> None:
+def probe(running: RunningNetwork, network: CoreNetwork, recorder: Recorder) -> None:
     """Let every variable with a unit report its writes to ``recorder``, from now on."""
     from cspdiag.runtime import Variable
 

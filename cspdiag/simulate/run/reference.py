@@ -6,7 +6,7 @@ from time import perf_counter
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.network.ir.equations import ExternalBody
-from cspdiag.network.ir.network import Environment, Network
+from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.network.ir.walk import parts
 from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.stopping import Stopped, stopping
@@ -32,7 +32,7 @@ class NoMeaningError(CspdiagError):
     """The program has parts that the reference does not say the meaning of; the message is one line."""
 
 
-def simulate(network: Network, *, environment: str | None, until: int | None, recorder: Recorder) -> Run:
+def simulate(network: CoreNetwork, *, environment: str | None, until: int | None, recorder: Recorder) -> Run:
     """Run a network in virtual time, up to ``until`` nanoseconds.
 
     A signal ends the run with an outcome. Raises NoEnvironmentError, and NoMeaningError for bodies in other languages.
@@ -62,7 +62,7 @@ def simulate(network: Network, *, environment: str | None, until: int | None, re
     return Run(network, chosen, outcome, recorder)
 
 
-def _refuse_other_languages(network: Network, environment: Environment | None) -> None:
+def _refuse_other_languages(network: CoreNetwork, environment: Environment | None) -> None:
     for part in parts((network.classes, environment)):
         if isinstance(part, ExternalBody):
             raise NoMeaningError(

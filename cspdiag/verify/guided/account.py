@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import (
     SILENT,
     BlockedProcess,
@@ -39,7 +39,7 @@ def retold(
     system: System,
     run: Sequence[Happened],
     standing: Sequence[Standing],
-    network: Network,
+    network: CoreNetwork,
     round_from: int | None = None,
 ) -> Counterexample:
     """The counterexample with the steps of another run, and with those who wait after it; from ``round_from`` on they

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal
 
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import Limits
 from cspdiag.runtime.kernel.scheduler import scheduler
 from cspdiag.runtime.network import Network as RunningNetwork
@@ -43,7 +43,7 @@ class Guided:
     which scripts were found.
     """
 
-    def __init__(self, network: Network, files: Mapping[str, str], found: LoadedPackage, limits: Limits) -> None:
+    def __init__(self, network: CoreNetwork, files: Mapping[str, str], found: LoadedPackage, limits: Limits) -> None:
         self._limits = limits
         self._network = network
         self._package = LoadedPackage(network.name, files, guided_runtime())

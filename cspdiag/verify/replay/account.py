@@ -9,7 +9,7 @@ from typing import Any
 from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.dump.expression import value_text
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 from cspdiag.verify.replay.result import Replay
 from cspdiag.verify.runs.agreement import PASSING, agrees, differing
@@ -19,7 +19,7 @@ LONGEST = 24
 """Longer texts of values are left out."""
 
 
-def with_values(found: Counterexample, replay: Replay, network: Network) -> Counterexample:
+def with_values(found: Counterexample, replay: Replay, network: CoreNetwork) -> Counterexample:
     """The counterexample with the values that the environment offered, and those of the communications in their order,
     where it has none itself or a range.
 

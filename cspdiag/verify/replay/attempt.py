@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
@@ -47,7 +47,7 @@ class Attempt:
 
     def __init__(
         self,
-        network: Network,
+        network: CoreNetwork,
         package: LoadedPackage,
         trace: Trace,
         judge: Judge | None,

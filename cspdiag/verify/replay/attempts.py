@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import Limits
 from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.decisions import Decisions
@@ -27,7 +27,7 @@ MOST_ATTEMPTS = 400
 
 
 def replay(
-    network: Network,
+    network: CoreNetwork,
     files: Mapping[str, str],
     trace: Trace,
     judge: Judge | None = None,
@@ -69,7 +69,7 @@ class _Attempts:
 
     def __init__(
         self,
-        network: Network,
+        network: CoreNetwork,
         package: LoadedPackage,
         trace: Trace,
         judge: Judge | None,

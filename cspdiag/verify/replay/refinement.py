@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.model.types import Type
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.refine.allowed import Rest, violation
 from cspdiag.proofs.refine.labels import Label, Labels
@@ -27,7 +27,7 @@ def _text(value: Any, kind: Type) -> str:
     return written(value + 0.0 if isinstance(value, float) else value, kind)
 
 
-def judge(question: Question, specified: Callable[[ToldApart], System], network: Network, limits: Limits) -> Judge:
+def judge(question: Question, specified: Callable[[ToldApart], System], network: CoreNetwork, limits: Limits) -> Judge:
     """Says how a run does not refine the specification, which is followed with the very values that the environment
     gave; it raises LimitError when the limits are reached.
     """

@@ -14,7 +14,7 @@ from typing import Any
 
 from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import Party, Step
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
@@ -51,7 +51,7 @@ class Added:
 class Rounds:
     """Adds rounds to the attempts of one replay. ``added`` are those of the last attempt."""
 
-    def __init__(self, network: Network, trace: Trace) -> None:
+    def __init__(self, network: CoreNetwork, trace: Trace) -> None:
         self._trace = trace
         self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
         self._types = types_of(network)

@@ -23,7 +23,7 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.proofs.transitions.classes.facts import deciding
 from cspdiag.proofs.transitions.classes.program import Program
 from cspdiag.runtime.composition import Branches
@@ -43,7 +43,7 @@ class Recurrence:
     ``exact``: of the values that decide nothing none is looked at, as the proof has left nothing open.
     """
 
-    def __init__(self, network: Network, *, exact: bool) -> None:
+    def __init__(self, network: CoreNetwork, *, exact: bool) -> None:
         self._ignored = _deciding_nothing(network) if exact else frozenset()
 
     def state(self, outermost: Any, root: Task) -> State:
@@ -59,12 +59,12 @@ def _kept(value: object) -> str:
     return repr(value)
 
 
-def counting_to_faults(network: Network) -> frozenset[str]:
+def counting_to_faults(network: CoreNetwork) -> frozenset[str]:
     """What decides nothing but whether something ends in a fault, by path: no proof follows it."""
     return _deciding_nothing(network, faults=False) - _deciding_nothing(network)
 
 
-def _deciding_nothing(network: Network, *, faults: bool = True) -> frozenset[str]:
+def _deciding_nothing(network: CoreNetwork, *, faults: bool = True) -> frozenset[str]:
     """What may count for ever, and neither a condition nor a delay depends on it, nor ``faults``: variables, buffers
     and states of control laws, by path.
     """

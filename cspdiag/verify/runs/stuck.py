@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator
 from typing import Any, TypeAlias
 
 from cspdiag.network.ir.actions import RaiseException
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.runtime.choice.guards import waits_of_guard
 from cspdiag.runtime.choice.interrupt import _Body
@@ -32,7 +32,7 @@ Wait: TypeAlias = tuple[str, Any]
 class Partners:
     """Who may take part in what, by the channels of a program."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self._writers = {net.path: tuple(path for path, _ in net.writers) for net in network.nets}
         self._readers = {net.path: tuple(path for path, _ in net.readers) for net in network.nets}
         by_hand = {entry.name for entry in network.classes if isinstance(entry, ProcessClass) and entry.body is None}

@@ -23,7 +23,7 @@ from cspdiag.model.types import (
 )
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.expressions import BinaryOperation, LiteralValue
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.cuts import COMPARISONS, Arguments
 from cspdiag.proofs.transitions.ranges import limits_of
@@ -100,7 +100,7 @@ class Values:
                 assert_never(type_)
 
 
-def types_of(network: Network) -> Mapping[str, Type]:
+def types_of(network: CoreNetwork) -> Mapping[str, Type]:
     """The types of the channels and external ports of a program, by hierarchical name."""
     types = {net.path: net.type for net in network.nets}
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
@@ -133,7 +133,7 @@ def _number(type_: Type, told: str) -> int:
     return int(told)
 
 
-def numbers_of(network: Network) -> Iterator[int | float]:
+def numbers_of(network: CoreNetwork) -> Iterator[int | float]:
     """Whole numbers that a program mentions, and their neighbours; thresholds of floating-point numbers, and numbers
     between them: conditions turn on them.
     """
@@ -154,7 +154,7 @@ def numbers_of(network: Network) -> Iterator[int | float]:
     yield from thresholds
 
 
-def _thresholds(network: Network) -> Iterator[float]:
+def _thresholds(network: CoreNetwork) -> Iterator[float]:
     """The floating-point numbers with which processes and control laws compare."""
     arguments = Arguments(network)
     for entry in network.classes:

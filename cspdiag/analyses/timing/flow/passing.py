@@ -12,7 +12,7 @@ from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.threads.ends import capacities
 from cspdiag.analyses.timing.threads.graph import Move
 from cspdiag.base.record import record
-from cspdiag.network.ir.network import ChannelKind, Network
+from cspdiag.network.ir.network import ChannelKind, CoreNetwork
 
 Spot = tuple[int, int]
 """A place of a thread, by their numbers."""
@@ -48,7 +48,7 @@ class Hop:
 class Passing:
     """What the stages hand on to each other."""
 
-    def __init__(self, network: Network, behaviours: Mapping[int, Behaviour], stages: Sequence[Stage]) -> None:
+    def __init__(self, network: CoreNetwork, behaviours: Mapping[int, Behaviour], stages: Sequence[Stage]) -> None:
         self._behaviours = behaviours
         self._stages = stages
         self._kinds = {net.path: net.kind for net in network.nets if net.external is None}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import gcd
 
-from cspdiag.network.ir.network import ExternalPort, Network
+from cspdiag.network.ir.network import CoreNetwork, ExternalPort
 
 
 class Outputs:
     """The outputs of a program, by the nets that lead to them."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         named = zip(port_names(network.external_ports), network.external_ports, strict=True)
         ports = {name: port for name, port in named if port.direction == "out"}
         self._order = {net.path: k for k, net in enumerate(network.nets)}

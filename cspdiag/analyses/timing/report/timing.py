@@ -28,7 +28,7 @@ from cspdiag.analyses.timing.threads.graph import Thread
 from cspdiag.analyses.timing.threads.threads import Threads
 from cspdiag.base import Span
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.network import CoreNetwork
 
 LARGEST_NUMBER_OF_ROUNDS = 50
 """Rounds after which response times that depend on each other are given up."""
@@ -50,7 +50,7 @@ class _Loop:
     has_one_step: bool
 
 
-def timing_report(network: Network, measured: Mapping[str, int] | None = None) -> TimingReport:
+def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = None) -> TimingReport:
     """Analyse the sampled loops of a program.
 
     Execution times are those that its submodels and processes state by ``wcet``, or the ``measured`` ones, in
@@ -96,7 +96,7 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
 
 
 def _analysis(
-    network: Network,
+    network: CoreNetwork,
     every: Sequence[Thread],
     behaviours: Sequence[Behaviour],
     refusals: list[Refusal],
@@ -117,7 +117,7 @@ def _analysis(
 
 
 def _advice(
-    network: Network, every: Sequence[Thread], behaviours: Sequence[Behaviour], tasks: Sequence[Task]
+    network: CoreNetwork, every: Sequence[Thread], behaviours: Sequence[Behaviour], tasks: Sequence[Task]
 ) -> tuple[str, ...] | None:
     """Another order of priorities of the branches of one parallel, if it is proved to meet every deadline."""
     order = feasible_order(tasks)
@@ -222,7 +222,7 @@ class _Analysis:
         """Whether no loop waits for another one, or for time, nor causes work in another."""
         return not (self._waiting or self._causing)
 
-    def rows(self, network: Network, refusals: list[Refusal]) -> list[LoopTiming]:
+    def rows(self, network: CoreNetwork, refusals: list[Refusal]) -> list[LoopTiming]:
         """Every loop with its bound; rounds until those that wait for each other agree."""
         outputs = Outputs(network)
         matters = self._waiting or any(loop.owner.number in self._causing for loop in self.loops)
@@ -301,7 +301,7 @@ class _Analysis:
         partners = [self.behaviours[number] for number in loop.together.members]
         return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
 
-    def chains(self, network: Network, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
+    def chains(self, network: CoreNetwork, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
         """How values pass through the loops, and whether that is told in full."""
         bounded = [(loop, row.response) for loop, row in zip(self.loops, rows, strict=True) if row.response is not None]
         stages = [self._stage(loop, response) for loop, response in bounded]

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Literal
 
 from cspdiag.base.record import record
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 
 
 @record
@@ -20,7 +20,7 @@ class Measured:
     what: Literal["law", "process", "thread"]
 
 
-def times_of_laws(network: Network, measured: Iterable[Measured]) -> dict[str, int]:
+def times_of_laws(network: CoreNetwork, measured: Iterable[Measured]) -> dict[str, int]:
     """For each law, and each process written by hand, the longest time that it can have taken, as far as that was
     measured.
 

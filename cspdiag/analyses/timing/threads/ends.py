@@ -9,13 +9,13 @@ from cspdiag.network.ir.actions import ChannelEnd, End, Step
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.durations import Durations
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, Value
-from cspdiag.network.ir.network import Net, Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, Net, ProcessClass
 
 
 class Ends:
     """The ends of the channels of a network."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self._arguments = {instance.path: instance.arguments for instance in network.instances}
         self._nets = {net.path: net for net in network.nets}
         self._net_of = {end: net for net in network.nets for end in (*net.writers, *net.readers)}
@@ -84,7 +84,7 @@ def never_waits(net: Net) -> bool:
     return net.external is None and net.kind == "overwrite"
 
 
-def capacities(network: Network) -> dict[str, int]:
+def capacities(network: CoreNetwork) -> dict[str, int]:
     """How many values each buffer and each channel that overwrites holds, by the path of its net."""
     channels = {
         entry.name: [channel for channel in entry.channels if channel.kind in ("buffer", "overwrite")]

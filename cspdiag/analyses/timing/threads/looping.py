@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from cspdiag.network.ir.actions import Action, Repeat, RunInstance, WhileLoop
-from cspdiag.network.ir.network import Network, SubmodelClass
+from cspdiag.network.ir.actions import CoreAction, Repeat, RunInstance, WhileLoop
+from cspdiag.network.ir.network import CoreNetwork, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 
 class Looping:
     """The loops within actions and the processes that they run."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self._classes = {entry.name: entry for entry in network.classes}
         self._class_of = {instance.path: instance.class_name for instance in network.instances}
         self._known: dict[str, bool] = {}
 
-    def has_loop(self, action: Action, path: str) -> bool:
+    def has_loop(self, action: CoreAction, path: str) -> bool:
         """Whether something in an action of the process at a path is repeated, or written by hand."""
         return any(
             isinstance(part, Repeat | WhileLoop)

@@ -11,10 +11,10 @@ from cspdiag.analyses.timing.threads.counting import Counting, Values, without
 from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.analyses.timing.threads.graph import Missing, Move, Offer, Place, Thread
 from cspdiag.base.record import record, replaced
-from cspdiag.network.ir.actions import Action, Branch, Event, PortEnd, Step
+from cspdiag.network.ir.actions import Branch, CoreAction, Event, PortEnd, Step
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, VariableValue
-from cspdiag.network.ir.network import Connection, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import Connection, CoreNetwork, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 
@@ -36,7 +36,7 @@ class Context:
     before: Callable[[], Values] = dict
     is_first: bool = False
 
-    def changed(self, *by: Action | Event) -> Context:
+    def changed(self, *by: CoreAction | Event) -> Context:
         """After something may have been done in part."""
         return replaced(self, before=cache(lambda: without(self.before(), *by)))
 
@@ -47,7 +47,7 @@ class Places:
     it communicates.
     """
 
-    def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
+    def __init__(self, network: CoreNetwork, measured: Mapping[str, int]) -> None:
         self.network = network
         self.measured = measured
         self.classes = {entry.name: entry for entry in network.classes}
@@ -116,11 +116,11 @@ class Places:
         fault = self.handler(context, "Fault")
         return [] if fault is None else [fault]
 
-    def may_hold(self, branch: Branch, context: Context) -> bool:
+    def may_hold(self, branch: Branch[CoreAction], context: Context) -> bool:
         """Whether the condition of a guard is not false for certain."""
         return branch.condition is None or self.ends.constant(context.path, branch.condition) is not False
 
-    def must_hold(self, branch: Branch, context: Context) -> bool:
+    def must_hold(self, branch: Branch[CoreAction], context: Context) -> bool:
         """Whether a guard has no condition, or one that is true for certain."""
         return branch.condition is None or self.ends.constant(context.path, branch.condition) is True
 

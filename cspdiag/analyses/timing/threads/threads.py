@@ -17,19 +17,18 @@ from cspdiag.analyses.timing.threads.places import Context, Places, variables_in
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     ChannelEnd,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
@@ -48,14 +47,14 @@ from cspdiag.network.ir.actions import (
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Value
-from cspdiag.network.ir.network import Connection, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import Connection, CoreClass, CoreNetwork, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 
 class Threads(Places):
     """The threads of a network."""
 
-    def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
+    def __init__(self, network: CoreNetwork, measured: Mapping[str, int]) -> None:
         super().__init__(network, measured)
         self._looping = Looping(network)
         self._beginnings = Beginnings(
@@ -95,7 +94,7 @@ class Threads(Places):
         context.thread.places[starts].successors = [self._begun(path, entry, inner, following)]
         return starts
 
-    def _begun(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
+    def _begun(self, path: str, entry: CoreClass, context: Context, following: int) -> int:
         inner = context
         assert entry.body is not None
         stated = entry.wcet
@@ -106,7 +105,7 @@ class Threads(Places):
         context.thread.places[began].successors = [self._action(entry.body, inner, following)]
         return began
 
-    def _written_by_hand(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
+    def _written_by_hand(self, path: str, entry: CoreClass, context: Context, following: int) -> int:
         """It waits for any of its ports, computes, and waits again, until it ends."""
         cost = self.cost(path, entry, context)
         ports = [(port, k) for port in entry.ports for k in ((None,) if port.size is None else range(port.size))]
@@ -139,7 +138,7 @@ class Threads(Places):
         connections: tuple[Connection, ...],
         context: Context,
         following: int,
-        where: Action,
+        where: CoreAction,
     ) -> int:
         inputs = {port.name for port in law.ports if port.direction == "in"}
         present = following
@@ -169,7 +168,7 @@ class Threads(Places):
             present = self.waiting(context, where, [replaced(offer, target=present)], present)
         return present
 
-    def _action(self, action: Action, context: Context, following: int) -> int:
+    def _action(self, action: CoreAction, context: Context, following: int) -> int:
         match action:
             case RunInstance():
                 return self._run(action, context, following)
@@ -239,8 +238,6 @@ class Threads(Places):
                 return self._action(action.body, inner, following)
             case Group():
                 return self._action(action.body, context, following)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
@@ -263,7 +260,7 @@ class Threads(Places):
             )
         return context if self._runs[owner][action.instance] == 1 else replaced(context, is_first=False)
 
-    def _loop(self, action: Repeat | WhileLoop, context: Context, following: int) -> int:
+    def _loop(self, action: Repeat[CoreAction] | WhileLoop[CoreAction], context: Context, following: int) -> int:
         again = self.place(context, action)
         circles = replaced(context.changed(action.body), is_first=False)
         body = self._action(action.body, circles, again)
@@ -281,7 +278,7 @@ class Threads(Places):
         context.thread.places[again].successors = after
         return again if isinstance(action, WhileLoop) else body
 
-    def _turns(self, action: CountedLoop, context: Context, following: int) -> int:
+    def _turns(self, action: CountedLoop[CoreAction], context: Context, following: int) -> int:
         """Turn by turn, so that it is known what all of them take; very many as a loop that ends some day."""
         if action.turns > MOST_ROUNDS:
             again = self.place(context, action)
@@ -293,7 +290,7 @@ class Threads(Places):
         turns = SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
         return self._action(turns, replaced(context, is_first=False), following)
 
-    def _choice(self, action: Choice, context: Context, following: int) -> int:
+    def _choice(self, action: Choice[CoreAction], context: Context, following: int) -> int:
         branches = [branch for branch in action.branches if self.may_hold(branch, context)]
         offers = [offer for branch in branches for offer in self._guard(branch, context, following)]
         always = [branch for branch in branches if not self._guard_waits(branch, context)]
@@ -309,7 +306,7 @@ class Threads(Places):
             return waits
         return self.place(context, action, successors=[*ready, waits])
 
-    def _guarded(self, branch: Branch, context: Context, following: int) -> int:
+    def _guarded(self, branch: Branch[CoreAction], context: Context, following: int) -> int:
         """What comes after a guard, with what the guard itself hands on."""
         body = self._action(branch.body, context.changed(branch.event), following)
         match branch.event:
@@ -345,17 +342,17 @@ class Threads(Places):
         offers = self.ends.writing(context.path, action.sink, following, action)
         return self._handed_over(context, action, self.waiting(context, action, offers, following))
 
-    def _guard_waits(self, branch: Branch, context: Context) -> bool:
+    def _guard_waits(self, branch: Branch[CoreAction], context: Context) -> bool:
         return bool(self._offers(branch, context, 0))
 
-    def _guard(self, branch: Branch, context: Context, following: int) -> list[Offer]:
+    def _guard(self, branch: Branch[CoreAction], context: Context, following: int) -> list[Offer]:
         if not self._offers(branch, context, 0):
             return []
         offers = self._offers(branch, context, self._guarded(branch, context, following))
         certain = self.must_hold(branch, context)
         return [replaced(offer, is_certain=certain) for offer in offers]
 
-    def _offers(self, branch: Branch, context: Context, target: int) -> list[Offer]:
+    def _offers(self, branch: Branch[CoreAction], context: Context, target: int) -> list[Offer]:
         event = branch.event
         match event:
             case ReadyEvent():
@@ -371,7 +368,7 @@ class Threads(Places):
             case _:
                 assert_never(event)
 
-    def _parallel(self, action: ParallelSteps, context: Context, following: int) -> int:
+    def _parallel(self, action: ParallelSteps[CoreAction], context: Context, following: int) -> int:
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
         if not any(self._looping.has_loop(step, context.path) for step in action.steps):
             known = len(context.thread.places)
@@ -402,7 +399,7 @@ class Threads(Places):
         context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
         return joins
 
-    def _abandoned_by_others(self, action: ParallelSteps, context: Context) -> Context:
+    def _abandoned_by_others(self, action: ParallelSteps[CoreAction], context: Context) -> Context:
         """Within parallel parts, which come one after another here: an exception of one abandons what another waits
         for, at once.
         """
@@ -411,7 +408,7 @@ class Threads(Places):
         abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]
         return replaced(context, interrupts=(*context.interrupts, *abandons))
 
-    def _raised_in(self, action: Action, path: str) -> frozenset[str]:
+    def _raised_in(self, action: CoreAction, path: str) -> frozenset[str]:
         """The declared exceptions that may leave an action."""
 
         def of_instance(name: str) -> Exceptions:
@@ -423,7 +420,7 @@ class Threads(Places):
         assert raised is not None
         return raised
 
-    def _named(self, step: Action, path: str) -> str:
+    def _named(self, step: CoreAction, path: str) -> str:
         match step:
             case RunInstance():
                 return f"{path}.{step.instance}"
@@ -438,7 +435,7 @@ def _negated(value: Value | None) -> bool | None:
     return not value if isinstance(value, bool) else None
 
 
-def _unseen(path: str, port: str, entry: ProcessClass) -> Refusal:
+def _unseen(path: str, port: str, entry: CoreClass) -> Refusal:
     """Of who reads a sampled input is written by hand."""
     reason = f"its body is written by hand, and whether it takes each sample of `{port}` cannot be seen"
     advice = f"read `{port}` in a composition, and let a submodel written by hand compute with it"

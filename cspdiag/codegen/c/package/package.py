@@ -27,7 +27,7 @@ from cspdiag.codegen.shared.package_text import markdown, markdown_code
 from cspdiag.codegen.shared.plain_text import one_line
 from cspdiag.codegen.shared.render import renderer
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.network import Environment, Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, Environment, Network, ProcessClass
 from cspdiag.optimize import PASSES, lower_for_targets, optimize
 
 SUPPORT = "support"
@@ -84,7 +84,7 @@ class Scenario:
     counts: str
 
 
-def lowered_for_c(network: Network, level: int, *, observed: bool = False) -> Network:
+def lowered_for_c(network: CoreNetwork, level: int, *, observed: bool = False) -> Network:
     """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each
     can be told of.
 
@@ -98,16 +98,16 @@ def lowered_for_c(network: Network, level: int, *, observed: bool = False) -> Ne
     return lowered
 
 
-_last_lowered: list[tuple[ref[Network], tuple[int, bool], Network]] = []
+_last_lowered: list[tuple[ref[CoreNetwork], tuple[int, bool], Network]] = []
 
 
-def _lowered(network: Network, level: int, observed: bool) -> Network:
+def _lowered(network: CoreNetwork, level: int, observed: bool) -> Network:
     if level == 0:
         return lower_for_targets(network)
     return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)
 
 
-def generate(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
     ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a

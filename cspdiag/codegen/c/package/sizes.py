@@ -10,7 +10,7 @@ from cspdiag.codegen.c.package.package import lowered_for_c
 from cspdiag.codegen.c.text.media import Access, access_of_channel
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.types import CTypes
-from cspdiag.network.ir.network import LocalChannel, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, LocalChannel, ProcessClass, SubmodelClass
 
 PREFIX = "csp_size_"
 """What the symbols of `probe` are called after; each is an array of as many bytes as what it measures."""
@@ -45,7 +45,7 @@ class Sizes:
 class SizeQuestions:
     """Asks for the sizes of a program at a level of optimization."""
 
-    def __init__(self, network: Network, level: int) -> None:
+    def __init__(self, network: CoreNetwork, level: int) -> None:
         self._network = lowered_for_c(network, level)
         self._names = PackageNames(self._network)
         self._types = CTypes(self._names)

@@ -13,7 +13,7 @@ from cspdiag.codegen.python.plain.network import network_view
 from cspdiag.codegen.python.plain.submodels import submodel_module
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.shared.render import renderer
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.optimize import PASSES, optimize
 
 _OF_PROCESSES = ("fuse",)
@@ -23,7 +23,7 @@ _OF_VARIABLES = ("constants", "dead", "fuse")
 """Passes after which variables that are there to be watched may be gone."""
 
 
-def generate(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder; see ``python.generate``."""
     left_out = _OF_PROCESSES * options.observed + _OF_VARIABLES * options.probed
     optimized = optimize(network, [entry for entry in PASSES if entry.name not in left_out])

@@ -31,12 +31,12 @@ from cspdiag.codegen.python.text.rolling import LEAST, rolled_steps, statements_
 from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, run
 from cspdiag.codegen.shared.branch_names import branch_name
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     End,
     Event,
@@ -44,7 +44,6 @@ from cspdiag.network.ir.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     ProcessScope,
@@ -108,7 +107,7 @@ class Composition:
     def __post_init__(self) -> None:
         self.guard_names = GuardNames(self.members.names.fresh)
 
-    def statements(self, action: Action) -> tuple[Statement, ...]:
+    def statements(self, action: CoreAction) -> tuple[Statement, ...]:
         """An action as statements of a coroutine."""
         match action:
             case SkipStep():
@@ -150,11 +149,9 @@ class Composition:
                 )
             case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | Group():
                 return (run(Prefix("await ", self.awaitable(action)), self._checked_place(action)),)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, for another target")
         assert_never(action)
 
-    def awaitable(self, action: Action) -> Code:
+    def awaitable(self, action: CoreAction) -> Code:
         """An action as something that can be awaited."""
         match action:
             case RunInstance(instance=instance):
@@ -178,7 +175,7 @@ class Composition:
             case _:
                 raise AssertionError("takes statements")
 
-    def _later(self, action: Action, hint: str | None = None) -> Code:
+    def _later(self, action: CoreAction, hint: str | None = None) -> Code:
         """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs.
 
         What takes a coroutine is a method that makes it, so that none is there before it begins.
@@ -204,7 +201,7 @@ class Composition:
         """Whether a value may be computed before its place is reached."""
         return cannot_fault(value) and self.unwritten.isdisjoint(variables_in(value))
 
-    def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
+    def _branches(self, steps: Sequence[CoreAction]) -> Iterable[Argument]:
         alike = self._alike(steps)
         if alike is not None:
             yield alike
@@ -220,7 +217,7 @@ class Composition:
                 yield Argument(Atom(name), starred=True)
                 position += count
 
-    def _alike(self, steps: Sequence[Action]) -> Argument | None:
+    def _alike(self, steps: Sequence[CoreAction]) -> Argument | None:
         """Branches that differ only in an index, as one coroutine with that index as its parameter."""
         if len(steps) < LEAST or isinstance(steps[0], RunInstance) or not all(map(_is_plain, steps)):
             return None
@@ -235,7 +232,7 @@ class Composition:
         each = Comprehension(made, f"for {index} in range({len(steps)})", "()")
         return Argument(each, starred=True)
 
-    def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[str, int] | None:
+    def _whole_array(self, steps: Sequence[CoreAction], start: int) -> tuple[str, int] | None:
         first = steps[start]
         if not isinstance(first, RunInstance):
             return None
@@ -246,27 +243,27 @@ class Composition:
         given = [step.instance for step in steps[start : start + len(wanted)] if isinstance(step, RunInstance)]
         return (f"self.{array.name}", len(wanted)) if given == list(wanted) else None
 
-    def _group(self, label: str, body: Action) -> Code:
+    def _group(self, label: str, body: CoreAction) -> Code:
         return call(self.imports.runtime("group"), Atom(quoted(label)), self._later(body, label))
 
-    def _coroutine(self, action: Action, hint: str) -> Code:
+    def _coroutine(self, action: CoreAction, hint: str) -> Code:
         name = self.members.names.fresh(f"_{hint}")
         position = len(self.methods)
         self.methods.append(Method(name, ()))
         self.methods[position] = Method(name, self.statements(action))
         return Atom(f"self.{name}")
 
-    def _repeat(self, action: Repeat, until: Expression | None) -> Block:
+    def _repeat(self, action: Repeat[CoreAction], until: Expression | None) -> Block:
         statements = self.statements(action.body)
         if until is not None:
             head = Line("if ", self.printer.print(until), ":", self._place_of_fault(until, action))
             statements += (Block(head, (Line("break"),)),)
         return Block(Line("while True:"), statements)
 
-    def _if(self, action: IfElse) -> tuple[Statement, ...]:
+    def _if(self, action: IfElse[CoreAction]) -> tuple[Statement, ...]:
         keyword = "if "
         blocks: list[Statement] = []
-        rest: Action = action
+        rest: CoreAction = action
         while isinstance(rest, IfElse):
             place = self._place_of_fault(rest.condition, rest)
             head = Line(keyword, self.printer.print(rest.condition), ":", place)
@@ -277,7 +274,7 @@ class Composition:
             blocks.append(Block(Line("else:"), otherwise))
         return tuple(blocks)
 
-    def _catch(self, action: CatchException) -> tuple[Statement, ...]:
+    def _catch(self, action: CatchException[CoreAction]) -> tuple[Statement, ...]:
         caught = [Atom(name) for name in self.imports.caught(action.exception)]
         body, handler = self.statements(action.body), self.statements(action.handler)
         if not handler:
@@ -304,14 +301,14 @@ class Composition:
             case _:
                 assert_never(event)
 
-    def _alone_suffices(self, choice: Choice) -> bool:
+    def _alone_suffices(self, choice: Choice[CoreAction]) -> bool:
         return (
             len(choice.branches) == 1
             and choice.branches[0].condition is None
             and not isinstance(choice.branches[0].event, ReadyEvent)
         )
 
-    def _choice(self, choice: Choice, hint: str) -> tuple[Statement, ...]:
+    def _choice(self, choice: Choice[CoreAction], hint: str) -> tuple[Statement, ...]:
         branches = choice.branches
         attribute = f"self.{self.members.names.fresh(hint)}"
         alike = self._choice_alike(choice, attribute)
@@ -333,7 +330,7 @@ class Composition:
         ]
         return (*needs.lines, Block(Line("match ", selected, ":", self._place(choice)), tuple(cases)))
 
-    def _choice_alike(self, choice: Choice, attribute: str) -> tuple[Statement, ...] | None:
+    def _choice_alike(self, choice: Choice[CoreAction], attribute: str) -> tuple[Statement, ...] | None:
         """An alternative whose branches differ only in an index, which is then what was chosen."""
         branches = choice.branches
         regular = (InputEvent, ReadyEvent)
@@ -362,7 +359,7 @@ class Composition:
         select = assign(index, selected, self._place(choice)) if used else run(selected, self._place(choice))
         return (*before, select, *body)
 
-    def _place_of_condition(self, branch: Branch) -> str:
+    def _place_of_condition(self, branch: Branch[CoreAction]) -> str:
         span = (branch.condition.span if branch.condition is not None else None) or branch.span
         return self.imports.names.place(span.file, span.line)
 
@@ -384,7 +381,7 @@ class Composition:
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
 
-    def _guards(self, branches: Sequence[Branch], *, always: bool = False) -> Guards:
+    def _guards(self, branches: Sequence[Branch[CoreAction]], *, always: bool = False) -> Guards:
         """What guards need, evaluated where they begin."""
         names = self.imports.names
         found = Guards(
@@ -398,7 +395,7 @@ class Composition:
             found.add(branch)
         return found
 
-    def _condition(self, branch: Branch) -> Code:
+    def _condition(self, branch: Branch[CoreAction]) -> Code:
         return Atom("True") if branch.condition is None else self.printer.print(branch.condition)
 
     def _taken(self, event: Event, attribute: str) -> tuple[Statement, ...]:
@@ -406,7 +403,7 @@ class Composition:
             return (self._set(event.target, Atom(f"{attribute}.value")),)
         return ()
 
-    def _interrupt(self, body: Action, branch: Branch, needs: Guards) -> Code:
+    def _interrupt(self, body: CoreAction, branch: Branch[CoreAction], needs: Guards) -> Code:
         guard = self._guard(branch.event, self.printer, needs.needed.get(0))
         interrupted = self._later(body)
         taken: tuple[Statement, ...] = ()
@@ -456,7 +453,7 @@ class Composition:
     def _may_fault(self, expression: Expression) -> bool:
         return may_fault(expression) or not self.unwritten.isdisjoint(variables_in(expression))
 
-    def _checked_place(self, action: Action) -> str | None:
+    def _checked_place(self, action: CoreAction) -> str | None:
         """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
         match action:
             case WriteValue() | StopStep() | WaitStep():
@@ -479,7 +476,7 @@ class Composition:
         return None
 
 
-def _is_plain(action: Action) -> bool:
+def _is_plain(action: CoreAction) -> bool:
     """Whether an action needs no alternative and no coroutine of its own."""
     return not any(isinstance(part, Choice | ParallelSteps | InterruptOn | Group) for part in parts(action))
 

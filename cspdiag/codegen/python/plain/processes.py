@@ -22,7 +22,7 @@ from cspdiag.codegen.python.text.types import annotation
 from cspdiag.network.checks.unwritten import may_be_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import ParameterValue
-from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, ProcessClass
+from cspdiag.network.ir.network import CoreClass, InstanceOf, LocalChannel, Network
 from cspdiag.network.ir.walk import parts
 
 _CHANNEL_CLASSES = {
@@ -40,15 +40,13 @@ def _unwritten(network: Network) -> dict[str, frozenset[str]]:
     return may_be_unwritten(network)
 
 
-def process_module(
-    process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules
-) -> ClassModule:
+def process_module(process: CoreClass, network: Network, names: PackageNames, modules: ExternalModules) -> ClassModule:
     """The module of a process class."""
     return _ProcessWriter(process, network, names, modules).module()
 
 
 class _ProcessWriter:
-    def __init__(self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules) -> None:
+    def __init__(self, process: CoreClass, network: Network, names: PackageNames, modules: ExternalModules) -> None:
         self.process = process
         self.network = network
         self.names = names

@@ -16,8 +16,8 @@ from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided
 from cspdiag.network.infer.waiting import known_duration, sample_period
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
+    CoreAction,
     CountedLoop,
     Group,
     InterruptOn,
@@ -71,7 +71,7 @@ class _MissedError(Exception):
         self.late = late
 
 
-def first_late(placed: Placed, body: Action) -> Late | None:
+def first_late(placed: Placed, body: CoreAction) -> Late | None:
     """The first sample that every run of an outermost process misses, as far as that is known without data."""
     try:
         _Beginning(placed).do(body)
@@ -95,7 +95,7 @@ class _Beginning:
         """Of each input the sample that was taken last, when, where, and how many steps there were."""
         self.steps: list[_Step] = []
 
-    def do(self, action: Action) -> None:
+    def do(self, action: CoreAction) -> None:
         self.left -= 1
         if not self.left:
             raise _LeftOpenError
@@ -131,11 +131,11 @@ class _Beginning:
             case _:
                 raise _LeftOpenError
 
-    def _all(self, steps: Sequence[Action]) -> None:
+    def _all(self, steps: Sequence[CoreAction]) -> None:
         for step in steps:
             self.do(step)
 
-    def _interrupt(self, action: InterruptOn) -> None:
+    def _interrupt(self, action: InterruptOn[CoreAction]) -> None:
         event = action.branch.event
         waits = known_duration(self.placed, event.duration) if isinstance(event, AfterEvent) else 0
         if not waits or not decided(self.placed, action.branch.condition) or self.ends:

@@ -46,18 +46,17 @@ from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided, possible_branches, ways_of_samples
 from cspdiag.network.infer.waiting import inputs_of, is_always_ready, known_duration, sample_period
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -106,7 +105,7 @@ class _Sequence:
         self._bodies: dict[tuple[int, frozenset[Key], bool], Part] = {}
         """What follows guards, which may be looked at on several ways."""
 
-    def part(self, action: Action) -> Part:
+    def part(self, action: CoreAction) -> Part:
         match action:
             case RunInstance():
                 instance = self.placed.shape.instances[action.instance]
@@ -153,17 +152,15 @@ class _Sequence:
                 return self._interrupt(action)
             case Group():
                 return self.part(action.body)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _turns(self, loop: CountedLoop) -> Part:
+    def _turns(self, loop: CountedLoop[CoreAction]) -> Part:
         """What was ready before the first turn may be read in it; the others begin all alike."""
         first = self.part(loop.body)
         return self._sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
 
-    def _apart(self, action: Action) -> Part:
+    def _apart(self, action: CoreAction) -> Part:
         """A part that is not taken on every way: an event that was ready before it may still be so afterwards."""
         was_ready = self.ready
         found = self.part(action)
@@ -195,11 +192,11 @@ class _Sequence:
     def _period(self, key: Key) -> int:
         return sample_period(self.placed, key)
 
-    def _choice(self, action: Choice) -> Part:
+    def _choice(self, action: Choice[CoreAction]) -> Part:
         """One of the branches that are possible, whether the conditions of samples hold or not."""
         return one_of([self._chosen(way) for way in ways_of_samples(self.placed, action)])
 
-    def _chosen(self, action: Choice) -> Part:
+    def _chosen(self, action: Choice[CoreAction]) -> Part:
         """One of the branches, after what is waited for before it can be chosen."""
         branches = possible_branches(self.placed, action)
         events = [branch for branch in branches if self._event_of(branch) is not None]
@@ -233,14 +230,14 @@ class _Sequence:
         reads = {book: any_way(book, parts, found.span) for book, found in chosen.reads.items()}
         return part(least_time(parts), reads, chosen.exits)
 
-    def _event_of(self, branch: Branch) -> Key | None:
+    def _event_of(self, branch: Branch[CoreAction]) -> Key | None:
         """The event that a guard waits for."""
         if not isinstance(branch.event, InputEvent | ReadyEvent):
             return None
         key = end_key(branch.event.source)
         return key if self._is_event(key) else None
 
-    def _samples(self, branches: Iterable[Branch]) -> dict[Key, int]:
+    def _samples(self, branches: Iterable[Branch[CoreAction]]) -> dict[Key, int]:
         """The sampled inputs that guards wait for, with the places of these."""
         guarded = {
             end_key(branch.event.source): place
@@ -249,12 +246,14 @@ class _Sequence:
         }
         return {key: place for key, place in guarded.items() if self._period(key)}
 
-    def _time_out(self, branch: Branch) -> Gap | None:
+    def _time_out(self, branch: Branch[CoreAction]) -> Gap | None:
         assert isinstance(branch.event, AfterEvent)
         waits = known_duration(self.placed, branch.event.duration)
         return Gap(waits, None, branch.event.span) if waits else None
 
-    def _branch(self, branch: Branch, until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT) -> Part:
+    def _branch(
+        self, branch: Branch[CoreAction], until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT
+    ) -> Part:
         """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples; its guard
         stands ``beside`` a part, with a book of its own.
         """
@@ -274,13 +273,15 @@ class _Sequence:
         time = self._time_out(branch) or NOTHING if isinstance(event, AfterEvent) else until
         return self._sequence((part(time, instead), following))
 
-    def _following(self, branch: Branch) -> Part:
+    def _following(self, branch: Branch[CoreAction]) -> Part:
         place = id(branch.body), self.ready, self.findings.tolerated
         if place not in self._bodies:
             self._bodies[place] = self._apart(branch.body)
         return self._bodies[place]
 
-    def _instead_of(self, sample: Key, chosen: Branch, *, waits: bool, is_first: bool, is_last: bool) -> Reads:
+    def _instead_of(
+        self, sample: Key, chosen: Branch[CoreAction], *, waits: bool, is_first: bool, is_last: bool
+    ) -> Reads:
         """What becomes of a sample where something else is chosen: an event comes when it likes, up to the next sample.
 
         One that ``is_first`` is chosen also where the sample is there already, one that ``is_last`` only before.
@@ -290,7 +291,7 @@ class _Sequence:
         held = NOTHING if event is None else Gap(0, None, span, -self._period(sample) + is_last, event)
         return not_read(held, NOTHING if is_first else None, span)
 
-    def _interrupt(self, action: InterruptOn) -> Part:
+    def _interrupt(self, action: InterruptOn[CoreAction]) -> Part:
         branch = action.branch
         holds = decided(self.placed, branch.condition)
         if holds is False:
@@ -320,7 +321,7 @@ class _Sequence:
             return replaced(left, exits=one_of_exits((body.exits, left.exits)))
         return one_of([within(body, limit) if is_time_out else body, left])
 
-    def _replaced_at_once(self, action: InterruptOn) -> Part:
+    def _replaced_at_once(self, action: InterruptOn[CoreAction]) -> Part:
         """A body that is cancelled before it reads or waits, and the branch that follows; only by an exception can it
         end before.
         """
@@ -331,7 +332,7 @@ class _Sequence:
         following = self._following(action.branch)
         return replaced(following, exits=one_of_exits((body.exits, following.exits)))
 
-    def _longest(self, branch: Branch) -> int:
+    def _longest(self, branch: Branch[CoreAction]) -> int:
         """After how many nanoseconds a guard surely comes that is a time-out or a sample; 0 where that is not known."""
         if isinstance(branch.event, AfterEvent):
             return known_duration(self.placed, branch.event.duration)
@@ -369,7 +370,7 @@ class _Sequence:
             )
         return part(limit if is_longer else body.time, reads)
 
-    def _catch(self, action: CatchException) -> Part:
+    def _catch(self, action: CatchException[CoreAction]) -> Part:
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = was_tolerated or action.exception == "Timeout"
         body = self._apart(action.body)

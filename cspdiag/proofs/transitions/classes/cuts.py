@@ -30,7 +30,7 @@ from cspdiag.network.ir.expressions import (
     UnaryOperation,
     VariableValue,
 )
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.items import Item, items_of
 from cspdiag.proofs.transitions.classes.program import Class, Program
@@ -72,7 +72,7 @@ def boundaries(program: Program, told_apart: Mapping[str, Collection[int]]) -> B
 class Arguments:
     """The values that the parameters of each class have in some instance."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self._of: defaultdict[str, list[dict[str, Known]]] = defaultdict(list)
         self._of[network.top].append(dict(network.arguments))
         for instance in network.instances:

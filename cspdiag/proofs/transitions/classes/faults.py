@@ -37,9 +37,9 @@ from cspdiag.network.ir.faults import conversion_fits, index_fits, is_index_of
 from cspdiag.network.ir.network import (
     Attachment,
     ConstantEnd,
+    CoreNetwork,
     DiscardEnd,
     InstanceOf,
-    Network,
     ProcessClass,
     SubmodelClass,
 )
@@ -51,7 +51,7 @@ _MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite
 class Faults:
     """What may fail in a network."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self._network = network
         self._known: dict[tuple[str, Expression], bool] = {}
         self._laws: dict[str, bool] = {}

@@ -10,11 +10,11 @@ from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.network.infer.ends import actions_inside
-from cspdiag.network.ir.actions import Action, Group, ParallelSteps, PortEnd
-from cspdiag.network.ir.network import InstanceOf, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.actions import CoreAction, Group, ParallelSteps, PortEnd
+from cspdiag.network.ir.network import CoreClass, CoreNetwork, InstanceOf, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
-Definition: TypeAlias = ProcessClass | SubmodelClass
+Definition: TypeAlias = "CoreClass | SubmodelClass"
 
 
 class Node:
@@ -22,7 +22,7 @@ class Node:
 
     __slots__ = ("action", "children")
 
-    def __init__(self, action: Action) -> None:
+    def __init__(self, action: CoreAction) -> None:
         self.action = action
         self.children: tuple[Node, ...] = tuple(map(Node, _inside(action)))
 
@@ -35,11 +35,11 @@ class Node:
         return f"<{type(self.action).__name__} {self.action.span}>"
 
 
-def _inside(action: Action) -> tuple[Action, ...]:
+def _inside(action: CoreAction) -> tuple[CoreAction, ...]:
     return tuple(_flat(action)) if isinstance(action, ParallelSteps) else actions_inside(action)
 
 
-def _flat(action: ParallelSteps) -> Iterator[Action]:
+def _flat(action: ParallelSteps[CoreAction]) -> Iterator[CoreAction]:
     """The branches, with those of branches that are nothing but parallels themselves."""
     for step in action.steps:
         inner = step
@@ -109,7 +109,7 @@ class Class:
 class Program:
     """The classes of a network by name."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: CoreNetwork) -> None:
         self.network = network
         self.classes = {definition.name: Class(definition) for definition in network.classes}
 

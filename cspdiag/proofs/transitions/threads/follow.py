@@ -9,10 +9,10 @@ from functools import cached_property
 from typing import TypeAlias, assert_never
 
 from cspdiag.network.ir.actions import (
-    Action,
     AssignValue,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
@@ -20,24 +20,18 @@ from cspdiag.network.ir.actions import (
     InterruptOn,
     OutputEvent,
     ParallelSteps,
-    ProcessScope,
     RaiseException,
-    ReadInputs,
     ReadValue,
     ReadyEvent,
     Repeat,
-    ReportCommunication,
     ResetInstance,
-    ResetStates,
     RunInstance,
-    RunLaw,
     SequentialSteps,
     SkipStep,
     StopStep,
     Target,
     WaitStep,
     WhileLoop,
-    WriteOutputs,
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Expression
@@ -134,7 +128,7 @@ class Follower(LawSteps):
         except EvaluationFault:
             return self.thrown(configuration, FAULT)
 
-    def _step_of(self, action: Action) -> Step:
+    def _step_of(self, action: CoreAction) -> Step:
         match action:
             case SequentialSteps():
                 return self._sequence
@@ -170,8 +164,6 @@ class Follower(LawSteps):
                 return self._group
             case RunInstance():
                 return self._instance
-            case ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication():
-                raise AssertionError("made by the optimizer, for programs of which no transition system is made")
             case _:
                 assert_never(action)
 

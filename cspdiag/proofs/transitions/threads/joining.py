@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.model.types import DOUBLE
-from cspdiag.network.ir.actions import Action, ParallelSteps, ReadValue, Target, WriteValue
+from cspdiag.network.ir.actions import CoreAction, ParallelSteps, ReadValue, Target, WriteValue
 from cspdiag.network.ir.expressions import PresentTime
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
@@ -113,7 +113,7 @@ class LawParallels:
         return fork_edges(self.thread, self.follower, c, known, context, rest)
 
 
-def _step(side: Side, end: Any, span: Span) -> Action:
+def _step(side: Side, end: Any, span: Span) -> CoreAction:
     match side:
         case "reading":
             return ReadValue(span=span, source=end, target=Target(""))
