@@ -6,35 +6,18 @@ counts, and of branches of an alternative too. Laws that follow one another on t
 
 from __future__ import annotations
 
-from typing import assert_never
-
 from cspdiag.analyses.analysis import Analysis
 from cspdiag.analyses.diagnostics.load import Overload
 from cspdiag.base import Report, Span
 from cspdiag.model.program import Program
 from cspdiag.network.ir.actions import (
-    AssignValue,
-    CatchException,
-    Choice,
     CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
     ParallelSteps,
-    RaiseException,
-    ReadValue,
-    Repeat,
-    ResetInstance,
     RunInstance,
     SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
 )
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import actions_inside
 from cspdiag.syntax import ast
 
 
@@ -90,29 +73,8 @@ class _Loads:
                 return self._sequence(path, action.steps)
             case ParallelSteps():
                 return sum(self._action(path, step) for step in action.steps)
-            case Choice():
-                return max((self._action(path, branch.body) for branch in action.branches), default=0.0)
-            case Repeat() | WhileLoop() | CountedLoop() | Group():
-                return self._action(path, action.body)
-            case IfElse():
-                return max(self._action(path, action.then), self._action(path, action.otherwise))
-            case CatchException():
-                return max(self._action(path, action.body), self._action(path, action.handler))
-            case InterruptOn():
-                return max(self._action(path, action.body), self._action(path, action.branch.body))
-            case (
-                ReadValue()
-                | WriteValue()
-                | AssignValue()
-                | SkipStep()
-                | StopStep()
-                | WaitStep()
-                | ResetInstance()
-                | RaiseException()
-            ):
-                return 0.0
             case _:
-                assert_never(action)
+                return max((self._action(path, inner) for inner in actions_inside(action)), default=0.0)
 
     def _sequence(self, path: str, steps: tuple[CoreAction, ...]) -> float:
         """A law that reads a sample begins a period; those after it that read none run in the same one."""

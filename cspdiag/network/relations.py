@@ -44,8 +44,8 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, VariableValue
+from cspdiag.network.ir.walk import parts
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 
@@ -318,9 +318,9 @@ def end_key(end: End) -> Key:
     return element_name(end.port, end.index) if isinstance(end, PortEnd) else end.channel
 
 
-def variables_read(expression: Expression) -> Iterator[VariableValue]:
-    """The variables that an expression reads."""
-    return (part for part in walk(expression) if isinstance(part, VariableValue))
+def variables_read(item: Expression | CoreAction) -> Iterator[VariableValue]:
+    """The variables that an expression reads, or all expressions of an action."""
+    return (part for part in parts(item) if isinstance(part, VariableValue))
 
 
 def _put(uses: UsesByKey, key: Key, use: Uses, parallel: bool) -> None:

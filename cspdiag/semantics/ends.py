@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cspdiag.network.ir import actions as act
+from cspdiag.network.ir.walk import actions_inside, all_actions
 
 
 def ends_read(action: act.Action) -> Iterator[act.End]:
@@ -24,7 +25,7 @@ def ends_read(action: act.Action) -> Iterator[act.End]:
             yield from ends_read(action.body)
             yield from _ends_of_branch(action.branch)
         case _:
-            for inner in _inside(action):
+            for inner in actions_inside(action):
                 yield from ends_read(inner)
 
 
@@ -39,17 +40,7 @@ def choices(action: act.Action) -> Iterator[act.Choice]:
 
     «Parties, channels and guards», *the order in which they stand in the program*
     """
-    match action:
-        case act.Choice(branches=branches):
-            yield action
-            for branch in branches:
-                yield from choices(branch.body)
-        case act.InterruptOn():
-            yield from choices(action.body)
-            yield from choices(action.branch.body)
-        case _:
-            for inner in _inside(action):
-                yield from choices(inner)
+    return (part for part in all_actions(action) if isinstance(part, act.Choice))
 
 
 def flattened_ends(action: act.Action) -> Iterator[tuple[act.End, str]]:
@@ -57,31 +48,5 @@ def flattened_ends(action: act.Action) -> Iterator[tuple[act.End, str]]:
 
     Those of outer ones first. «Time»: whose books they are
     """
-    if isinstance(action, act.ProcessScope):
-        yield from ((end, action.instance) for end in action.ends)
-    match action:
-        case act.Choice(branches=branches):
-            for branch in branches:
-                yield from flattened_ends(branch.body)
-        case act.InterruptOn():
-            yield from flattened_ends(action.body)
-            yield from flattened_ends(action.branch.body)
-        case _:
-            for inner in _inside(action):
-                yield from flattened_ends(inner)
-
-
-def _inside(action: act.Action) -> tuple[act.Action, ...]:
-    match action:
-        case act.SequentialSteps(steps=steps) | act.ParallelSteps(steps=steps):
-            return steps
-        case act.IfElse():
-            return (action.then, action.otherwise)
-        case act.CatchException():
-            return (action.body, action.handler)
-        case act.Repeat(body=body) | act.WhileLoop(body=body) | act.CountedLoop(body=body):
-            return (body,)
-        case act.Group(body=body) | act.ProcessScope(body=body):
-            return (body,)
-        case _:
-            return ()
+    scopes = (part for part in all_actions(action) if isinstance(part, act.ProcessScope))
+    return ((end, scope.instance) for scope in scopes for end in scope.ends)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from hypothesis import given, settings
 
-from cspdiag.network.infer.ends import ReadingEnds, all_actions
+from cspdiag.network.infer.ends import ReadingEnds
 from cspdiag.network.ir.actions import ReadValue
+from cspdiag.network.ir.walk import all_actions
 from tests.network.compositions import Leaf, Node, program, relations, text_of, trees
 from tests.network.programs import shape_of
 

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from cspdiag.base.record import record
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import (
-    Action,
-    CatchException,
     ChannelEnd,
     Choice,
+    CoreAction,
     CountedLoop,
     End,
-    Group,
-    IfElse,
     InputEvent,
     InterruptOn,
     ParallelSteps,
@@ -22,11 +17,11 @@ from cspdiag.network.ir.actions import (
     ReadValue,
     Repeat,
     RunInstance,
-    SequentialSteps,
     WhileLoop,
 )
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ConstantEnd, CoreNetwork, ProcessClass
+from cspdiag.network.ir.walk import actions_inside
 
 Branching = tuple[str, int]
 """A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""
@@ -66,7 +61,7 @@ class Structure:
             self.ways.setdefault(path, []).append(way)
             self.priorities.setdefault(path, priority)
 
-    def _action(self, path: str, action: Action, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
+    def _action(self, path: str, action: CoreAction, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
         match action:
             case RunInstance():
                 self._run(f"{path}.{action.instance}", way, priority)
@@ -81,33 +76,19 @@ class Structure:
                         if isinstance(branch.event, InputEvent)
                     ]
                 ranked = isinstance(action, ParallelSteps) and action.prioritized
-                for kind, number, part in _parts(action):
-                    self._action(path, part, (*way, (kind, number)), (*priority, number) if ranked else priority)
+                for number, part in enumerate(actions_inside(action)):
+                    inner = (*priority, number) if ranked else priority
+                    self._action(path, part, (*way, (_kind(action), number)), inner)
 
 
-def _parts(action: Action) -> Iterator[tuple[str, int, Action]]:
+def _kind(action: CoreAction) -> str:
     match action:
-        case SequentialSteps():
-            yield from (("other", k, step) for k, step in enumerate(action.steps))
         case ParallelSteps():
-            yield from (("parallel", k, step) for k, step in enumerate(action.steps))
+            return "parallel"
         case Repeat() | WhileLoop() | CountedLoop():
-            yield "loop", 0, action.body
-        case Group():
-            yield "other", 0, action.body
-        case Choice():
-            yield from (("other", k, branch.body) for k, branch in enumerate(action.branches))
-        case IfElse():
-            yield "other", 0, action.then
-            yield "other", 1, action.otherwise
-        case CatchException():
-            yield "other", 0, action.body
-            yield "other", 1, action.handler
-        case InterruptOn():
-            yield "other", 0, action.body
-            yield "other", 1, action.branch.body
+            return "loop"
         case _:
-            return
+            return "other"
 
 
 def _together(one: tuple[Branching, ...], other: tuple[Branching, ...]) -> bool:

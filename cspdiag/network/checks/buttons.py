@@ -7,11 +7,10 @@ from collections.abc import Iterator
 
 from cspdiag.model.types import BoolType
 from cspdiag.network.checks.agreement import Agreement
-from cspdiag.network.checks.usage import expressions_in
 from cspdiag.network.diagnostics.composition.alternatives import ReleaseNotToldApart
 from cspdiag.network.infer.contexts import Placed
-from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.ir.actions import Branch, Choice, CoreAction, InputEvent, InterruptOn, ReadValue, ReadyEvent
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key, variables_read
 from cspdiag.network.shapes import Key, attached_key
 
@@ -27,7 +26,7 @@ def check_releases(placed: Placed, agreement: Agreement) -> None:
     if not guards:
         return
     reads = Counter(_reads(placed, shape.body))
-    looked_at = {value.channel for expression in expressions_in(shape.body) for value in variables_read(expression)}
+    looked_at = {value.channel for value in variables_read(shape.body)}
     looked_at |= {attached_key(a) or "" for instance in shape.instances.values() for a in instance.attachments.values()}
     for branch, is_interrupt in guards:
         assert isinstance(branch.event, InputEvent)

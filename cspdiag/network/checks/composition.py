@@ -10,7 +10,6 @@ from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.composition.alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
 from cspdiag.network.diagnostics.composition.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
 from cspdiag.network.infer.contexts import Placed
-from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.possible import decided_by_instance, overtaken
 from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_open, is_over_at_once
 from cspdiag.network.ir.actions import (
@@ -32,6 +31,7 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, PresentTime
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
 from cspdiag.network.syntax_walk import nodes

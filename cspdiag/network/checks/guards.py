@@ -16,7 +16,6 @@ from cspdiag.base import Report, Span
 from cspdiag.base.record import record
 from cspdiag.network.diagnostics.composition.alternatives import GuardNotRead
 from cspdiag.network.infer.contexts import Placed
-from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
 from cspdiag.network.ir.actions import (
     AfterEvent,
@@ -46,6 +45,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key, element_name
 

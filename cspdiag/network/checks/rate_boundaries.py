@@ -13,7 +13,6 @@ from cspdiag.base import Report, Span
 from cspdiag.base.record import record
 from cspdiag.network.diagnostics.samples.rates import FasterLawWaits
 from cspdiag.network.infer.contexts import Placed
-from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.ir.actions import (
     CatchException,
@@ -28,6 +27,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
 )
 from cspdiag.network.ir.network import Direction
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.shapes import InstanceShape, Key, attached_key, element_name
 
 _WAITING_KINDS = frozenset({"sync", "broadcast", "buffer", "overwrite"})

@@ -2,36 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, TypeAlias, assert_never
+from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import (
-    AssignValue,
     Branch,
-    CatchException,
     Choice,
     CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
     InputEvent,
     InterruptOn,
     ParallelSteps,
-    RaiseException,
     ReadValue,
     ReadyEvent,
-    Repeat,
-    ResetInstance,
     RunInstance,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
 )
 from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.walk import actions_inside
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key, PortElement, Shape, attached_key
 
@@ -68,32 +54,18 @@ class ReadingEnds:
                 self._add(end_key(action.source), action, path)
             case ParallelSteps():
                 self._parallel(action.steps, path)
-            case SequentialSteps():
-                for step in action.steps:
-                    self._walk(step, path)
             case Choice():
                 for branch in action.branches:
                     self._event(branch, path)
                     self._walk(branch.body, path)
-            case Repeat() | WhileLoop() | CountedLoop() | Group():
-                self._walk(action.body, path)
-            case IfElse():
-                self._walk(action.then, path)
-                self._walk(action.otherwise, path)
-            case CatchException():
-                self._walk(action.body, path)
-                self._walk(action.handler, path)
             case InterruptOn():
                 self._parallels += 1
                 self._walk(action.body, (*path, (self._parallels, 0)))
                 self._event(action.branch, (*path, (self._parallels, 1)))
                 self._walk(action.branch.body, path)
-            case (
-                WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
-            ):
-                pass
             case _:
-                assert_never(action)
+                for inner in actions_inside(action):
+                    self._walk(inner, path)
 
     def _parallel(self, steps: tuple[CoreAction, ...], path: Path) -> None:
         self._parallels += 1
@@ -200,43 +172,3 @@ def with_ends(action: CoreAction, ends: ReadingEnds) -> CoreAction:
         return part
 
     return rewritten(action, change)
-
-
-def all_actions(action: CoreAction) -> Iterator[CoreAction]:
-    """The action and every one inside it, in text order."""
-    pending = [action]
-    while pending:
-        present = pending.pop()
-        yield present
-        pending.extend(reversed(actions_inside(present)))
-
-
-def actions_inside(action: CoreAction) -> tuple[CoreAction, ...]:
-    """Those of which an action consists, in text order; none for a communication and the like."""
-    match action:
-        case SequentialSteps() | ParallelSteps():
-            return action.steps
-        case Choice():
-            return tuple(branch.body for branch in action.branches)
-        case Repeat() | WhileLoop() | CountedLoop() | Group():
-            return (action.body,)
-        case IfElse():
-            return (action.then, action.otherwise)
-        case CatchException():
-            return (action.body, action.handler)
-        case InterruptOn():
-            return (action.body, action.branch.body)
-        case (
-            RunInstance()
-            | ReadValue()
-            | WriteValue()
-            | AssignValue()
-            | SkipStep()
-            | StopStep()
-            | WaitStep()
-            | ResetInstance()
-            | RaiseException()
-        ):
-            return ()
-        case _:
-            assert_never(action)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.ir.actions import Choice, InputEvent, InterruptOn, OutputEvent, ReadValue, ReadyEvent, WriteValue
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key, Shape
 

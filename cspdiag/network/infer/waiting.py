@@ -7,7 +7,6 @@ from typing import assert_never
 
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.infer.contexts import NetKind, Placed, port_facts
-from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -38,6 +37,7 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expressions import Expression, ParameterValue, Value, VariableValue
 from cspdiag.network.ir.ranges import Range, value_range
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast

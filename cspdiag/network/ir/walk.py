@@ -3,9 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import assert_never, overload
 
 from cspdiag.base.record import field_names, is_record
-from cspdiag.network.ir.actions import Action, RunInstance
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    CatchException,
+    Choice,
+    CoreAction,
+    CountedLoop,
+    Group,
+    IfElse,
+    InterruptOn,
+    ParallelSteps,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
+)
 from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValue
 
 
@@ -46,6 +75,48 @@ def _names_inside(part: object) -> tuple[str, ...]:
 
 
 _ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool"})
+
+
+@overload
+def all_actions(action: CoreAction) -> Iterator[CoreAction]: ...
+@overload
+def all_actions(action: Action) -> Iterator[Action]: ...
+def all_actions(action: Action) -> Iterator[Action]:
+    """The action and every one inside it, in text order."""
+    pending = [action]
+    while pending:
+        present = pending.pop()
+        yield present
+        pending.extend(reversed(actions_inside(present)))
+
+
+@overload
+def actions_inside(action: CoreAction) -> tuple[CoreAction, ...]: ...
+@overload
+def actions_inside(action: Action) -> tuple[Action, ...]: ...
+def actions_inside(action: Action) -> tuple[Action, ...]:
+    """Those of which an action consists, in text order; none for a communication and the like."""
+    match action:
+        case SequentialSteps() | ParallelSteps():
+            return action.steps
+        case Choice():
+            return tuple(branch.body for branch in action.branches)
+        case Repeat() | WhileLoop() | CountedLoop() | Group() | ProcessScope():
+            return (action.body,)
+        case IfElse():
+            return (action.then, action.otherwise)
+        case CatchException():
+            return (action.body, action.handler)
+        case InterruptOn():
+            return (action.body, action.branch.body)
+        case (
+            RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
+            | ResetInstance() | RaiseException() | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates()
+            | ReportCommunication()
+        ):  # fmt: skip
+            return ()
+        case _:
+            assert_never(action)
 
 
 def instances_run(action: Action) -> list[str]:

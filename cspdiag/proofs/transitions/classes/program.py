@@ -9,10 +9,9 @@ from functools import cached_property
 from typing import TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.network.infer.ends import actions_inside
 from cspdiag.network.ir.actions import CoreAction, Group, ParallelSteps, PortEnd
 from cspdiag.network.ir.network import CoreClass, CoreNetwork, InstanceOf, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import actions_inside, parts
 
 Definition: TypeAlias = "CoreClass | SubmodelClass"
 
