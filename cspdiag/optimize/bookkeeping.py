@@ -14,22 +14,16 @@ from __future__ import annotations
 
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.again import choices_made_again, classes_run_again
+from cspdiag.network.flow.waiting import only_computes
 from cspdiag.network.ir.actions import (
     Action,
-    AssignValue,
     CatchException,
     Choice,
     CountedLoop,
     Group,
-    IfElse,
     ParallelSteps,
-    RaiseException,
     Repeat,
-    ReportCommunication,
-    ResetStates,
-    RunLaw,
     SequentialSteps,
-    SkipStep,
     WhileLoop,
 )
 from cspdiag.network.ir.network import Network, ProcessClass
@@ -72,7 +66,7 @@ def _alone(action: Action) -> Action:
 def _without_priorities(action: Action) -> Action:
     """The same for the outermost parallels of a composition."""
     match action:
-        case ParallelSteps(prioritized=True, steps=steps) if sum(map(_can_wait, steps)) <= 1:
+        case ParallelSteps(prioritized=True, steps=steps) if sum(map(only_computes, steps)) >= len(steps) - 1:
             return replaced(action, prioritized=False)
         case SequentialSteps():
             return changed(action, steps=mapped(action.steps, _without_priorities))
@@ -82,20 +76,3 @@ def _without_priorities(action: Action) -> Action:
             return changed(action, body=_without_priorities(action.body), handler=_without_priorities(action.handler))
         case _:
             return action
-
-
-def _can_wait(action: Action) -> bool:
-    """Whether it may do anything but compute."""
-    match action:
-        case AssignValue() | SkipStep() | RunLaw() | ResetStates() | ReportCommunication() | RaiseException():
-            return False
-        case SequentialSteps():
-            return any(map(_can_wait, action.steps))
-        case IfElse():
-            return _can_wait(action.then) or _can_wait(action.otherwise)
-        case Repeat() | WhileLoop() | CountedLoop() | Group():
-            return _can_wait(action.body)
-        case CatchException():
-            return _can_wait(action.body) or _can_wait(action.handler)
-        case _:
-            return True

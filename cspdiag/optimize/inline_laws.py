@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cspdiag.base.record import replaced
+from cspdiag.network.flow.waiting import READ_AT_ONCE
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -44,8 +45,6 @@ from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import in_sequence, rebuilt
 from cspdiag.optimize.flatten.naming import parameter_constants, renamed, renamed_equation
 from cspdiag.optimize.reachable import reachable
-
-_AT_ONCE = frozenset({"var", "constant"})
 
 
 def inline_laws(network: Network) -> Network:
@@ -184,7 +183,7 @@ class _Inlined:
         equations = [renamed_equation(item, self.prefix, self.values, self.signals) for item in law.equations]
         if equations or variables or law.next_values or law.derivatives:
             steps.append(self._law(action, (*variables, *equations)))
-        steps += self._outputs(may_have_waited=not kinds <= _AT_ONCE)
+        steps += self._outputs(may_have_waited=not kinds <= READ_AT_ONCE)
         return in_sequence(steps, action)
 
     def _law(self, action: RunInstance, equations: tuple[SubmodelEquation | ExternalCall, ...]) -> RunLaw:

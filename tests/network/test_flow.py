@@ -10,6 +10,7 @@ from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, exceptions_of
+from cspdiag.network.flow.waiting import only_computes
 from cspdiag.network.ir.actions import Action
 from cspdiag.network.ir.network import Network
 from cspdiag.optimize import lower_for_targets, optimize
@@ -70,6 +71,26 @@ def places(code: Code, kind: type) -> list[int]:
 )  # fmt: skip
 def test_whether_a_composition_may_end(composition: str, ends: bool) -> None:
     assert may_end(body(composition)) == ends
+
+
+@pytest.mark.parametrize(
+    ("composition", "computes"),
+    [
+        ("x := 1", True),
+        ("x := 1 ; (if x > 3 then raise Odd else x := 2)", True),
+        ("while x < 3 do x := x + 1", True),
+        ("(x := 1 ; raise Odd) catch Odd -> x := 2", True),
+        ("(x := 1 ; raise Odd) catch Odd -> y ! 2", False),
+        ("if x > 3 then u ? x else x := 2", False),
+        ("wait 1 ms", False),
+        ("stop", False),
+        ("skip -> x := 1", False),
+        ("(x := 1) interrupt after 1 ms -> skip", False),
+        ("x := 1 ; (skip || skip)", False),
+    ],
+)  # fmt: skip
+def test_whether_a_composition_does_nothing_but_compute(composition: str, computes: bool) -> None:
+    assert only_computes(body(composition)) == computes
 
 
 def test_an_instance_that_never_ends_keeps_what_runs_it() -> None:

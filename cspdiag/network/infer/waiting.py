@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from cspdiag.network.elaborate.constant_value import constant_value
-from cspdiag.network.infer.contexts import NetKind, Placed, port_facts
+from cspdiag.network.flow.waiting import READ_AT_ONCE, WRITTEN_AT_ONCE
+from cspdiag.network.infer.contexts import Placed, port_facts
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -42,18 +43,15 @@ from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast
 
-_NEVER_READ_WAITS: frozenset[NetKind] = frozenset({"var", "constant"})
-_NEVER_WRITE_WAITS: frozenset[NetKind] = frozenset({"var", "sampled", "event", "discard", "overwrite"})
-
 
 def read_may_wait(placed: Placed, key: Key) -> bool:
     """Whether reading a port or channel may have to wait for a value."""
-    return placed.facts[key][0] not in _NEVER_READ_WAITS
+    return placed.facts[key][0] not in READ_AT_ONCE
 
 
 def write_may_wait(placed: Placed, key: Key) -> bool:
     """Whether writing a port or channel may have to wait for a reader."""
-    return placed.facts[key][0] not in _NEVER_WRITE_WAITS
+    return placed.facts[key][0] not in WRITTEN_AT_ONCE
 
 
 def is_open(placed: Placed, key: Key) -> bool:
@@ -197,6 +195,6 @@ class MayWait:
             return self.process(placed.inside[instance.name])
         facts = port_facts(placed.facts, instance)
         return any(
-            facts[key][0] not in (_NEVER_READ_WAITS if port.direction == "in" else _NEVER_WRITE_WAITS)
+            facts[key][0] not in (READ_AT_ONCE if port.direction == "in" else WRITTEN_AT_ONCE)
             for port, _, key in instance.shape.port_elements()
         )

@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record, replaced
+from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -329,8 +330,8 @@ class Code:
                 return False
 
     def never_waits(self, sink: End) -> bool:
-        """Whether writing to it is over at once."""
-        return self.medium(sink) in ("latched", "direct", "var", "discard")
+        """Whether writing to it is over at once, and nobody can have waited to read it."""
+        return self.medium(sink) in WRITTEN_AT_ONCE - {"overwrite"}
 
 
 def _target(read: InputRead) -> tuple[End, Target]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.python.fast.places import Spelling, at_once, is_alternated, is_inline, never_waits
+from cspdiag.codegen.python.fast.places import Spelling, at_once, is_alternated, is_inline
 from cspdiag.codegen.python.text.code import AND, COMPARISON, SUM, Atom, call, infix, tuple_of
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, run
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType
+from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
 from cspdiag.network.ir.actions import End
 from cspdiag.network.ir.network import Medium
 
@@ -132,7 +133,7 @@ class Communications:
             return (*self.check(), *before, *self._rendezvous_write(channel, value, is_alternated(medium)))
         if medium.kind == "latched" and value.isidentifier():
             return (*self.check(), *self._latched(sink, end, value))
-        if never_waits(medium):
+        if medium.kind in WRITTEN_AT_ONCE:
             known = () if medium.kind in ("latched", "direct") else self.known()
             return (*self.check(), *known, text(f"{end}.offer({self.spelling['me']}, {value})"))
         return (*self.known(), text(f"yield from {end}.write({value})"))
@@ -242,7 +243,7 @@ class Communications:
         """Offers all values in order, then waits until all were taken."""
         spelling = self.spelling
         media = [spelling.medium(sink) for sink, _ in writes]
-        waiting = [position for position, medium in enumerate(media) if not never_waits(medium)]
+        waiting = [position for position, medium in enumerate(media) if medium.kind not in WRITTEN_AT_ONCE]
         one_last = len(waiting) == 1 and all(
             at_once(sink, medium) for (sink, _), medium in list(zip(writes, media, strict=True))[waiting[0] :][1:]
         )

@@ -188,11 +188,6 @@ def is_alternated(medium: Medium) -> bool:
     return is_inline(medium) and medium.guarded_reads
 
 
-def never_waits(medium: Medium) -> bool:
-    """Whether a write ends at once."""
-    return medium.kind in AT_ONCE or medium.kind in ("latched", "direct", "overwrite")
-
-
 def at_once(end: End, medium: Medium) -> bool:
     """Whether an access is no communication."""
     return medium.kind in AT_ONCE or (isinstance(end, ChannelEnd) and medium.kind == "var")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
 from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import PATIENT
@@ -146,7 +147,7 @@ class Abandoning(Communications):
             case SkipEvent():
                 return True
             case OutputEvent(sink=sink):
-                return self.thread.medium(context.reference(sink)).kind in ("output", "var", "discard", "overwrite")
+                return self.thread.medium(context.reference(sink)).kind in WRITTEN_AT_ONCE
             case InputEvent(source=source) | ReadyEvent(source=source):
                 return self.thread.medium(context.reference(source)).kind not in PATIENT
             case AfterEvent():

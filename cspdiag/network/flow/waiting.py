@@ -1,0 +1,30 @@
+"""Where a process may wait: which communications never do, and which compositions do nothing but compute.
+
+Kinds of channels have several vocabularies (``ChannelKind``, ``MediumKind`` of a port, and ``sampled``, ``event`` and
+``output`` for what an output of the outermost process is called elsewhere); a name means the same in all of them.
+"""
+
+from __future__ import annotations
+
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Call, Communicate, Delay, Fork, Instruction, Join, Select, Stop, Take, Watch
+from cspdiag.network.ir.actions import Action, InterruptOn
+
+READ_AT_ONCE: frozenset[str] = frozenset({"var", "constant"})
+"""The kinds of which a value can always be read."""
+
+WRITTEN_AT_ONCE: frozenset[str] = frozenset(
+    {"var", "discard", "overwrite", "sampled", "event", "latched", "direct", "output"}
+)
+"""The kinds that take every value when it is written: the outside takes all outputs."""
+
+
+def only_computes(action: Action) -> bool:
+    """Whether a composition neither communicates nor waits, nor leaves that to others, on any of its ways."""
+    return not any(map(_does_more, flow_of(action).instructions))
+
+
+def _does_more(instruction: Instruction) -> bool:
+    if isinstance(instruction, Watch):
+        return isinstance(instruction.step, InterruptOn)
+    return isinstance(instruction, Call | Communicate | Delay | Fork | Join | Select | Stop | Take)
