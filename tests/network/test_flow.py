@@ -10,9 +10,10 @@ from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, exceptions_of
-from cspdiag.network.flow.waiting import only_computes
-from cspdiag.network.ir.actions import Action
+from cspdiag.network.flow.waiting import is_always_ready, only_computes
+from cspdiag.network.ir.actions import Action, Choice
 from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.walk import all_actions
 from cspdiag.optimize import lower_for_targets, optimize
 from tests.network import programs
 
@@ -91,6 +92,32 @@ def test_whether_a_composition_may_end(composition: str, ends: bool) -> None:
 )  # fmt: skip
 def test_whether_a_composition_does_nothing_but_compute(composition: str, computes: bool) -> None:
     assert only_computes(body(composition)) == computes
+
+
+@pytest.mark.parametrize(
+    ("guard", "kind", "ready"),
+    [
+        ("skip", "sync", True),
+        ("u ? x", "sampled", False),
+        ("u ? x", "overwrite", False),
+        ("u ? x", "constant", True),
+        ("u", "event", False),
+        ("u", "var", True),
+        ("y ! 1", "sync", False),
+        ("y ! 1", "buffer", False),
+        ("y ! 1", "overwrite", True),
+        ("y ! 1", "latched", True),
+        ("after 1 ms", "sync", False),
+    ],
+)  # fmt: skip
+def test_which_guards_are_always_ready(guard: str, kind: str, ready: bool) -> None:
+    (select,) = (step for step in all_actions(body(f"{guard} -> u ? x")) if isinstance(step, Choice))
+    assert is_always_ready(select.branches[0].event, lambda _: kind) == ready
+
+
+def test_a_time_out_is_always_ready_where_its_duration_is_none() -> None:
+    (select,) = (step for step in all_actions(body("after 1 ms -> u ? x")) if isinstance(step, Choice))
+    assert is_always_ready(select.branches[0].event, lambda _: "sync", lambda _: True)
 
 
 def test_an_instance_that_never_ends_keeps_what_runs_it() -> None:

@@ -1,4 +1,4 @@
-"""Where a process may wait: which communications never do, and which compositions do nothing but compute.
+"""Where a process may wait: which communications and guards never do, and which compositions do nothing but compute.
 
 Kinds of channels have several vocabularies (``ChannelKind``, ``MediumKind`` of a port, and ``sampled``, ``event`` and
 ``output`` for what an output of the outermost process is called elsewhere); a name means the same in all of them.
@@ -6,9 +6,23 @@ Kinds of channels have several vocabularies (``ChannelKind``, ``MediumKind`` of 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import assert_never
+
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Call, Communicate, Delay, Fork, Instruction, Join, Select, Stop, Take, Watch
-from cspdiag.network.ir.actions import Action, InterruptOn
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    End,
+    Event,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ReadyEvent,
+    SkipEvent,
+)
+from cspdiag.network.ir.expressions import Expression
 
 READ_AT_ONCE: frozenset[str] = frozenset({"var", "constant"})
 """The kinds of which a value can always be read."""
@@ -17,6 +31,23 @@ WRITTEN_AT_ONCE: frozenset[str] = frozenset(
     {"var", "discard", "overwrite", "sampled", "event", "latched", "direct", "output"}
 )
 """The kinds that take every value when it is written: the outside takes all outputs."""
+
+
+def is_always_ready(
+    event: Event, kind_of: Callable[[End], str], is_over_at_once: Callable[[Expression], bool] = lambda _: False
+) -> bool:
+    """Whether a guard is ready whenever it counts; ``is_over_at_once`` says so of the duration of a time-out."""
+    match event:
+        case SkipEvent():
+            return True
+        case ReadyEvent() | InputEvent():
+            return kind_of(event.source) in READ_AT_ONCE
+        case OutputEvent():
+            return kind_of(event.sink) in WRITTEN_AT_ONCE
+        case AfterEvent():
+            return is_over_at_once(event.duration)
+        case _:
+            assert_never(event)
 
 
 def only_computes(action: Action) -> bool:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import assert_never
 
 from cspdiag.network.elaborate.constant_value import constant_value
-from cspdiag.network.flow.waiting import READ_AT_ONCE, WRITTEN_AT_ONCE
+from cspdiag.network.flow import waiting
 from cspdiag.network.infer.contexts import Placed, port_facts
 from cspdiag.network.ir.actions import (
-    AfterEvent,
     AssignValue,
     CatchException,
     Choice,
@@ -18,13 +18,10 @@ from cspdiag.network.ir.actions import (
     Event,
     Group,
     IfElse,
-    InputEvent,
     InterruptOn,
-    OutputEvent,
     ParallelSteps,
     RaiseException,
     ReadValue,
-    ReadyEvent,
     Repeat,
     ResetInstance,
     RunInstance,
@@ -46,12 +43,12 @@ from cspdiag.syntax import ast
 
 def read_may_wait(placed: Placed, key: Key) -> bool:
     """Whether reading a port or channel may have to wait for a value."""
-    return placed.facts[key][0] not in READ_AT_ONCE
+    return placed.facts[key][0] not in waiting.READ_AT_ONCE
 
 
 def write_may_wait(placed: Placed, key: Key) -> bool:
     """Whether writing a port or channel may have to wait for a reader."""
-    return placed.facts[key][0] not in WRITTEN_AT_ONCE
+    return placed.facts[key][0] not in waiting.WRITTEN_AT_ONCE
 
 
 def is_open(placed: Placed, key: Key) -> bool:
@@ -94,19 +91,7 @@ def is_over_at_once(placed: Placed, duration: Expression) -> bool:
 
 def is_always_ready(placed: Placed, event: Event) -> bool:
     """Whether a guard is ready whenever it counts."""
-    match event:
-        case SkipEvent():
-            return True
-        case ReadyEvent() | InputEvent():
-            key = end_key(event.source)
-            return not is_open(placed, key) and not read_may_wait(placed, key)
-        case OutputEvent():
-            key = end_key(event.sink)
-            return not is_open(placed, key) and not write_may_wait(placed, key)
-        case AfterEvent():
-            return is_over_at_once(placed, event.duration)
-        case _:
-            assert_never(event)
+    return waiting.is_always_ready(event, lambda end: placed.facts[end_key(end)][0], partial(is_over_at_once, placed))
 
 
 def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
@@ -195,6 +180,6 @@ class MayWait:
             return self.process(placed.inside[instance.name])
         facts = port_facts(placed.facts, instance)
         return any(
-            facts[key][0] not in (READ_AT_ONCE if port.direction == "in" else WRITTEN_AT_ONCE)
+            facts[key][0] not in (waiting.READ_AT_ONCE if port.direction == "in" else waiting.WRITTEN_AT_ONCE)
             for port, _, key in instance.shape.port_elements()
         )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
+from cspdiag.network.flow.waiting import is_always_ready
 from cspdiag.network.ir.actions import (
     AfterEvent,
     Branch,
@@ -28,7 +28,7 @@ from cspdiag.network.ir.actions import (
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import PATIENT, Occurrence, World
+from cspdiag.proofs.transitions.occurrences import Occurrence, World
 from cspdiag.proofs.transitions.systems.system import Abstraction
 
 _ALWAYS_READY = "always"
@@ -121,21 +121,18 @@ def is_time_out(branch: Branch) -> bool:
 
 def _kind(branch: Branch, occurrence: Occurrence) -> str:
     """On what it depends when a guard is ready."""
+    if is_always_ready(branch.event, lambda end: occurrence.attached(end).kind):
+        return _ALWAYS_READY
     match branch.event:
         case AfterEvent():
             return _TIMED
-        case SkipEvent():
-            return _ALWAYS_READY
-        case OutputEvent(sink=sink):
-            kind = occurrence.attached(sink).kind
-            return _ALWAYS_READY if kind in WRITTEN_AT_ONCE else _INSIDE
+        case SkipEvent() | OutputEvent():
+            return _INSIDE
         case InputEvent(source=source) | ReadyEvent(source=source):
             medium = occurrence.attached(source)
             if medium.kind == "event" and not medium.is_contended:
                 return _EVENT
-            if medium.kind == "sampled":
-                return _SAMPLED
-            return _INSIDE if medium.kind in PATIENT else _ALWAYS_READY
+            return _SAMPLED if medium.kind == "sampled" else _INSIDE
 
 
 def _compete(parallel: Node, occurrence: Occurrence) -> bool:

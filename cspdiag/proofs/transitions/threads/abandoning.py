@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from typing import assert_never
 
-from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
+from cspdiag.network.flow.waiting import is_always_ready
 from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.systems.labels import INTERNAL, Alarm, Bound, Cancelled, Read
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.communications import Communications, Move
@@ -143,17 +142,7 @@ class Abandoning(Communications):
 
     def is_always_ready(self, context: Context, branch: Branch) -> bool:
         """Whether a guard never has to wait for anybody."""
-        match branch.event:
-            case SkipEvent():
-                return True
-            case OutputEvent(sink=sink):
-                return self.thread.medium(context.reference(sink)).kind in WRITTEN_AT_ONCE
-            case InputEvent(source=source) | ReadyEvent(source=source):
-                return self.thread.medium(context.reference(source)).kind not in PATIENT
-            case AfterEvent():
-                return False
-            case _:
-                assert_never(branch.event)
+        return is_always_ready(branch.event, lambda end: self.thread.medium(context.reference(end)).kind)
 
 
 def is_point(frame: frames.Frame) -> bool:
