@@ -11,6 +11,7 @@ from functools import partial
 from typing import TypeAlias
 
 from cspdiag.base.record import replaced
+from cspdiag.network.dump.delay import is_of_time_out
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 from cspdiag.proofs.transitions.systems.restricted import is_time_out, prompt, without
 from cspdiag.proofs.transitions.systems.system import Event, System
@@ -25,7 +26,7 @@ def narrower(found: Counterexample) -> Iterator[Narrowing]:
     """What to look at, one after the other; nothing of it does all of the counterexample."""
     steps = (*found.steps, *found.cycle)
     has_misses = any(step.kind == "miss" for step in steps)
-    has_time_outs = any(step.kind == "time" and "after" in step.channel for step in steps)
+    has_time_outs = any(step.kind == "time" and is_of_time_out(step.channel) for step in steps)
     if has_misses or has_time_outs:
         yield lambda system: prompt(without(system, _is_miss))
     if has_misses:

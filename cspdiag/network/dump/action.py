@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import assert_never
 
+from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.dump.submodel import doc_lines, law_lines
 from cspdiag.network.ir.actions import (
@@ -75,7 +76,7 @@ def action_lines(action: Action) -> Iterator[str]:
         case StopStep():
             yield "stop"
         case WaitStep():
-            yield f"wait {expression_text(action.duration)}"
+            yield delay_text(action)
         case ResetInstance():
             yield f"reset {action.instance}"
         case RaiseException():
@@ -180,7 +181,7 @@ def _event(event: Event) -> str:
         case OutputEvent():
             return f"{end_text(event.sink)} ! {expression_text(event.value)}"
         case AfterEvent():
-            return f"after {expression_text(event.duration)}"
+            return delay_text(event)
         case SkipEvent():
             return "skip"
         case _:

@@ -103,6 +103,9 @@ Function: TypeAlias = Literal[
 fault; the others are those of the language.
 """
 
+ARITY: dict[Function, int] = {"min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 2}
+"""Arguments of the functions that do not take one."""
+
 
 @record(kw_only=True)
 class FunctionCall(Typed):

@@ -23,6 +23,7 @@ from cspdiag.model.types import (
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
+    ARITY,
     ArrayElements,
     BinaryOperation,
     ConditionalValue,
@@ -40,9 +41,6 @@ from cspdiag.network.ir.expressions import (
     Value,
     VariableValue,
 )
-
-_ARITY = {"min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 2}
-"""Arguments of the functions that do not take one."""
 
 
 @node
@@ -98,7 +96,7 @@ def _wrong(part: Expression, names: Names) -> Iterator[str]:
             yield from _differing(BOOL, part.condition.type)
             yield from _differing(part.type, part.then.type, part.otherwise.type)
         case FunctionCall():
-            if len(part.arguments) != _ARITY.get(part.function, 1):
+            if len(part.arguments) != ARITY.get(part.function, 1):
                 yield f"has {len(part.arguments)} arguments"
             elif part.function == "seconds":
                 yield from _differing(TIME, part.arguments[0].type)

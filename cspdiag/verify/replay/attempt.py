@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from cspdiag.base.record import replaced
+from cspdiag.network.dump.delay import is_of_time_out
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.composition import end_all, task_for
@@ -258,8 +259,7 @@ class Attempt:
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
         """The gates to be passed for a step, writers first, alternatives last."""
         if step.kind == "time":
-            time_out = step.channel.rpartition(": ")[2].startswith("after")
-            offers = self._offers(("after",) if time_out else ("wait",), None)
+            offers = self._offers(("after",) if is_of_time_out(step.channel) else ("wait",), None)
             lasting = [entry for entry in offers if entry[0].duration == duration_of(step.channel)]
             offers = lasting or offers
         else:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cspdiag.base.record import replaced
+from cspdiag.network.dump.delay import is_of_time_out
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Event, System
 
 
@@ -55,4 +56,4 @@ def prompt(system: System) -> System:
 
 def is_time_out(event: Event) -> bool:
     """Whether it is the end of an ``after``."""
-    return event.kind == "time" and event.channel.rpartition(": ")[2].startswith("after")
+    return event.kind == "time" and is_of_time_out(event.channel)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final, TypeAlias, assert_never
 
-from cspdiag.network.dump.expression import expression_text
+from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.ir.actions import (
     AfterEvent,
     Branch,
@@ -123,7 +123,7 @@ class Communications:
             case SkipEvent():
                 return [(INTERNAL, on)]
             case AfterEvent():
-                return [(self.follower.delay(f"after {expression_text(event.duration)}", value), on)]
+                return [(self.follower.delay(delay_text(event), value), on)]
             case OutputEvent():
                 reference = context.reference(event.sink)
                 if self.thread.medium(reference).kind in ("var", "discard"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import (
     ChannelEnd,
@@ -163,7 +164,7 @@ class Offers(Abandoning):
                 return found
             case WaitStep():
                 takes_time = self.follower.takes_time(c, context, action.duration)
-                label = self.follower.delay(f"wait {expression_text(action.duration)}", takes_time)
+                label = self.follower.delay(delay_text(action), takes_time)
                 return [(label, after._replace(loaded=()))]
             case StopStep():
                 return []

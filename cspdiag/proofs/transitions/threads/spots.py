@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from cspdiag.base.record import replaced
-from cspdiag.network.dump.expression import expression_text
+from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.ir.actions import (
     AfterEvent,
     Branch,
@@ -120,7 +120,7 @@ def _action(frame: frames.Run) -> Spot:
         case ReadValue():
             return Spot("waits to read", context.reference(action.source), node.span)
         case WaitStep():
-            return Spot(f"is in `wait {expression_text(action.duration)}`", None, node.span)
+            return Spot(f"is in `{delay_text(action)}`", None, node.span)
         case StopStep():
             return Spot("waits for ever, at stop", None, node.span)
         case ParallelSteps():
@@ -147,8 +147,8 @@ def _guard(branch: Branch, context: Context) -> tuple[str, Reference | None]:
             return "waits to read", context.reference(source)
         case OutputEvent(sink=sink):
             return "waits to write", context.reference(sink)
-        case AfterEvent(duration=duration):
-            return f"waits for `after {expression_text(duration)}`", None
+        case AfterEvent():
+            return f"waits for `{delay_text(branch.event)}`", None
         case SkipEvent():
             return "goes on", None
         case _:
