@@ -5,12 +5,22 @@ from __future__ import annotations
 from cspdiag.base import Edit, Span
 from cspdiag.model.types import IntType, RealType, TimeType, Type
 from cspdiag.model.units import SECOND
+from cspdiag.syntax import ast
 
 
 def noun(found: Type) -> str:
     """A type with its article: ``an int``, ``a double<rad>``."""
-    text = str(found)
+    return with_article(str(found))
+
+
+def with_article(text: str) -> str:
+    """``an int``, ``a uint8``."""
     return f"an {text}" if text[0] in "aeioAEIO" else f"a {text}"
+
+
+def waited_for(node: ast.Wait | ast.TimeGuard) -> str:
+    """What its expression gives."""
+    return "delay" if isinstance(node, ast.Wait) else "time-out"
 
 
 def conversion_help(found: Type, wanted: Type, written: str) -> str | None:

@@ -247,7 +247,7 @@ _GUARD_FORMS: dict[type[ast.Node], GuardForm] = {
     ast.ReadyGuard: "ready",
     ast.InputGuard: "input",
     ast.OutputGuard: "output",
-    ast.AfterGuard: "after",
+    ast.TimeGuard: "after",
     ast.SkipGuard: "skip",
 }
 

@@ -11,6 +11,7 @@ from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN
+from cspdiag.model.wording import waited_for
 from cspdiag.syntax import ast
 
 
@@ -34,10 +35,8 @@ def _check(program: Program, part: ast.Node, report: Report) -> None:
             _check_writable(program, part.channel, report)
         case ast.Assign():
             _check_variable(program, part.target, report, None)
-        case ast.Wait():
-            check_duration(program, part.duration, "the delay", report)
-        case ast.AfterGuard():
-            check_duration(program, part.duration, "the time-out", report)
+        case ast.Wait() | ast.TimeGuard():
+            check_duration(program, part.time, f"the {waited_for(part)}", report)
         case ast.Reset():
             _check_reset(program, part.instance, report)
         case _:

@@ -68,8 +68,8 @@ def _computed_in_a_run(program: Program, part: ast.Node) -> tuple[ast.Expression
             ast.Write() | ast.OutputGuard() | ast.Assign() | ast.Equation() | ast.Let() | ast.Next() | ast.Derivative()
         ):
             return (part.value,)
-        case ast.Wait() | ast.AfterGuard():
-            return (part.duration,)
+        case ast.Wait() | ast.TimeGuard():
+            return (part.time,)
         case ast.Mu(until=condition) | ast.Guard(condition=condition):
             return () if condition is None else (condition,)
         case ast.If() | ast.While():

@@ -13,6 +13,7 @@ from cspdiag.model.names.scopes import check_replicator
 from cspdiag.model.program import BuiltinSymbol, PortSymbol
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, declared_at, described
 from cspdiag.model.types import INT, TIME
+from cspdiag.model.wording import waited_for, with_article
 from cspdiag.syntax import ast
 
 
@@ -34,7 +35,7 @@ def resolve_composition(typer: Typer, composition: ast.Composition) -> None:
         case ast.Skip() | ast.Stop():
             pass
         case ast.Wait():
-            typer.require(composition.duration, TIME, Purpose(what="a delay"))
+            typer.require(composition.time, TIME, Purpose(what=with_article(waited_for(composition))))
         case ast.Raise():
             bind_exception(typer, composition.exception)
         case ast.Sequence() | ast.Parallel():
@@ -87,8 +88,8 @@ def _guard(typer: Typer, guard: ast.Guard) -> None:
             end_of_channel(typer, guard.event.target, "variable")
         case ast.OutputGuard():
             _written(typer, guard.event.channel, guard.event.value)
-        case ast.AfterGuard():
-            typer.require(guard.event.duration, TIME, Purpose(what="a time-out"))
+        case ast.TimeGuard():
+            typer.require(guard.event.time, TIME, Purpose(what=with_article(waited_for(guard.event))))
         case ast.SkipGuard():
             pass
         case _:

@@ -100,7 +100,7 @@ class _Composer:
             case ast.Stop():
                 return StopStep(span=span)
             case ast.Wait():
-                return WaitStep(span=span, duration=self._expression(part.duration, values))
+                return WaitStep(span=span, duration=self._expression(part.time, values))
             case ast.Raise():
                 return RaiseException(span=span, exception=part.exception.text)
             case ast.Sequence():
@@ -258,8 +258,8 @@ class _Composer:
             case ast.OutputGuard():
                 sink, value = self._end(event.channel, values), self._expression(event.value, values)
                 return OutputEvent(span=span, sink=sink, value=value) if sink else None
-            case ast.AfterGuard():
-                return AfterEvent(span=span, duration=self._expression(event.duration, values))
+            case ast.TimeGuard():
+                return AfterEvent(span=span, duration=self._expression(event.time, values))
             case ast.SkipGuard():
                 return SkipEvent(span=span)
             case _:

@@ -18,7 +18,6 @@ from cspdiag.syntax.ast.communication import (
     Variable,
 )
 from cspdiag.syntax.ast.composition import (
-    AfterGuard,
     Alternative,
     Assign,
     Catch,
@@ -45,6 +44,7 @@ from cspdiag.syntax.ast.composition import (
     SkipGuard,
     Step,
     Stop,
+    TimeGuard,
     Wait,
     While,
     Write,
@@ -101,7 +101,6 @@ from cspdiag.syntax.ast.expressions import (
 )
 
 __all__ = [
-    "AfterGuard",
     "Alternative",
     "Argument",
     "ArrayValue",
@@ -180,6 +179,7 @@ __all__ = [
     "SubmodelDefinition",
     "SubmodelItem",
     "Text",
+    "TimeGuard",
     "TypeAliasDefinition",
     "TypeName",
     "Unary",

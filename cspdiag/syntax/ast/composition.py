@@ -60,7 +60,7 @@ class Stop(Step):
 class Wait(Step):
     """``wait 5 ms``."""
 
-    duration: Expression
+    time: Expression
 
 
 @node
@@ -126,10 +126,10 @@ class OutputGuard(Node):
 
 
 @node
-class AfterGuard(Node):
+class TimeGuard(Node):
     """``after 5 ms -> P``: a time-out."""
 
-    duration: Expression
+    time: Expression
 
 
 @node
@@ -137,7 +137,7 @@ class SkipGuard(Node):
     """``skip -> P``: always ready."""
 
 
-Event: TypeAlias = ReadyGuard | InputGuard | OutputGuard | AfterGuard | SkipGuard
+Event: TypeAlias = ReadyGuard | InputGuard | OutputGuard | TimeGuard | SkipGuard
 
 
 @node

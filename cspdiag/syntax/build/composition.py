@@ -106,9 +106,9 @@ class CompositionBuilder(ExpressionBuilder):
         """``stop``."""
         return ast.Stop(span=span)
 
-    def wait(self, span: Span, duration: ast.Expression) -> ast.Wait:
+    def wait(self, span: Span, time: ast.Expression) -> ast.Wait:
         """``wait 5 ms``."""
-        return ast.Wait(span=span, duration=duration)
+        return ast.Wait(span=span, time=time)
 
     def reset(self, span: Span, instance: ast.Reference) -> ast.Reset:
         """``reset name``."""
@@ -138,9 +138,9 @@ class CompositionBuilder(ExpressionBuilder):
         """``port ! e``."""
         return ast.OutputGuard(span=span, channel=channel, value=value)
 
-    def after_guard(self, span: Span, duration: ast.Expression) -> ast.AfterGuard:
+    def after_guard(self, span: Span, time: ast.Expression) -> ast.TimeGuard:
         """``after 5 ms``."""
-        return ast.AfterGuard(span=span, duration=duration)
+        return ast.TimeGuard(span=span, time=time)
 
     def skip_guard(self, span: Span) -> ast.SkipGuard:
         """``skip``."""

@@ -52,9 +52,9 @@ class CompositionFormatter(ExpressionFormatter):
                 self.expression(value, " ")
             case ast.Skip() | ast.Stop():
                 self.token(before)
-            case ast.Wait(duration=duration):
+            case ast.Wait(time=time):
                 self.token(before)
-                self.expression(duration, " ")
+                self.expression(time, " ")
             case ast.Reset(instance=instance):
                 self.token(before)
                 self.reference(instance, " ")
@@ -172,9 +172,9 @@ class CompositionFormatter(ExpressionFormatter):
                 self.reference(channel, before)
                 self.token(" ")
                 self.expression(value, " ")
-            case ast.AfterGuard(duration=duration):
+            case ast.TimeGuard(time=time):
                 self.token(before)
-                self.expression(duration, " ")
+                self.expression(time, " ")
             case ast.SkipGuard():
                 self.token(before)
             case _:
