@@ -20,7 +20,9 @@ def with_article(text: str) -> str:
 
 def waited_for(node: ast.Wait | ast.TimeGuard) -> str:
     """What its expression gives."""
-    return "delay" if isinstance(node, ast.Wait) else "time-out"
+    if isinstance(node, ast.TimeGuard):
+        return "time-out"
+    return "instant" if node.until else "delay"
 
 
 def conversion_help(found: Type, wanted: Type, written: str) -> str | None:

@@ -185,6 +185,8 @@ def _function(function: str, arguments: list[Any]) -> Any:
             if not math.isfinite(x):
                 raise FaultError("infinite or no number")
             return x
+        case "until", [instant, now]:
+            return max(instant - now, 0)
         case "seconds", [x]:
             return x / 1e9
         case "atan2", [y, x]:

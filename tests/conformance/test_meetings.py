@@ -20,9 +20,9 @@ def test_a_quarter_of_the_programs_runs_laws_between_variables() -> None:
     assert sum(": Sums" in text or ": Counts" in text for text in made) >= 15
 
 
-@pytest.mark.parametrize("seed", [2, 72, 181])
+@pytest.mark.parametrize("seed", [2, 13, 181])
 def test_law_of_a_cancelled_process_does_not_run(seed: int) -> None:
-    """Programs on which readable code ran such laws."""
+    """Programs with such laws beside interrupts."""
     assert difference(str(meetings(seed)), ("python-O0",)) == ""
 
 

@@ -138,6 +138,15 @@ REFUSED = {
         ),
         "the length of a delay is not known",
     ),
+    "instant that is waited for": (
+        program(
+            SENDER + "process Sleeper {\n  in i : int\n  communication { var v : int = 0 }\n"
+            "  composition { mu (i ? v ; wait until 5 ms) }\n}\n",
+            "    s : Sender\n    r : Sleeper\n    s.o -> c : int -> r.i",
+            "s || r",
+        ),
+        "the length of a delay is not known",
+    ),
     "communication on a value": (
         program(
             SENDER + "process Splitter {\n  in i : int\n  out o : int\n  communication { var v : int = 0 }\n"

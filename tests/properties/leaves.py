@@ -81,7 +81,8 @@ def access(draw: st.DrawFn, part: Part, port: str) -> str:
     return f"{port} ! {value(draw, part, kind)}"
 
 
-DELAYS = ("0 ms", "1 ms", "2 ms", "3 ms", "300 us", "1500 us", "7 ms")
+DELAYS = ("0 ms", "1 ms", "2 ms", "3 ms", "300 us", "1500 us", "7 ms", "7 ms - now", "now % 2 ms")
+INSTANTS = ("0 ms", "1 ms", "5 ms", "12300 us", "now", "now + 1 ms", "now + 2 ms - now % 2 ms", "3 * now")
 
 
 def guard(draw: st.DrawFn, part: Part, free: list[str], *, watching: bool = False) -> tuple[str, str | None]:
@@ -136,6 +137,8 @@ def step(draw: st.DrawFn, part: Part, depth: int) -> str:
         case "assign":
             return assignment(draw, part)
         case "wait":
+            if draw(st.integers(0, 4)) == 0:
+                return f"(wait until {draw(st.sampled_from(INSTANTS))})"
             delay = value(draw, part, "time", 1) if draw(st.integers(0, 4)) == 0 else draw(st.sampled_from(DELAYS))
             return f"(wait {delay})"
         case "skip":

@@ -47,6 +47,9 @@ LITERALS = {
     "Box": ["Box(pose = Pose(x = 0.25, n = 3), marks = [0, 1, 2])"],
 }
 
+PRESENT = {"time": ["now"]}
+"""What has a value while a program runs only."""
+
 FORMS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "int": [
         ("({} + {})", ("int", "int")), ("({} - {})", ("int", "int")), ("({} * {})", ("int", "int")),
@@ -108,7 +111,7 @@ class Variables(Protocol):
 def literal(draw: st.DrawFn, part: Variables, kind: str) -> str:
     """A literal, a constant or a variable."""
     variable = part.variable(kind)
-    return draw(st.sampled_from([*LITERALS[kind], *part.constants(kind), variable, variable]))
+    return draw(st.sampled_from([*LITERALS[kind], *PRESENT.get(kind, ()), *part.constants(kind), variable, variable]))
 
 
 def value(draw: st.DrawFn, part: Variables, kind: str, depth: int = 2) -> str:

@@ -12,6 +12,7 @@ PROGRAM = """process Main {{
   communication {{
     var v : double = 0
     var n : int    = 0
+    var pause : time = 1 ms
   }}
 
   composition {{
@@ -37,6 +38,13 @@ STOPS = "wait 5 ms ; (if now >= 5 ms then stop)"
         ("mu (wait 5 ms ; n := 1) until now >= 15 ms", "livelock free", {"proved", "unknown"}),
         ("mu (wait 5 ms ; n := 1) until now >= 15 ms", "terminates", {"proved", "unknown"}),
         ("mu (x ? v ; wait 100 ms - now)", "schedulable", {"refuted", "unknown"}),
+        ("wait until 5 ms ; (if now < 5 ms then stop)", "deadlock free", {"proved", "unknown"}),
+        ("wait until 5 ms ; (if now >= 5 ms then stop)", "deadlock free", {"refuted", "unknown"}),
+        ("mu (wait until 5 ms ; n := 1)", "livelock free", {"refuted"}),
+        ("mu (wait until now + 5 ms ; n := 1)", "livelock free", {"proved", "unknown"}),
+        ("mu (wait until now + 5 ms ; n := 1) until now >= 15 ms", "terminates", {"proved", "unknown"}),
+        ("mu (x ? v ; wait until 100 ms)", "schedulable", {"refuted", "unknown"}),
+        ("mu (wait until 0 ms - pause ; n := 1)", "livelock free", {"refuted"}),
     ],
 )
 def test_no_answer_about_the_present_instant_is_wrong(composition: str, claim: str, allowed: set[str]) -> None:

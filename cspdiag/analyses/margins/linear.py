@@ -238,6 +238,8 @@ class Linearization:
             ):  # fmt: skip
                 self._simplified(f"`{call.function}` is taken as constant", call.span, arguments[0])
                 return value
+            case "until":
+                raise AssertionError("stands in compositions alone")
             case _:
                 assert_never(call.function)
 

@@ -79,6 +79,8 @@ def _text(expression: Expression) -> tuple[str, int]:
         case ConditionalValue():
             condition, then = expression_text(expression.condition), expression_text(expression.then)
             return f"if {condition} then {then} else {expression_text(expression.otherwise)}", 0
+        case FunctionCall(function="until", arguments=(instant, _)):
+            return f"until {expression_text(instant)}", 0
         case FunctionCall():
             return f"{expression.function}({_list(expression.arguments)})", _TOP
         case Conversion():

@@ -7,7 +7,7 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
-from cspdiag.model.types import UNKNOWN
+from cspdiag.model.types import TIME, UNKNOWN
 from cspdiag.network.diagnostics.channels import LabelOfPortRead
 from cspdiag.network.diagnostics.composition.alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.elaborate.array_sizes import check_sizes
@@ -49,7 +49,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
+from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime, VariableValue
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Shape
 from cspdiag.network.syntax_walk import names, nodes
@@ -64,6 +64,12 @@ MOST_UNROLLED = 16
 def compose(sizes: Sizes, shape: Shape, places: Places, composition: ast.Composition) -> CoreAction:
     """The composition as actions; what could not be resolved was reported and does nothing."""
     return _Composer(sizes, shape, places).action(composition, shape.values)
+
+
+def _until(instant: Expression) -> Expression:
+    """The duration from the present instant."""
+    arguments = (instant, PresentTime(type=TIME, span=instant.span))
+    return FunctionCall(type=TIME, span=instant.span, function="until", arguments=arguments)
 
 
 class _Composer:
@@ -100,7 +106,8 @@ class _Composer:
             case ast.Stop():
                 return StopStep(span=span)
             case ast.Wait():
-                return WaitStep(span=span, duration=self._expression(part.time, values))
+                time = self._expression(part.time, values)
+                return WaitStep(span=span, duration=_until(time) if part.until else time)
             case ast.Raise():
                 return RaiseException(span=span, exception=part.exception.text)
             case ast.Sequence():

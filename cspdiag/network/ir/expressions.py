@@ -97,13 +97,14 @@ class ConditionalValue(Typed):
 
 Function: TypeAlias = Literal[
     "abs", "min", "max", "limit", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos",
-    "atan", "atan2", "floor", "ceil", "round", "quantize", "deadzone", "seconds", "finite",
+    "atan", "atan2", "floor", "ceil", "round", "quantize", "deadzone", "seconds", "finite", "until",
 ]  # fmt: skip
 """``seconds`` makes a double of a ``time``, ``finite`` gives a real that is neither infinite nor no number, or else a
-fault; the others are those of the language.
+fault, ``until`` the duration until an instant, its first argument, from the present one, its second, and none if it is
+past; the others are those of the language.
 """
 
-ARITY: dict[Function, int] = {"min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 2}
+ARITY: dict[Function, int] = {"min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 2, "until": 2}
 """Arguments of the functions that do not take one."""
 
 

@@ -58,9 +58,10 @@ class Stop(Step):
 
 @node
 class Wait(Step):
-    """``wait 5 ms``."""
+    """``wait 5 ms``; ``wait until t``, where ``time`` is the instant at which it ends."""
 
     time: Expression
+    until: bool
 
 
 @node

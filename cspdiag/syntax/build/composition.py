@@ -108,7 +108,11 @@ class CompositionBuilder(ExpressionBuilder):
 
     def wait(self, span: Span, time: ast.Expression) -> ast.Wait:
         """``wait 5 ms``."""
-        return ast.Wait(span=span, time=time)
+        return ast.Wait(span=span, time=time, until=False)
+
+    def wait_until(self, span: Span, time: ast.Expression) -> ast.Wait:
+        """``wait until last + 10 ms``."""
+        return ast.Wait(span=span, time=time, until=True)
 
     def reset(self, span: Span, instance: ast.Reference) -> ast.Reset:
         """``reset name``."""

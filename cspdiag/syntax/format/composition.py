@@ -52,8 +52,10 @@ class CompositionFormatter(ExpressionFormatter):
                 self.expression(value, " ")
             case ast.Skip() | ast.Stop():
                 self.token(before)
-            case ast.Wait(time=time):
+            case ast.Wait(time=time, until=until):
                 self.token(before)
+                if until:
+                    self.token(" ")
                 self.expression(time, " ")
             case ast.Reset(instance=instance):
                 self.token(before)

@@ -145,6 +145,12 @@ static inline int64_t csp_limit_int(int64_t x, int64_t low, int64_t high)
     return (x < low) ? low : ((x > high) ? high : x);
 }
 
+/* The duration until an instant, from the present one, which is not negative; none if it is past. */
+static inline int64_t csp_until(int64_t instant, int64_t now)
+{
+    return (instant > now) ? instant - now : 0;
+}
+
 static inline int64_t csp_sign_int(int64_t x)
 {
     return (x > 0) - (x < 0);

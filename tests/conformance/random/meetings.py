@@ -11,11 +11,12 @@ from dataclasses import dataclass, field
 from random import Random
 
 from tests.conformance.random.nodes import Node, Program
-from tests.properties.vocabulary import DEFINITIONS, FORMS, INITIAL, LITERALS
+from tests.properties.vocabulary import DEFINITIONS, FORMS, INITIAL, LITERALS, PRESENT
 
 KINDS = ("sync",) * 6 + ("any",) * 4 + ("buffer 1", "buffer 2", "overwrite 1", "overwrite 2", "broadcast", "broadcast")
 TYPES = ("int",) * 8 + tuple(sorted(INITIAL))
 DELAYS = ("1 ms", "1 ms", "2 ms", "2 ms", "3 ms", "0 ms", "500 us", "3 ms - now", "now % 2 ms")
+INSTANTS = ("0 ms", "1 ms", "3 ms", "4500 us", "now", "now + 1 ms", "now + 2 ms - now % 2 ms", "3 * now")
 
 PLANT = """exception Overheated
 exception Jammed
@@ -116,7 +117,7 @@ class Part:
         indexes = self.leaf.indexes if kind == "int" else []
         if indexes and self.draw.random() < 0.7:
             return f"({' + 10 * '.join(indexes)})"
-        return self.draw.choice([*LITERALS[kind], variable, variable, *(["now"] if kind == "time" else [])])
+        return self.draw.choice([*LITERALS[kind], *PRESENT.get(kind, ()), variable, variable])
 
     def value(self, kind: str, depth: int = 1) -> str:
         """An expression."""
@@ -200,7 +201,9 @@ def step(part: Part, depth: int) -> Node:
         if choice < 0.75 and part.ports:
             return Node(f"({_plain(access(part, draw.choice(part.ports)))})")
         if choice < 0.87:
-            return Node(f"(wait {draw.choice(DELAYS)})")
+            return Node(
+                f"(wait until {draw.choice(INSTANTS)})" if draw.random() < 0.2 else f"(wait {draw.choice(DELAYS)})"
+            )
         if choice < 0.9:
             return Node(law(part))
         if choice < 0.95:

@@ -84,7 +84,9 @@ _REAL_FUNCTIONS = {
     "limit": "csp_limit", "sign": "csp_sign", "quantize": "csp_quantize", "deadzone": "csp_deadzone",
     "finite": "csp_real",
 }  # fmt: skip
-_WHOLE_FUNCTIONS = {"min": "csp_min_int", "max": "csp_max_int", "limit": "csp_limit_int", "sign": "csp_sign_int"}
+_WHOLE_FUNCTIONS = {
+    "min": "csp_min_int", "max": "csp_max_int", "limit": "csp_limit_int", "sign": "csp_sign_int", "until": "csp_until",
+}  # fmt: skip
 
 
 def _unexpected(name: str) -> Code:

@@ -317,7 +317,7 @@ class FastPrinter(Printer):
                 return Conditional(root, infix(">=", COMPARISON, first, _ZERO), Atom(self._math("nan")))
             case (
                 "abs" | "min" | "max" | "exp" | "log" | "asin" | "acos" | "atan" | "floor" | "ceil" | "round"
-                | "quantize" | "seconds"
+                | "quantize" | "seconds" | "until"
             ):  # fmt: skip
                 return None
             case _:

@@ -186,6 +186,9 @@ class Printer:
         arguments = [self.print(argument) for argument in expression.arguments]
         if function == "seconds":
             return infix("/", PRODUCT, arguments[0], Atom(self.imports.runtime("s")))
+        if function == "until":
+            # Of an instant that is past it is negative, and so over at once; it does not overflow.
+            return infix("-", SUM, *arguments)
         if function in _BUILTIN_FUNCTIONS:
             return self._checked(expression, call(function, *arguments))
         code = call(self.imports.runtime("nearest" if function == "round" else function), *arguments)
