@@ -21,7 +21,7 @@ def with_article(text: str) -> str:
 def waited_for(node: ast.Wait | ast.TimeGuard) -> str:
     """What its expression gives."""
     if isinstance(node, ast.TimeGuard):
-        return "time-out"
+        return "instant" if node.at else "time-out"
     return "instant" if node.until else "delay"
 
 

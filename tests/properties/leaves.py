@@ -92,7 +92,8 @@ def guard(draw: st.DrawFn, part: Part, free: list[str], *, watching: bool = Fals
         return f"{condition}skip", None
     choice = draw(st.integers(0, 7)) if free else 7
     if choice == 7:
-        return condition + draw(st.sampled_from([f"after {d}" for d in DELAYS])), None
+        timed = [*(f"after {delay}" for delay in DELAYS), *(f"at {instant}" for instant in INSTANTS)]
+        return condition + draw(st.sampled_from(timed)), None
     port = draw(st.sampled_from(free))
     free.remove(port)
     if choice <= 1 and part.leaf.ports[port][0] == "in":

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import AfterEvent, WaitStep
+from cspdiag.network.ir.expressions import FunctionCall
 
 
 def delay_text(delay: WaitStep | AfterEvent) -> str:
-    """``wait 5 ms``, or ``after 5 ms`` of a guard."""
-    return f"{'wait' if isinstance(delay, WaitStep) else 'after'} {expression_text(delay.duration)}"
+    """``wait 5 ms``, or of a guard ``after 5 ms`` and ``at 5 ms``."""
+    match delay:
+        case AfterEvent(duration=FunctionCall(function="until", arguments=(instant, _))):
+            return f"at {expression_text(instant)}"
+        case AfterEvent():
+            return f"after {expression_text(delay.duration)}"
+        case WaitStep():
+            return f"wait {expression_text(delay.duration)}"
+        case _:
+            assert_never(delay)
 
 
 def is_of_time_out(words: str) -> bool:
     """Whether words of an event, with the process in front or not, are those of a guard: ``Top.law: after 5 ms``."""
-    return words.rpartition(": ")[2].startswith("after ")
+    return words.rpartition(": ")[2].startswith(("after ", "at "))

@@ -266,7 +266,8 @@ class _Composer:
                 sink, value = self._end(event.channel, values), self._expression(event.value, values)
                 return OutputEvent(span=span, sink=sink, value=value) if sink else None
             case ast.TimeGuard():
-                return AfterEvent(span=span, duration=self._expression(event.time, values))
+                time = self._expression(event.time, values)
+                return AfterEvent(span=span, duration=_until(time) if event.at else time)
             case ast.SkipGuard():
                 return SkipEvent(span=span)
             case _:

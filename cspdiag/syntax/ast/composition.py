@@ -128,9 +128,10 @@ class OutputGuard(Node):
 
 @node
 class TimeGuard(Node):
-    """``after 5 ms -> P``: a time-out."""
+    """``after 5 ms -> P``: a time-out; ``at t -> P``, where ``time`` is the instant from which on it is ready."""
 
     time: Expression
+    at: bool
 
 
 @node

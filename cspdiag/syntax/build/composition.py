@@ -144,7 +144,11 @@ class CompositionBuilder(ExpressionBuilder):
 
     def after_guard(self, span: Span, time: ast.Expression) -> ast.TimeGuard:
         """``after 5 ms``."""
-        return ast.TimeGuard(span=span, time=time)
+        return ast.TimeGuard(span=span, time=time, at=False)
+
+    def at_guard(self, span: Span, time: ast.Expression) -> ast.TimeGuard:
+        """``at last + 200 ms``."""
+        return ast.TimeGuard(span=span, time=time, at=True)
 
     def skip_guard(self, span: Span) -> ast.SkipGuard:
         """``skip``."""

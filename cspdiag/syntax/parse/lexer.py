@@ -13,11 +13,14 @@ from cspdiag.syntax.parse.tables import END, Tables
 
 WORDS_OF_THEIR_PLACE = frozenset(
     [
-        *("step", "method", "wcet", "on", "miss", "stop"),
+        *("step", "method", "wcet", "on", "miss", "stop", "at"),
         *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures", "hide"),
     ]
 )
 """Keywords where the grammar asks for them, names everywhere else."""
+
+_AFTER_A_NAME = re.compile(r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*(?:[?!:;.\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)")
+"""What stands behind ``at`` in a composition where that is the name of a port, a variable or an instance."""
 
 _LOOKALIKES = dict(
     zip(
@@ -128,7 +131,9 @@ class Lexer:
         text = self.text = match.group(kind)
         if kind == "NAME":
             word = self._words.get(text, "NAME")
-            self.kind = "NAME" if text in WORDS_OF_THEIR_PLACE and word not in accepted else word
+            if text in WORDS_OF_THEIR_PLACE and (word not in accepted or (text == "at" and self._is_used_as_name())):
+                word = "NAME"
+            self.kind = word
         elif kind == "PUNCTUATION":
             self.kind = self._words[text]
             if text[0] == "<" and "UNIT" in accepted:
@@ -167,6 +172,10 @@ class Lexer:
         """The character after the present token that is no space; empty at the end."""
         match = _NEXT_CHARACTER.match(self._text, self.end)
         return match[1] if match else ""
+
+    def _is_used_as_name(self) -> bool:
+        """Whether the present word stands where both a name and it can, and goes on as a name does."""
+        return _AFTER_A_NAME.match(self._text, self.end) is not None
 
     def reported_on_line(self, offset: int) -> bool:
         """Whether something was reported here about a character, string or comment of this line."""

@@ -11,7 +11,7 @@ from cspdiag.syntax.unexpected.situation import Finding, Repair, Situation
 
 _REFERENCE = re.compile(r"[A-Za-z_][\w.\[\]]*\Z", re.ASCII)
 _LEADS_AN_EXPRESSION = frozenset(
-    ["=", ":=", "!", "(", "[", ",", "until", "while", "if", "then", "else", "wait", "after", "when", "safe", "@"]
+    ["=", ":=", "!", "(", "[", ",", "until", "while", "if", "then", "else", "wait", "after", "at", "when", "safe", "@"]
 )
 _CHOICE = re.compile(r"\?(?P<one>[^?:\n]+):(?P<other>[^?:;,\n(){}\]/]+(?:\([^()\n]*\))?)")
 _CONDITIONAL_EQUATION = re.compile(

@@ -27,7 +27,7 @@ _BEFORE_A_NAME = {
     "SUBMODEL": ("let", "state", "next", "der"),
     "PROCESS": ("in", "out"),
     "DRIVER": ("in", "out"),
-    "COMPOSITION": ("reset", "raise", "while", "when", "interrupt", "wait", "after"),
+    "COMPOSITION": ("reset", "raise", "while", "when", "interrupt", "wait", "after", "at"),
 }
 """By block, the keywords in it that a name follows."""
 

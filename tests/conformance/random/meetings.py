@@ -157,7 +157,8 @@ def guard(part: Part, free: list[str], *, watching: bool = False) -> tuple[str, 
     if not watching and draw.random() < 0.05:
         return f"{condition}skip", ""
     if not free or draw.random() < 0.2:
-        return f"{condition}after {draw.choice(DELAYS)}", ""
+        timed = f"at {draw.choice(INSTANTS)}" if draw.random() < 0.25 else f"after {draw.choice(DELAYS)}"
+        return f"{condition}{timed}", ""
     port = draw.choice(free)
     if draw.random() < 0.9:
         free.remove(port)

@@ -159,7 +159,11 @@ class TimeOutNeverElapses(Diagnostic):
             return "leave one of the two away, or put a `when` before the shorter one"
         if self.port is None:
             return "a time-out is for an alternative that waits: leave one of the two away"
-        return f"count samples of `{self.port}` instead, or let a process in parallel `wait {duration(self.waits)}`"
+        waits = duration(self.waits)
+        return (
+            f"keep the instant from which they count, `start := now`, and write `at start + {waits}`; or count samples "
+            f"of `{self.port}`, or let a process in parallel `wait {waits}`"
+        )
 
     @property
     def labels(self) -> tuple[Label, ...]:
