@@ -263,6 +263,7 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         st.running,
         st.now % clock.whole,
         0 if general else min(st.now, clock.last + clock.whole),
+        min(st.now, clock.named),
         st.missed,
         st.timeout,
     )

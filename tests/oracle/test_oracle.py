@@ -18,8 +18,10 @@ from tests.oracle.programs.tree import (
     Catch,
     Channel,
     Comp,
+    Early,
     Expr,
     Guarded,
+    If,
     Int,
     Interrupt,
     Law,
@@ -36,6 +38,7 @@ from tests.oracle.programs.tree import (
     Skip,
     Stop,
     Target,
+    Un,
     Variable,
     Wait,
     Write,
@@ -175,6 +178,24 @@ def test_a_program_terminates_if_every_run_ends(time: int, ends: bool) -> None:
     """With both time-outs due at once, one of the runs takes the second, after which nobody reads."""
     choice = Alt((Guarded(After(3 * MS), write("c", 1)), Guarded(After(time * MS), Skip())))
     assert decide(program(Par((choice, Skip()))), "terminates").holds is ends
+
+
+def test_an_instant_stays_where_it_is_when_an_alternative_begins_anew() -> None:
+    """Twice `after 2 ms` is chosen, and then it is 5 ms; the writers of `o` say when."""
+    at = Guarded(After(5 * MS, at=True), write("o", 1))
+    turn = Alt((at, Guarded(After(2 * MS), write("o", 2))))
+    body = Seq((turn, turn, turn, Wait(4 * MS, until=True), turn, Wait(7 * MS, until=True), write("o", 3)))
+    run = page_run(program(body), 20 * MS)
+    expected = [(2 * MS, "o", 2), (4 * MS, "o", 2), (5 * MS, "o", 1), (5 * MS, "o", 1), (7 * MS, "o", 3)]
+    assert (run.trace, run.ending) == (expected, "terminated")
+
+
+@pytest.mark.parametrize(("early", "holds"), [(3, True), (4, False)])
+def test_states_are_told_apart_by_instants(early: int, holds: bool) -> None:
+    """A loop comes back to its place, at another instant: it never ends before 3 ms."""
+    ends = Seq((Mu(Wait(MS), Un("not", Early(3 * MS), BOOL)), If(Early(early * MS), Stop())))
+    assert decide(program(Par((ends, Mu(Wait(MS))))), "terminates").holds is False
+    assert decide(program(ends), "terminates").holds is holds
 
 
 def test_a_guard_that_is_a_port_leaves_the_sample_to_the_law() -> None:

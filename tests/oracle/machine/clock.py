@@ -8,8 +8,8 @@ from tests.oracle.machine.channels import Channels
 from tests.oracle.machine.link import Linked
 from tests.oracle.machine.policy import Policy
 from tests.oracle.machine.state import Book, Choice, Delay, Joint, State, Thread, Tid
-from tests.oracle.machine.values import zero
-from tests.oracle.programs.tree import Port, Value
+from tests.oracle.machine.values import NOW, zero
+from tests.oracle.programs.tree import Port, Value, last_instant
 
 
 class MissedSampleError(Exception):
@@ -31,6 +31,7 @@ class Clock:
         self.grid = program.step if events else None
         self.cycle = [*self.periods, *([self.grid] if self.grid else [])]
         self.whole = lcm(*self.cycle) if self.cycle else 1
+        self.named = last_instant(program)
         self.last = max((begin for port in program.ports for begin, _ in port.values), default=0)
 
     def start(self, st: State) -> None:
@@ -61,6 +62,7 @@ class Clock:
 
     def instant(self, st: State) -> None:
         """Everything that happens at this instant before any process runs."""
+        st.variables[NOW] = st.now
         ports = self.linked.program.ports
         for port in ports:
             if port.input and port.period and st.now % port.period == 0:
@@ -201,4 +203,4 @@ class Clock:
         while (instant := self.next_instant(st)) is not None and instant <= end and instant > st.now:
             st.now = instant
             self.instant(st)
-        st.now = end
+        st.now = st.variables[NOW] = end

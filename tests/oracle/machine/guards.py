@@ -23,8 +23,8 @@ class Guards(Core):
                 return Offer(index, "read", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
             case Write(channel, value):
                 return Offer(index, "write", channel, stored(evaluate(value, st.variables)), 0, st.seq)
-            case After(time):
-                return Offer(index, "after", "", None, st.now + time, st.seq)
+            case After(time, at):
+                return Offer(index, "after", "", None, time if at else st.now + time, st.seq)
             case Ready(channel):
                 return Offer(index, "ready", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
             case _:

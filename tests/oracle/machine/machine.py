@@ -23,7 +23,7 @@ from tests.oracle.machine.state import (  # fmt: skip
     Thread,
     Tid,
 )
-from tests.oracle.machine.values import FaultError, evaluate
+from tests.oracle.machine.values import NOW, FaultError, evaluate
 from tests.oracle.programs.tree import (
     After,
     Alt,
@@ -56,7 +56,7 @@ class Machine(Parallels, Guards, Laws):
             now=0,
             threads={(): root},
             ready=[()],
-            variables={variable.name: variable.initial for variable in program.variables},
+            variables={NOW: 0, **{variable.name: variable.initial for variable in program.variables}},
             buffers={},
             laws={law.name: tuple(initial for _, _, initial, _ in law.states) for law in program.laws},
             chosen={},
@@ -167,10 +167,10 @@ class Machine(Parallels, Guards, Laws):
                 return NEXT
             case Read() | Write():
                 return self._communicate(st, thread, node, "comm", node.comp)
-            case Wait(time):
+            case Wait(time, until):
                 if thread.cancel:
                     return CANCEL
-                return self._delay(st, thread, time)
+                return self._delay(st, thread, time - st.now if until else time)
             case Stop():
                 if thread.cancel:
                     return CANCEL

@@ -11,6 +11,7 @@ from tests.oracle.programs.tree import (
     Bool,
     Call,
     Convert,
+    Early,
     Enum,
     Expr,
     Field,
@@ -26,6 +27,9 @@ from tests.oracle.programs.tree import (
     Un,
     Value,
 )  # fmt: skip
+
+NOW = "now"
+"""The variable that has the present instant; no program declares it."""
 
 
 class FaultError(Exception):
@@ -132,6 +136,8 @@ def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
             return _converted(_number(evaluate(of, variables)), kind)
         case If3(condition, yes, no, _):
             return evaluate(yes if evaluate(condition, variables) else no, variables)
+        case Early(instant):
+            return _number(variables[NOW]) < instant
         case Make(inner, _):
             return tuple(evaluate(part, variables) for part in inner)
 

@@ -19,7 +19,9 @@ from tests.oracle.programs.tree import (
     Catch,
     Channel,
     Comp,
+    Early,
     Event,
+    Expr,
     Guarded,
     If,
     Interrupt,
@@ -43,11 +45,26 @@ from tests.oracle.programs.tree import (
 
 def forever(body: Comp) -> Comp:
     """A loop that waits for something in each round; a loop that never does is refused."""
-    if any(isinstance(part, Read | Write | Wait) for part in walk(body)):
+    instants = has_instants(body)
+    if not instants and any(isinstance(part, Read | Write | Wait) for part in walk(body)):
         return Mu(body)
-    if any(isinstance(part, Guarded) and not isinstance(part.event, Skip) for part in walk(body)):
+    if not instants and any(isinstance(part, Guarded) and not isinstance(part.event, Skip) for part in walk(body)):
         return Mu(body)
     return Mu(Seq((*body.parts, Wait(MS)) if isinstance(body, Seq) else (body, Wait(MS))))
+
+
+def has_instants(body: Comp) -> bool:
+    """Whether there are instants that a composition waits for."""
+    return any(_of_instant(part) for part in walk(body))
+
+
+def _of_instant(part: Comp) -> bool:
+    """Whether it waits for an instant, which it does once only."""
+    match part:
+        case Wait(_, True) | Guarded(After(_, True)):
+            return True
+        case _:
+            return False
 
 
 def _port(event: Event) -> str:
@@ -57,8 +74,8 @@ def _port(event: Event) -> str:
             return channel + "?"
         case Write(channel, _):
             return channel + "!"
-        case After():
-            return "after"
+        case After(_, at):
+            return "at" if at else "after"
         case _:
             return "skip"
 
@@ -90,6 +107,24 @@ class Forms:
     def delay(self) -> int:
         return self.rng.choice([0, 1, 1, 2, 2, 3, 5]) * MS
 
+    def wait(self) -> Wait:
+        """A delay, or until an instant."""
+        until = self.rng.random() < 0.2
+        return Wait(self.instant() if until else self.delay(), until)
+
+    def after(self) -> After:
+        """A time-out, or an instant."""
+        at = self.rng.random() < 0.25
+        return After(self.instant() if at else self.delay(), at)
+
+    def instant(self) -> int:
+        return self.rng.choice([0, 1, 2, 3, 4, 6]) * MS
+
+    def condition(self) -> Expr:
+        if "time" not in self.without and self.rng.random() < 0.1:
+            return Early(self.instant())
+        return self.scope.condition()
+
     # ---- steps ----
 
     def steps(self, count: int, depth: int) -> list[Comp]:
@@ -113,7 +148,7 @@ class Forms:
         """Something that concerns nobody else."""
         choice = self.rng.random()
         if choice < 0.4 and "time" not in self.without:
-            return [Wait(self.delay())]
+            return [self.wait()]
         if choice < 0.6 and self.scope.outputs:
             return [Write(self.rng.choice(self.scope.outputs), self.scope.number())]
         return [self.assignment()]
@@ -133,8 +168,7 @@ class Forms:
         if choice < 0.7:
             return self.alternative(depth)
         if choice < 0.75:
-            test = self.scope.condition()
-            return If(test, self.step(depth - 1), self.step(depth - 1) if self.rng.random() < 0.6 else None)
+            return If(self.condition(), self.step(depth - 1), self.step(depth - 1) if self.rng.random() < 0.6 else None)
         if choice < 0.79:
             return self.parallel(depth)
         if choice < 0.83:
@@ -159,11 +193,11 @@ class Forms:
         if communication is not None and choice < 0.75:
             return communication
         if choice < 0.93 and timed and "time" not in self.without:
-            return After(self.delay())
+            return self.after()
         return Skip()
 
     def guard(self, depth: int) -> Guarded:
-        when = self.scope.condition() if self.rng.random() < 0.2 else None
+        when = self.condition() if self.rng.random() < 0.2 else None
         return Guarded(self.event(), self.step(max(depth - 1, 0)), when)
 
     def guarded(self, depth: int) -> Comp:
@@ -238,7 +272,7 @@ class Forms:
         guard = Scope(self.scope.world, self.scope.owner, read, write, [])
         event = Forms(guard, self.without).event()
         if isinstance(event, Skip):
-            event = After(self.delay())
+            event = self.after()
         return Interrupt(body, Guarded(event, self.step(max(depth - 1, 0))))
 
     # ---- changes ----
@@ -257,9 +291,9 @@ class Forms:
             case 2:
                 return [*before, self.step(1), step, *after]
             case 3:
-                return [*before, Wait(self.delay()), step, *after]
+                return [*before, self.wait(), step, *after]
             case 4 if isinstance(step, Read | Write) and self._may_guard(step):
-                other = Guarded(After(self.delay()), self.step(0))
+                other = Guarded(self.after(), self.step(0))
                 return [*before, Alt((Guarded(step, Skip()), other), self.rng.random() < 0.5), *after]
             case 5 if isinstance(step, Read | Write) and self._may_guard(step):
                 rest = self.sequence(after)

@@ -128,7 +128,7 @@ def _simpler(node: Comp) -> Iterator[Comp]:
                 yield body
         case Write(_, value) | Assign(_, value):
             yield from (replace(node, value=each) for each in _values(value))
-        case Wait(time_) if time_ > 10**6:
+        case Wait(time_, until) if time_ > 10**6 or until:
             yield Wait(10**6)
     inner_parts = parts(node)
     for at, part in enumerate(inner_parts):

@@ -20,6 +20,7 @@ from tests.oracle.programs.tree import (
     Channel,
     Comp,
     Convert,
+    Early,
     Enum,
     Event,
     Expr,
@@ -134,6 +135,8 @@ def expression(expr: Expr) -> str:
             return f"{kind.name}({expression(of)})"
         case If3(condition, yes, no, _):
             return f"(if {expression(condition)} then {expression(yes)} else {expression(no)})"
+        case Early(instant):
+            return f"(now < {duration(instant)})"
         case Make(inner, Struct(name, fields)):
             named = (f"{part} = {expression(v)}" for (part, _), v in zip(fields, inner, strict=True))
             return f"{name}({', '.join(named)})"
@@ -144,7 +147,7 @@ def expression(expr: Expr) -> str:
 def condition(expr: Expr) -> str:
     """An expression without the outermost parentheses, where none are needed."""
     text = expression(expr)
-    return text[1:-1] if isinstance(expr, Bin | If3) else text
+    return text[1:-1] if isinstance(expr, Bin | If3 | Early) else text
 
 
 def _target(target: Target) -> str:
@@ -157,8 +160,8 @@ def _event(event: Event, ports: dict[str, str]) -> str:
             return f"{ports.get(channel + '?', channel)} ? {_target(target)}"
         case Write(channel, value):
             return f"{ports.get(channel + '!', channel)} ! {expression(value)}"
-        case After(time):
-            return f"after {duration(time)}"
+        case After(time, at):
+            return f"{'at' if at else 'after'} {duration(time)}"
         case Ready(channel):
             return ports.get(channel + "?", channel)
         case Skip():
@@ -185,8 +188,8 @@ def composition(node: Comp, ports: dict[str, str]) -> str:
             return f"{_target(target)} := {condition(value)}"
         case Read() | Write():
             return _event(node, ports)
-        case Wait(time):
-            return f"wait {duration(time)}"
+        case Wait(time, until):
+            return f"wait {'until ' if until else ''}{duration(time)}"
         case Raise(name):
             return f"raise {name}"
         case Run(law):

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
+from tests.oracle.programs.forms import has_instants
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import uses
 from tests.oracle.programs.tree import (
@@ -75,6 +76,9 @@ class _Timed:
     def delay(self) -> int:
         return self.rng.choice([0, 1, 1, 2, 3, 3, 5, 7, 9]) * MS
 
+    def instant(self) -> int:
+        return self.rng.choice([0, 3, 5, 12, 20, 33]) * MS
+
     def sample(self) -> Comp:
         """Reads one of the sampled inputs, itself or by a law."""
         if self.laws and (not self.samples or self.rng.random() < 0.6):
@@ -93,6 +97,8 @@ class _Timed:
     def between(self, depth: int = 1) -> Comp:
         """What may keep a loop from its samples."""
         choice = self.rng.random()
+        if choice < 0.07:
+            return Wait(self.instant(), until=True)
         if choice < 0.35:
             return Wait(self.delay())
         if choice < 0.5 and self.events:
@@ -117,6 +123,8 @@ class _Timed:
         communication = self.communication()
         if choice < 0.88 and communication is not None:
             return communication, Skip()
+        if self.rng.random() < 0.2:
+            return After(self.instant(), at=True), Skip()
         return After(self.delay()), Skip()
 
     def alternative(self) -> Comp:
@@ -141,7 +149,7 @@ class _Timed:
 
     def loop(self, *, last: bool) -> Comp:
         body = self.round()
-        if not any(isinstance(part, Read | Write | Wait | Run | Guarded) for part in walk(body)):
+        if not any(isinstance(part, Read | Write | Wait | Run | Guarded) for part in walk(body)) or has_instants(body):
             body = Seq((body, Wait(MS)))
         choice = self.rng.random()
         if last and choice < 0.7:
@@ -165,7 +173,7 @@ class _Timed:
                 steps.append(self.between())
             loop = self.loop(last=number == loops - 1)
             while self.rng.random() < 0.14:
-                event: Event = After(self.delay())
+                event: Event = After(self.instant(), at=True) if self.rng.random() < 0.3 else After(self.delay())
                 if self.events and self.rng.random() < 0.5:
                     event = Read(self.events[0].name, self.target())
                 after = self.between() if self.rng.random() < 0.5 else self.sample()

@@ -130,6 +130,14 @@ class If3:
 
 
 @dataclass(frozen=True)
+class Early:
+    """Whether an instant has not come: `now < 5 ms`."""
+
+    instant: int
+    type: Type = BOOL
+
+
+@dataclass(frozen=True)
 class Make:
     """A struct or an array from its parts."""
 
@@ -137,7 +145,7 @@ class Make:
     type: Struct | Array
 
 
-Expr = Lit | Ref | Field | Index | Bin | Un | Call | Convert | If3 | Make
+Expr = Lit | Ref | Field | Index | Bin | Un | Call | Convert | If3 | Early | Make
 
 # ---- compositions ----
 
@@ -183,6 +191,7 @@ class Write:
 @dataclass(frozen=True)
 class Wait:
     time: int
+    until: bool = False  # `time` is an instant
 
 
 @dataclass(frozen=True)
@@ -214,6 +223,7 @@ class Par:
 @dataclass(frozen=True)
 class After:
     time: int
+    at: bool = False  # `time` is an instant
 
 
 @dataclass(frozen=True)
@@ -389,3 +399,28 @@ def walk(node: Comp) -> list[Comp]:
     for part in parts(node):
         found += walk(part)
     return found
+
+
+def last_instant(program: Program) -> int:
+    """From this instant on, a program does not tell instants apart, but for the samples and events that come."""
+    found = [0]
+    for node in walk(program.body):
+        match node:
+            case Wait(time, True) | Guarded(After(time, True)):
+                found.append(time)
+        for name in ("when", "until", "condition"):
+            found += _instants(getattr(node, name, None))
+    return max(found)
+
+
+def _instants(part: object) -> list[int]:
+    """Those of a condition."""
+    match part:
+        case Early(instant):
+            return [instant]
+        case Un(_, of):
+            return _instants(of)
+        case Bin(_, left, right):
+            return _instants(left) + _instants(right)
+        case _:
+            return []
