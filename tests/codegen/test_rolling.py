@@ -2,36 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import pytest
 
 from cspdiag.codegen.python.text import rolling as python_rolling
-from cspdiag.codegen.python.text.code import Atom
-from cspdiag.codegen.python.text.statements import Line, Statement, lines
+from cspdiag.codegen.python.text.code import SUM, Code, Constant, Name, Whole, awaited, infix
+from cspdiag.codegen.python.text.statements import lines, run
 from tests.support.counting import calls
 
 
-def statement(text: str) -> tuple[Statement, ...]:
-    return (Line("await ", Atom(text)),)
+def called(name: str, index: int | None, method: str, *arguments: Code) -> Code:
+    owner = Name(name) if index is None else Name(name).at(index)
+    return owner.call(method, *arguments)
 
 
-def rolled(texts: list[str]) -> list[str]:
-    return list(lines(python_rolling.rolled_steps([statement(text) for text in texts], "i"), ""))
+def rolled(codes: list[Code]) -> list[str]:
+    return lines(python_rolling.rolled_steps([(run(awaited(code)),) for code in codes], "i"))
 
 
 def test_a_part_that_counts_becomes_a_loop() -> None:
-    assert rolled(["a.x", "c[4].f()", "c[5].f()", "c[6].f()", "b.x"]) == [
-        "await a.x",
+    parts = [called("c", index, "f") for index in (4, 5, 6)]
+    assert rolled([called("a", None, "x"), *parts, called("b", None, "x")]) == [
+        "await a.x()",
         "for i in range(3):",
         "    await c[i + 4].f()",
-        "await b.x",
+        "await b.x()",
     ]
 
 
 def test_rounds_of_several_statements_become_a_loop() -> None:
-    texts = [text for number in range(4) for text in (f"c[{number}].f()", f"d[{number + 1}].g()")]
-    assert rolled([*texts, "e[9].f()"]) == [
+    codes = [code for number in range(4) for code in (called("c", number, "f"), called("d", number + 1, "g"))]
+    assert rolled([*codes, called("e", 9, "f")]) == [
         "for i in range(4):",
         "    await c[i].f()",
         "    await d[i + 1].g()",
@@ -40,19 +43,35 @@ def test_rounds_of_several_statements_become_a_loop() -> None:
 
 
 def test_equal_statements_need_no_index() -> None:
-    assert rolled(["f()"] * 5) == ["for _ in range(5):", "    await f()"]
+    assert rolled([called("a", None, "f")] * 5) == ["for _ in range(5):", "    await a.f()"]
+
+
+def test_a_number_that_counts_beside_an_operator_is_a_sum_in_parentheses() -> None:
+    codes = [called("c", n, "f", infix("-", SUM, Name("x"), Whole(n + 1))) for n in range(3)]
+    assert rolled(codes) == ["for i in range(3):", "    await c[i].f(x - (i + 1))"]
+
+
+def test_other_operators_are_no_loop() -> None:
+    operators = ("+", "-", "+")
+    codes = [called("c", n, "f", infix(sign, SUM, Name("x"), Name("y"))) for n, sign in enumerate(operators)]
+    elements = [called("c", n, "f", infix(sign, SUM, Name("x"), Name("y"))) for n, sign in enumerate(operators)]
+    assert len(rolled(codes)) == 3
+    assert python_rolling.template(elements, "i") is None
+
+
+def test_a_string_that_looks_like_an_element_does_not_count() -> None:
+    assert len(rolled([called("a", None, "f", Constant(f'"c[{n}]"')) for n in range(3)])) == 3
 
 
 @pytest.mark.parametrize(
-    "text",
+    "code",
     [
-        pytest.param(lambda number: f"choice_{number}.select()", id="counts, but not in an index"),
-        pytest.param(lambda number: f"c[{number}].f()", id="counts"),
-        pytest.param(lambda number: f"c[{number * number}].f()", id="counts irregularly"),
-        pytest.param(lambda number: f"c[{number % 7}].f()", id="counts again and again"),
+        pytest.param(lambda number: called(f"choice_{number}", None, "select"), id="counts, but not in an index"),
+        pytest.param(lambda number: called("c", number, "f"), id="counts"),
+        pytest.param(lambda number: called("c", number * number, "f"), id="counts irregularly"),
+        pytest.param(lambda number: called("c", number % 7, "f"), id="counts again and again"),
     ],
 )
-def test_twice_as_many_statements_cost_twice_as_much(text: object) -> None:
-    assert callable(text)
-    small, large = (calls(partial(rolled, [text(number) for number in range(size)])) for size in (200, 400))
+def test_twice_as_many_statements_cost_twice_as_much(code: Callable[[int], Code]) -> None:
+    small, large = (calls(partial(rolled, [code(number) for number in range(size)])) for size in (200, 400))
     assert large < 2.5 * small

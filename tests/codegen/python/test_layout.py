@@ -14,22 +14,30 @@ from cspdiag.codegen.python.text.code import (
     SIGN,
     SUM,
     Argument,
-    Atom,
     Call,
     Code,
     Conditional,
+    Constant,
     Items,
+    Name,
     Named,
     Parenthesized,
     Prefix,
     at_least,
+    awaited,
+    delegated,
     infix,
+    own,
     tuple_of,
 )
 from cspdiag.codegen.python.text.layout import LINE_LENGTH
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, assign, lines, run
+from cspdiag.codegen.python.text.statements import PASS, Statement, Unpack, assign, give, if_, lines, run
 
-NAMES = ("x", "pan_angle", "self.stiffness", "joystick_horizontal", "k1_pan_motor_speed", "0.5", "h")
+NAMES = (
+    *map(Name, ("x", "pan_angle", "joystick_horizontal", "k1_pan_motor_speed", "h")),
+    own("stiffness"),
+    Constant("0.5"),
+)
 
 
 def expression(random: random.Random, depth: int) -> Code:
@@ -59,7 +67,7 @@ def expression(random: random.Random, depth: int) -> Code:
                 if name is None or name not in seen:
                     arguments.append(Argument(expression(random, below), name))
                     seen.add(name)
-            return Call(random.choice(("limit", "self.servo.calculate", "max")), tuple(arguments))
+            return Call(random.choice((Name("limit"), own("servo").field("calculate"), Name("max"))), tuple(arguments))
         case 7:
             return tuple_of(expression(random, below) for _ in range(random.randint(1, 3)))
         case 8:
@@ -68,23 +76,28 @@ def expression(random: random.Random, depth: int) -> Code:
         case 9:
             named = Parenthesized(Named("x1", expression(random, below)))
             return infix("<", COMPARISON, named, expression(random, below))
-    return Atom(random.choice(NAMES))
+    return random.choice(NAMES)
 
 
 def a_statement(random: random.Random) -> Statement:
     code = expression(random, random.randint(1, 4))
-    match random.randrange(7):
+    match random.randrange(9):
         case 0:
-            return Line("return ", code)
+            return give(code)
         case 1:
-            return Block(Line("if ", code, ":"), (Line("pass"),))
+            return if_(code, PASS)
         case 2:
-            return run(Prefix("await ", Call("self.control.write", (Argument(code),))))
+            return run(awaited(own("control").call("write", code)))
         case 3:
-            return Unpack(("k1_pan_angle", "k1_pan_speed"), Call("self._derivatives", (Argument(code),)))
+            targets = (Name("k1_pan_angle"), Name("k1_pan_speed"))
+            return Unpack(targets, own("_derivatives").called(code))
         case 4:
-            return assign("self.made", Items("[]", (code, expression(random, 2))))
-    return assign("self.pan_torque", code)
+            return assign(own("made"), Items("[]", (code, expression(random, 2))))
+        case 5:
+            return give(code, expression(random, 2))
+        case 6:
+            return assign("sample", delegated(own("control").call("read", code)))
+    return assign(own("pan_torque"), code)
 
 
 def reformatted(text: str) -> str:

@@ -19,7 +19,6 @@ from cspdiag.codegen.c.text.code import (
     cast,
     code,
     ignored,
-    nodes,
     own,
     unsigned,
 )
@@ -27,6 +26,7 @@ from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access
 from cspdiag.codegen.c.text.rolling import marked, rolled, rolled_from
 from cspdiag.codegen.c.text.statements import Block, Plain, Statement, run, store
 from cspdiag.codegen.shared.document import Document
+from cspdiag.codegen.shared.trees import nodes
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import AfterEvent, ChannelEnd, End, PortEnd
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue

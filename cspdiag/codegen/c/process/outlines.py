@@ -8,7 +8,7 @@ from collections.abc import Hashable
 from typing import assert_never
 
 from cspdiag.codegen.c.process.members import Members
-from cspdiag.codegen.c.text.rolling import Outline
+from cspdiag.codegen.shared.trees import Outline
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.ir.expressions import Expression, LiteralValue

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import SUM, Aggregate, Parenthesized, address, call, code, infix, nodes, own, unsigned
+from cspdiag.codegen.c.text.code import SUM, Aggregate, Parenthesized, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.names import identifier
 from cspdiag.codegen.c.text.statements import Directive, Plain, Remark, Statement, go, run
+from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.ir.actions import Group, ProcessScope, ReportCommunication
 
 

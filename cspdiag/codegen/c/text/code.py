@@ -6,11 +6,10 @@ MISRA C has it (rule 12.1), if they have operators with two operands; sums and p
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import ClassVar, Literal
 
-from cspdiag.base.record import field_names, is_record, record
+from cspdiag.base.record import record
 from cspdiag.codegen.shared.document import (
     LINE,
     SOFT,
@@ -24,6 +23,7 @@ from cspdiag.codegen.shared.document import (
     joined,
     listed,
 )
+from cspdiag.codegen.shared.trees import Counted, nodes
 
 COMMA, ASSIGNMENT, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(11)
 """Precedences of C, the loosest first; those that the generator does not use are left out."""
@@ -82,7 +82,7 @@ class Atom(Code):
 
 
 @record
-class Count(Code):
+class Count(Code, Counted):
     """A whole number that may count in a row of like statements: an index, an unsigned literal, or an argument of type
     ``int64_t``.
     """
@@ -373,17 +373,6 @@ def in_order(parts: tuple[Code, ...]) -> Code:
     """The last part, with what has to be done before it."""
     *before, last = parts
     return Parenthesized(Sequence((*before, last))) if before else last
-
-
-def nodes(item: object) -> Iterator[object]:
-    """All nodes of a tree, also of statements."""
-    if isinstance(item, tuple | list):
-        for part in item:
-            yield from nodes(part)
-    elif is_record(item):
-        yield item
-        for name in field_names(item):
-            yield from nodes(getattr(item, name))
 
 
 def mentions_self(item: object) -> bool:

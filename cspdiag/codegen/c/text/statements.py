@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.text.code import INDENT, LINE_LENGTH, Atom, Call, Code, assign, code, negated, nodes
+from cspdiag.codegen.c.text.code import INDENT, LINE_LENGTH, Atom, Call, Code, assign, code, negated
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
+from cspdiag.codegen.shared.trees import nodes
 
 
 @record

@@ -6,16 +6,48 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import groupby
-from typing import assert_never
+from typing import Literal, assert_never
 
 from cspdiag.codegen.python.fast.alternatives import Alternatives
-from cspdiag.codegen.python.fast.communications import Statements, text
 from cspdiag.codegen.python.fast.laws.steps import LawSteps, law_of
-from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension, Starred, tuple_of
+from cspdiag.codegen.python.plain.instances import path
+from cspdiag.codegen.python.text.code import (
+    COMPARISON,
+    TRUE,
+    Code,
+    Comprehension,
+    Constant,
+    Name,
+    Starred,
+    Whole,
+    call,
+    counted_to,
+    delegated,
+    infix,
+    own,
+    tuple_of,
+)
 from cspdiag.codegen.python.text.literals import quoted
-from cspdiag.codegen.python.text.rolling import LEAST, statements_template
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, lines
+from cspdiag.codegen.python.text.rolling import template
+from cspdiag.codegen.python.text.statements import (
+    BREAK,
+    RAISE,
+    YIELD,
+    Block,
+    Function,
+    Plain,
+    Remark,
+    Statement,
+    Statements,
+    assign,
+    else_,
+    if_,
+    repeat,
+    run,
+    try_,
+)
 from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import (
     Action,
@@ -51,8 +83,6 @@ from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import InstanceOf, ProcessClass
 from cspdiag.network.ir.walk import parts
 
-_LONGEST_COMMENT = 70
-
 
 @dataclass
 class Composition(Alternatives, LawSteps):
@@ -61,8 +91,7 @@ class Composition(Alternatives, LawSteps):
     ``functions`` collects the generator functions of parallel branches and interrupted bodies.
     """
 
-    functions: list[tuple[str, str, Statements]] = field(default_factory=list)
-    """Name, further parameters, and body."""
+    functions: list[Function] = field(default_factory=list)
     prepared: list[Statement] = field(default_factory=list)
     """What the code makes once of its functions."""
     _loops: int = 0
@@ -87,21 +116,21 @@ class Composition(Alternatives, LawSteps):
                 before, simple = self.simple(value)
                 return (self.comment(action), *before, *self.communications.write(sink, simple))
             case RaiseException(exception=exception):
-                return (Line("raise ", Atom(self.imports.exception(exception)), comment=self.place(action)),)
+                return (Plain("raise", Name(self.imports.exception(exception)), self.place(action)),)
             case RunInstance(instance=instance):
                 return (self.comment(action), *self.run_here(instance))
             case ResetInstance(instance=instance):
-                return (text(f"{self._instance(instance)}.reset()"),)
+                return (run(self._instance(instance).call("reset")),)
             case Repeat(until=until):
                 with self._loop():
                     return (self._repeat(action, until),)
             case WhileLoop(condition=condition, body=body):
                 with self._loop():
-                    return (Block(self._head("while ", condition, action), self.statements(body)),)
+                    return (self._governed("while", condition, action, self.statements(body)),)
             case CountedLoop(turns=turns, body=body):
                 with self._loop():
                     inside = self.statements(body)
-                return (Block(text(f"for _ in range({turns}):"), inside),) if inside else ()
+                return (repeat(turns, inside),) if inside else ()
             case IfElse():
                 return self._if(action)
             case CatchException():
@@ -109,13 +138,13 @@ class Composition(Alternatives, LawSteps):
             case WaitStep(duration=duration):
                 return (self.comment(action), *self._delay(duration))
             case StopStep():
-                return (self.comment(action), *self.known(), text(f"yield from {self.imports.runtime('stop')}()"))
+                return (self.comment(action), *self.known(), run(delegated(call(self.imports.runtime("stop")))))
             case ParallelSteps(steps=steps, prioritized=False) if self._are_functions(steps):
                 return (self.comment(action), *self._rounds(steps))
             case ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
-                branches = Call(name, tuple(Argument(branch) for branch in self._branches(steps)))
-                return (self.comment(action), *self.known(), Line("yield from ", branches))
+                branches = call(name, *self._branches(steps))
+                return (self.comment(action), *self.known(), run(delegated(branches)))
             case Choice():
                 return self._choice(action)
             case InterruptOn(body=body, branch=branch):
@@ -145,35 +174,32 @@ class Composition(Alternatives, LawSteps):
     def _repeat(self, action: Repeat, until: Expression | None) -> Block:
         statements = self.statements(action.body)
         if until is not None:
-            statements += (Block(self._head("if ", until, action), (text("break"),)),)
-        return Block(text("while True:"), statements)
+            statements += (self._governed("if", until, action, (BREAK,)),)
+        return Block("while", TRUE, statements)
 
     def _if(self, action: IfElse) -> Statements:
-        keyword = "if "
+        keyword: Literal["if", "elif"] = "if"
         blocks: list[Statement] = []
         rest: Action = action
         while isinstance(rest, IfElse):
-            blocks.append(Block(self._head(keyword, rest.condition, rest), self.statements(rest.then)))
-            keyword, rest = "elif ", rest.otherwise
+            blocks.append(self._governed(keyword, rest.condition, rest, self.statements(rest.then)))
+            keyword, rest = "elif", rest.otherwise
         otherwise = self.statements(rest)
-        if otherwise:
-            blocks.append(Block(text("else:"), otherwise))
-        return tuple(blocks)
+        return (*blocks, else_(*otherwise)) if otherwise else tuple(blocks)
 
-    def _head(self, keyword: str, condition: Expression, action: Step) -> Line:
-        """A statement with a condition, with its place if that can fault."""
+    def _governed(
+        self, keyword: Literal["if", "elif", "while"], condition: Expression, action: Step, body: Statements
+    ) -> Block:
+        """A block with a condition, with its place if that can fault."""
         span = condition.span or action.span
         place = self.imports.names.place(span.file, span.line) if may_fault(condition) else None
-        return Line(keyword, self.printer.print(condition), ":", place)
+        return Block(keyword, self.printer.print(condition), body, place)
 
     def _catch(self, action: CatchException) -> Statements:
-        caught = [Atom(name) for name in self.imports.caught(action.exception)]
+        caught = [Name(name) for name in self.imports.caught(action.exception)]
         exception = caught[0] if len(caught) == 1 else tuple_of(caught)
         body, handler = self.statements(action.body), self.statements(action.handler)
-        return (
-            Block(text("try:"), body),
-            Block(Line("except ", exception, ":"), handler or (text("pass"),)),
-        )
+        return (try_(*body), Block("except", exception, handler))
 
     @contextmanager
     def _loop(self) -> Iterator[None]:
@@ -185,11 +211,11 @@ class Composition(Alternatives, LawSteps):
 
     def _delay(self, duration: Expression) -> Statements:
         before, simple = self.simple(duration)
-        begin = text(f"{self.imports.runtime('begin_delay')}({self.spelling['me']}, {simple})")
-        waits: Statements = (begin, text("yield"))
+        begin = run(call(self.imports.runtime("begin_delay"), self.spelling["me"], simple))
+        waits: Statements = (begin, YIELD)
         known = self.printer.value(duration)
         if known is None:
-            waits = (Block(text(f"if {simple} > 0:"), waits),)
+            waits = (if_(infix(">", COMPARISON, simple, Whole(0)), *waits),)
         elif not isinstance(known, int) or known <= 0:
             waits = ()
         return (*before, *self.communications.check(), *waits)
@@ -202,16 +228,16 @@ class Composition(Alternatives, LawSteps):
         return plain and len(steps) < LEAST and not any(isinstance(step, RunInstance) for step in steps)
 
     def _rounds(self, steps: Sequence[Action]) -> Iterator[Statement]:
-        me = self.spelling["me"]
-        rounds = self.spelling.names.fresh("rounds")
-        functions = ", ".join(self._function(step, rounds) for step in steps)
-        self.prepared.append(text(f"{rounds} = {self.imports.runtime('Rounds')}({me}, {functions})"))
+        rounds = Name(self.spelling.names.fresh("rounds"))
+        functions = [self._function(step, rounds) for step in steps]
+        made = call(self.imports.runtime("Rounds"), self.spelling["me"], *functions)
+        self.prepared.append(assign(rounds, made))
         yield from self.communications.check()
-        yield text(f"{rounds}.begin()")
-        yield text("yield")
-        yield Block(text(f"if {rounds}.failed:"), (text(f"{rounds}.conclude()"),))
+        yield run(rounds.call("begin"))
+        yield YIELD
+        yield if_(rounds.field("failed"), run(rounds.call("conclude")))
 
-    def _instance(self, name: str) -> str:
+    def _instance(self, name: str) -> Code:
         return self.spelling.local(self.spelling.members.instance(name))
 
     def _class_of(self, name: str) -> object:
@@ -223,21 +249,21 @@ class Composition(Alternatives, LawSteps):
         """Runs an instance in sequence."""
         class_, instance = self._class_of(name), self._instance(name)
         if isinstance(class_, ProcessClass) and class_.external is None:
-            return (*self.communications.check_early(0), text(f"yield from {instance}.steps({self.spelling['me']})"))
-        return (text(f"yield from {instance}.execute().__await__()"),)
+            return (run(delegated(instance.call("steps", self.spelling["me"]))),)
+        return (run(delegated(instance.call("execute").call("__await__"))),)
 
     def _scope(self, scope: ProcessScope) -> Iterator[Statement]:
         part, me, error = self.spelling.part(scope.instance), self.spelling["me"], self.spelling["error"]
-        yield text(f"# {self.place(scope)}  {scope.instance}")
-        yield text(f"{part}.start({me})")
+        yield Remark(f"{self.place(scope)}  {scope.instance}")
+        yield run(part.call("start", me))
         outer, self.process = self.process, part
         body = self.statements(scope.body)
         self.process = outer
-        yield Block(text("try:"), body)
-        failed = (text(f"{part}.fail({me}, {error})"), text("raise"))
-        yield Block(text(f"except BaseException as {error}:"), failed)
+        yield try_(*body)
+        failed = (run(part.call("fail", me, error)), RAISE)
+        yield Block("except", Name("BaseException"), failed, bound=error.text)
         if may_end(scope.body):
-            yield text(f"{part}.end({me})")
+            yield run(part.call("end", me))
 
     def _branches(self, steps: Sequence[Action]) -> Iterator[Code]:
         alike = self._alike(steps)
@@ -249,7 +275,7 @@ class Composition(Alternatives, LawSteps):
             step = steps[position]
             array = self._whole_array(steps, position)
             if array is not None:
-                yield Atom(f"*{array[0]}")
+                yield Starred(array[0])
                 position += array[1]
                 continue
             yield self.branch(step)
@@ -258,10 +284,10 @@ class Composition(Alternatives, LawSteps):
     def branch(self, step: Action) -> Code:
         """A process to run beside others."""
         if isinstance(step, RunInstance):
-            return Atom(self._instance(step.instance))
-        return Atom(self._function(step))
+            return self._instance(step.instance)
+        return self._function(step)
 
-    def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[str, int] | None:
+    def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[Code, int] | None:
         first = steps[start]
         array = self.spelling.members.array_of(first.instance) if isinstance(first, RunInstance) else None
         if array is None:
@@ -269,53 +295,55 @@ class Composition(Alternatives, LawSteps):
         given = [s.instance for s in steps[start : start + len(array.elements)] if isinstance(s, RunInstance)]
         if given != list(array.elements):
             return None
-        return self.spelling.local(f"self.{array.name}"), len(array.elements)
+        return self.spelling.bind(array.name), len(array.elements)
 
-    def _function(self, action: Action, rounds: str | None = None) -> str:
+    def _function(self, action: Action, rounds: Code | None = None) -> Code:
         """A generator function for what runs beside others, again and again if it belongs to ``rounds``."""
         name = self.spelling.names.fresh(f"_{branch_name(action)}")
         position = len(self.functions)
-        self.functions.append((name, "", ()))
+        self.functions.append(self._generator(name, ()))
         outer, loops, self._loops = self.process, self._loops, 0
         self._nested += 1
         body = self.statements(action)
         self._nested -= 1
         self.process, self._loops = outer, loops
         if rounds is not None:
-            body = (*body, text(f"{rounds}.done({self.spelling['me']})"), text("yield"))
-            body = (Block(text("while True:"), body),)
-        self.functions[position] = (name, "", body)
-        return name
+            body = (Block("while", TRUE, (*body, run(rounds.call("done", self.spelling["me"])), YIELD)),)
+        self.functions[position] = self._generator(name, body)
+        return Name(name)
+
+    def _generator(self, name: str, body: Statements, *parameters: str) -> Function:
+        task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
+        return Function(name, (f"{self.spelling['me'].text}: {task}", *parameters), body, steps)
 
     def _alike(self, steps: Sequence[Action]) -> Code | None:
         """Branches that differ only in an index, as one function with that index as its last parameter."""
         if len(steps) < LEAST or not all(map(_is_plain, steps)):
             return None
         k = self.spelling["k"]
-        body = statements_template([self.statements(step) for step in steps], k, 0)
+        body = template([self.statements(step) for step in steps], k.text)
         if body is None:
             return None
         name = self.spelling.names.fresh(f"_{branch_name(steps[0])}")
-        self.functions.append((name, f", {k}: int", body))
-        made = f"{self.imports.standard('functools', 'partial')}({name}, {k}={k})"
-        return Comprehension(Atom(made), f"for {k} in range({len(steps)})", "()")
+        self.functions.append(self._generator(name, body, f"{k.text}: int"))
+        made = call(self.imports.standard("functools", "partial"), Name(name), **{k.text: k})
+        return Comprehension(made, k.text, counted_to(len(steps)), "()")
 
     def _group(self, label: str, body: Action) -> Iterator[Statement]:
-        group = self.spelling.names.fresh(self.spelling["group"])
-        start, end = self.imports.runtime("start_group"), self.imports.runtime("end_group")
-        yield text(f"{group} = {start}({self.spelling['me']}, {quoted(label)})")
-        yield Block(text("try:"), self.statements(body))
-        yield Block(text("finally:"), (text(f"{end}({group})"),))
+        group = Name(self.spelling.names.fresh(self.spelling["group"].text))
+        begun = call(self.imports.runtime("start_group"), self.spelling["me"], Constant(quoted(label)))
+        yield assign(group, begun)
+        yield try_(*self.statements(body))
+        yield Block("finally", None, (run(call(self.imports.runtime("end_group"), group)),))
 
     def _reported(self, action: Step, channel: str, value: Expression) -> Iterator[Statement]:
         if not self.communications.traced:
             return
-        scheduler, me = self.imports.runtime("scheduler"), self.spelling["me"]
+        me = self.spelling["me"]
         before, simple = self.simple(value)
         yield self.comment(action)
         yield from before
-        tell = text(f'{scheduler}.observe(f"{{self.name}}.{channel}", {simple}, {me}, {me})')
-        yield Block(text(f"if {scheduler}.observe is not None:"), (tell,))
+        yield self.communications.observed(path(channel, own("name")), simple, me, me)
 
 
 def _is_plain(action: Action) -> bool:
@@ -323,8 +351,3 @@ def _is_plain(action: Action) -> bool:
     return not any(
         isinstance(p, Choice | ParallelSteps | InterruptOn | Group | RunInstance | RunLaw) for p in parts(action)
     )
-
-
-def code_lines(statements: Statements, indent: str) -> list[str]:
-    """The lines of a body, which is never empty."""
-    return lines(statements or (text("pass"),), indent)

@@ -9,13 +9,34 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
-from cspdiag.codegen.python.fast.communications import Statements, text
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.values import Values, one_line
 from cspdiag.codegen.python.plain.guards import GuardNames, Guards, select_arguments
-from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, call
-from cspdiag.codegen.python.text.rolling import LEAST, statements_template
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign
+from cspdiag.codegen.python.text.code import (
+    BITS_AND,
+    BITS_OR,
+    COMPARISON,
+    NONE,
+    SHIFT,
+    SUM,
+    TRUE,
+    Argument,
+    Call,
+    Code,
+    Name,
+    Parenthesized,
+    Whole,
+    call,
+    delegated,
+    infix,
+    infix_all,
+    integer,
+    minus,
+    negated,
+)
+from cspdiag.codegen.python.text.rolling import template
+from cspdiag.codegen.python.text.statements import YIELD, Block, Statement, Statements, assign, else_, if_, run
+from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
@@ -30,8 +51,6 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.faults import is_known_at_start, may_fault
 
-_LONGEST_COMMENT = 70
-
 
 @dataclass
 class Alternatives(Values):
@@ -40,7 +59,7 @@ class Alternatives(Values):
     choices: dict[str, Code] = field(default_factory=dict)
     """How the alternatives are made, by name."""
     choice_names: dict[str, str] = field(default_factory=dict)
-    selectors: dict[str, str] = field(default_factory=dict)
+    selectors: dict[str, Code] = field(default_factory=dict)
     """Local variables for the selectors of alternatives."""
     memories: dict[str, str] = field(default_factory=dict)
     """Local variables that remember what fair alternatives chose last."""
@@ -61,10 +80,10 @@ class Alternatives(Values):
         branches = choice.branches
         guards = [Argument(self._guard(branch.event, self.initial, made=True)) for branch in branches]
         if choice.prioritized and len(branches) > 1:
-            guards.append(Argument(Atom("True"), "prioritized"))
-        self.choices[name] = Call(self.imports.runtime("Alternative"), tuple(guards))
+            guards.append(Argument(TRUE, "prioritized"))
+        self.choices[name] = Call(Name(self.imports.runtime("Alternative")), tuple(guards))
         attribute = self.choice_names.setdefault(name, self.spelling.names.fresh(name))
-        local = self.spelling.local(f"self.{attribute}")
+        local = self.spelling.bind(attribute)
         if self._is_inline(choice):
             return (self.comment(choice), *self._selection(choice, attribute, local))
         return (self.comment(choice), *self._slow_selection(choice, local))
@@ -87,56 +106,59 @@ class Alternatives(Values):
                     assert_never(branch.event)
         return True
 
-    def _selection(self, choice: Choice, attribute: str, local: str) -> Iterator[Statement]:
-        spelling, branches = self.spelling, choice.branches
-        ready, k, first = spelling["ready"], spelling["k"], spelling["first"]
+    def _selection(self, choice: Choice, attribute: str, local: Code) -> Iterator[Statement]:
+        branches, ready, k = choice.branches, self.spelling["ready"], self.spelling["k"]
         guards = self._guards(attribute, local)
         yield from self.communications.check()
-        mask: str | None = None
+        mask: Code | None = None
         if any(branch.condition is not None for branch in branches):
             needs = self._needs(branches)
             yield from needs.lines
-            mask = spelling["mask"]
+            mask = self.spelling["mask"]
             yield assign(mask, self._mask(needs.conditions))
         yield self._ready(guards, mask)
         yield from self._parked(choice, local, guards, mask)
         if len(branches) > 1 and not choice.prioritized:
-            after = self._memory(attribute, local)
-            yield text(f"{first} = {ready} >> {after}")
-            begin_again = (text(f"{first} = {ready}"), text(f"{after} = 0"))
-            yield Block(text(f"if not {first}:"), begin_again)
-            yield text(f"{k} = {after} + ({first} & -{first}).bit_length() - 1")
-            yield text(f"{after} = {k} + 1")
+            yield from self._next_in_turn(self._memory(attribute, local))
         elif len(branches) > 1:
-            yield text(f"{k} = ({ready} & -{ready}).bit_length() - 1")
+            yield assign(k, infix("-", SUM, _position(ready), Whole(1)))
         yield from self._chosen(branches, lambda event, bit: self._taken(event, guards, bit))
 
-    def _ready(self, guards: str, mask: str | None) -> Statement:
-        """The guards that are ready now."""
-        return text(f"{self.spelling['ready']} = {guards}.ready" + (f" & {mask}" if mask else ""))
+    def _next_in_turn(self, after: Code) -> Iterator[Statement]:
+        """Chooses the first guard that is ready from ``after`` on."""
+        ready, k, first = (self.spelling[name] for name in ("ready", "k", "first"))
+        yield assign(first, infix(">>", SHIFT, ready, after))
+        yield if_(negated(first), assign(first, ready), assign(after, Whole(0)))
+        yield assign(k, infix("-", SUM, infix("+", SUM, after, _position(first)), Whole(1)))
+        yield assign(after, infix("+", SUM, k, Whole(1)))
 
-    def _guards(self, attribute: str, local: str) -> str:
+    def _ready(self, guards: Code, mask: Code | None) -> Statement:
+        """The guards that are ready now."""
+        ready = guards.field("ready")
+        return assign(self.spelling["ready"], infix("&", BITS_AND, ready, mask) if mask else ready)
+
+    def _guards(self, attribute: str, local: Code) -> Code:
         """A local variable for the selector of an alternative."""
         if attribute not in self.selectors:
-            self.selectors[attribute] = self.spelling.names.fresh(f"{attribute}_guards")
-            self.prologue.append(text(f"{self.selectors[attribute]} = {local}.selector"))
+            self.selectors[attribute] = Name(self.spelling.names.fresh(f"{attribute}_guards"))
+            self.prologue.append(assign(self.selectors[attribute], local.field("selector")))
         return self.selectors[attribute]
 
-    def _parked(self, choice: Choice, local: str, guards: str, mask: str | None) -> Iterator[Statement]:
+    def _parked(self, choice: Choice, local: Code, guards: Code, mask: Code | None) -> Iterator[Statement]:
         """Waits while no guard is ready."""
-        me, ready = self.spelling["me"], self.spelling["ready"]
+        me, ready, wanted = self.spelling["me"], self.spelling["ready"], mask or integer(-1)
         if all(self._only_wakes(branch.event) for branch in choice.branches):
             waits = (
-                text(f"{local}.park({me}, {mask or -1})"),
-                text("yield"),
-                text(f"{guards}.waiting = None"),
+                run(local.call("park", me, wanted)),
+                YIELD,
+                assign(guards.field("waiting"), NONE),
                 *self.communications.check(),
                 self._ready(guards, mask),
             )
-            yield Block(text(f"while not {ready}:"), waits)
+            yield Block("while", negated(ready), waits)
         else:
-            waiting = call(f"yield from {local}.wait", Atom(mask or "-1"))
-            yield Block(text(f"if not {ready}:"), (*self.known(), assign(ready, waiting)))
+            waiting = delegated(local.call("wait", wanted))
+            yield if_(negated(ready), *self.known(), assign(ready, waiting))
 
     def _only_wakes(self, event: Event) -> bool:
         """Whether the end of a guard need not be told that an alternative waits."""
@@ -144,26 +166,24 @@ class Alternatives(Values):
             return self.spelling.medium(event.source).kind in ("sync", "event", "buffer", "overwrite", "any")
         return isinstance(event, SkipEvent)
 
-    def _memory(self, attribute: str, local: str) -> str:
+    def _memory(self, attribute: str, local: Code) -> Code:
         if self.spelling.again:
-            return f"{local}.after"
+            return local.field("after")
         if attribute not in self.memories:
             self.memories[attribute] = self.spelling.names.fresh(f"{attribute}_after")
-        return self.memories[attribute]
+        return Name(self.memories[attribute])
 
     def _mask(self, conditions: Sequence[Code | None]) -> Code:
-        fixed = 0
-        parts = []
-        for index, code in enumerate(conditions):
-            if code is None:
-                fixed |= 1 << index
-            else:
-                parts.append(f"(({code.flat}) << {index})" if index else f"({code.flat})")
-        if not parts:
-            return Atom(str(fixed))
+        fixed = sum(1 << index for index, code in enumerate(conditions) if code is None)
+        parts = [
+            infix("<<", SHIFT, Parenthesized(code), Whole(index)) if index else code
+            for index, code in enumerate(conditions)
+            if code is not None
+        ]
         if len(parts) == 1 and not fixed:
-            return Atom(parts[0][1:-1])
-        return Atom(" | ".join([*parts, *([str(fixed)] if fixed else [])]))
+            return parts[0]
+        parts = [*map(Parenthesized, parts), *([Whole(fixed)] if fixed else [])]
+        return infix_all("|", BITS_OR, parts)
 
     def _chosen(self, branches: Sequence[Branch], taken: Callable[[Event, int], Statements]) -> Iterator[Statement]:
         bodies = [(*taken(branch.event, index), *self.statements(branch.body)) for index, branch in enumerate(branches)]
@@ -171,37 +191,35 @@ class Alternatives(Values):
             yield from bodies[0]
             return
         k = self.spelling["k"]
-        alike = statements_template(bodies, k, 0) if len(bodies) >= LEAST else None
+        alike = template(bodies, k.text) if len(bodies) >= LEAST else None
         if alike is not None:
             yield from alike
             return
         for index, (branch, body) in enumerate(zip(branches, bodies, strict=True)):
-            head = "if" if index == 0 else "elif"
-            test = f"{head} {k} == {index}:" if index < len(bodies) - 1 else "else:"
-            yield Block(Line(test, comment=self._what(branch.event)), body)
+            comment = one_line(branch.event.span) or None
+            if index < len(bodies) - 1:
+                test = infix("==", COMPARISON, k, Whole(index))
+                yield Block("elif" if index else "if", test, body, comment)
+            else:
+                yield Block("else", None, body, comment)
 
-    def _what(self, event: Event) -> str | None:
-        return one_line(event.span) or None
-
-    def _taken(self, event: Event, guards: str, index: int) -> Statements:
+    def _taken(self, event: Event, guards: Code, index: int) -> Statements:
         if not isinstance(event, InputEvent):
             return ()
         source = event.source
         return self.read_into(event.target, lambda into: self.communications.take(source, into, guards, index))
 
-    def _slow_selection(self, choice: Choice, local: str) -> Iterator[Statement]:
-        k = self.spelling["k"]
+    def _slow_selection(self, choice: Choice, local: Code) -> Iterator[Statement]:
         needs = self._needs(choice.branches)
-        selected = Call(f"{local}.select", tuple(select_arguments(choice.branches, needs)))
+        selected = delegated(Call(local.field("select"), tuple(select_arguments(choice.branches, needs))))
         yield from self.known()
         yield from needs.lines
-        chosen = "" if len(choice.branches) == 1 else f"{k} = "
-        yield Line(f"{chosen}yield from ", selected)
+        yield run(selected) if len(choice.branches) == 1 else assign(self.spelling["k"], selected)
 
-        def taken(event: Event, index: int) -> Statements:
+        def taken(event: Event, _: int) -> Statements:
             if not isinstance(event, InputEvent):
                 return ()
-            return self.read_into(event.target, lambda into: (text(f"{into} = {local}.value"),))
+            return self.read_into(event.target, lambda into: (assign(into, local.field("value")),))
 
         yield from self._chosen(choice.branches, taken)
 
@@ -225,17 +243,17 @@ class Alternatives(Values):
         match event:
             case ReadyEvent(source=source):
                 end = members.source(source)
-                return call(self.imports.runtime("Ready"), Atom(end if made else self.spelling.local(end)))
+                return call(self.imports.runtime("Ready"), end if made else self.spelling.local(end))
             case InputEvent(source=source):
                 end = members.source(source)
-                return call(self.imports.runtime("Input"), Atom(end if made else self.spelling.local(end)))
+                return call(self.imports.runtime("Input"), end if made else self.spelling.local(end))
             case OutputEvent(sink=sink, value=value):
                 end = members.sink(sink)
                 given = () if made else (needed or printer.print(value),)
-                return call(self.imports.runtime("Output"), Atom(end if made else self.spelling.local(end)), *given)
+                return call(self.imports.runtime("Output"), end if made else self.spelling.local(end), *given)
             case AfterEvent(duration=duration):
                 later = made and not is_known_at_start(duration)
-                delay = Atom("0") if later else needed or printer.print(duration)
+                delay = Whole(0) if later else needed or printer.print(duration)
                 return call(self.imports.runtime("After"), delay)
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))
@@ -243,29 +261,31 @@ class Alternatives(Values):
 
     def _interrupt(self, body: Action, branch: Branch) -> Iterator[Statement]:
         function = self.branch(body)
-        guard = self.spelling.names.fresh(self.spelling["guard"])
-        interrupted = self.imports.runtime("interrupted")
+        guard = Name(self.spelling.names.fresh(self.spelling["guard"].text))
         taken: Statements = ()
         if isinstance(branch.event, InputEvent):
-            taken = self.read_into(branch.event.target, lambda into: (text(f"{into} = {guard}.value"),))
+            taken = self.read_into(branch.event.target, lambda into: (assign(into, guard.field("value")),))
         handler = (*taken, *self.statements(branch.body))
         needs = self._needs((branch,), always=True)
         condition = needs.conditions[0]
-        run = Line("if (yield from ", call(interrupted, function, Atom(guard)), "):")
-        if not handler:
-            run = Line("yield from ", call(interrupted, function, Atom(guard)))
+        interrupted = delegated(call(self.imports.runtime("interrupted"), function, guard))
         yield from needs.lines
         guarded: Statements = (
             *self.known(),
             assign(guard, self._guard(branch.event, self.printer, made=False, needed=needs.needed.get(0))),
-            Block(run, handler) if handler else run,
+            if_(Parenthesized(interrupted), *handler) if handler else run(interrupted),
         )
         if condition is None:
             yield from guarded
             return
-        yield Block(Line("if ", condition, ":"), guarded)
+        yield if_(condition, *guarded)
         if isinstance(body, RunInstance):
             plainly = self.run_here(body.instance)
         else:
-            plainly = (text(f"yield from {function.flat}({self.spelling['me']})"),)
-        yield Block(text("else:"), plainly)
+            plainly = (run(delegated(call(function, self.spelling["me"]))),)
+        yield else_(*plainly)
+
+
+def _position(bits: Code) -> Code:
+    """Which bit is the lowest that is set, counted from one."""
+    return Parenthesized(infix("&", BITS_AND, bits, minus(bits))).call("bit_length")

@@ -6,20 +6,54 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python.fast.places import Spelling, at_once, is_alternated, is_inline
-from cspdiag.codegen.python.text.code import AND, COMPARISON, SUM, Atom, call, infix, tuple_of
+from cspdiag.codegen.python.text.code import (
+    AND,
+    BITS_AND,
+    COMPARISON,
+    FALSE,
+    NONE,
+    SUM,
+    TRUE,
+    Code,
+    Constant,
+    Element,
+    Name,
+    Whole,
+    call,
+    delegated,
+    infix,
+    infix_all,
+    negated,
+    tuple_of,
+)
 from cspdiag.codegen.python.text.imports import Imports
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, run
+from cspdiag.codegen.python.text.statements import (
+    YIELD,
+    Block,
+    Plain,
+    Statement,
+    Statements,
+    assign,
+    change,
+    else_,
+    if_,
+    run,
+    unpack,
+)
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType
 from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
 from cspdiag.network.ir.actions import End
 from cspdiag.network.ir.network import Medium
 
-Statements = tuple[Statement, ...]
+
+def is_there(item: Code) -> Code:
+    """``x is not None``."""
+    return infix("is not", COMPARISON, item, NONE)
 
 
-def text(line: str) -> Line:
-    """A statement as it stands."""
-    return Line(line)
+def is_finite(value: Code) -> Code:
+    """Whether a real in a local variable is a finite number: only then it does not differ from itself."""
+    return infix("==", COMPARISON, infix("-", SUM, value, value), Constant("0.0"))
 
 
 @dataclass
@@ -39,155 +73,166 @@ class Communications:
     levels: bool
     """Whether the program has prioritized parallels, and so a ready queue for each level."""
 
+    def runtime(self, name: str) -> Code:
+        """A name of the runtime."""
+        return Name(self.imports.runtime(name))
+
     def check(self) -> Statements:
         """A point of cancellation."""
         if not self.checked:
             return ()
-        cancelled = self.imports.runtime("Cancelled")
-        return (Block(text(f"if {self.spelling['me']}.cancelled:"), (text(f"raise {cancelled}"),)),)
+        return (if_(self.spelling["me"].field("cancelled"), Plain("raise", self.runtime("Cancelled"))),)
 
     def known(self) -> Statements:
         """Says who runs, before something of the runtime is called that may ask."""
         if self.tracked:
             return ()
-        return (text(f"{self.imports.runtime('scheduler')}.current = {self.spelling['me']}"),)
+        return (assign(self.runtime("scheduler").field("current"), self.spelling["me"]),)
 
-    def push(self, party: str) -> Statement:
+    def push(self, party: Code) -> Statement:
         """Readies a party."""
         if self.levels:
-            return text(f"{party}.ready_queue.append({party})")
-        return text(f"{self.imports.runtime('push')}({party})")
+            return run(party.field("ready_queue").call("append", party))
+        return run(call(self.runtime("push"), party))
 
-    def report(self, channel: str, value: str, writer: str, reader: str) -> Statements:
+    def report(self, channel: Code, value: Code, writer: Code, reader: Code) -> Statements:
         """Tells the observer."""
         if not self.traced:
             return ()
-        scheduler = self.imports.runtime("scheduler")
-        tell = run(call(f"{scheduler}.observe", *map(Atom, (f"{channel}.name", value, writer, reader))))
-        return (Block(text(f"if {scheduler}.observe is not None:"), (tell,)),)
+        return (self.observed(channel.field("name"), value, writer, reader),)
+
+    def observed(self, name: Code, value: Code, writer: Code, reader: Code) -> Statement:
+        """Tells the observer, if there is one."""
+        observe = self.runtime("scheduler").field("observe")
+        return if_(is_there(observe), run(call(observe, name, value, writer, reader)))
 
     # One communication
 
-    def read(self, source: End, into: str) -> Statements:
+    def read(self, source: End, into: Code) -> Statements:
         """Reads into a local variable or attribute."""
         medium = self.spelling.medium(source)
         if at_once(source, medium):
-            return (text(f"{into} = {self.spelling.value_at(source)}"),)
+            return (assign(into, self.spelling.value_at(source)),)
         end = self.spelling.source(source)
         if is_inline(medium):
             before, channel = self._channel(end)
             return (*self.check(), *before, *self._rendezvous_read(channel, into, is_alternated(medium)))
         if medium.kind == "sampled":
             return (*self.check(), *self._sampled_read(end, into, medium))
-        return (*self.known(), text(f"{into} = yield from {end}.read()"))
+        return (*self.known(), assign(into, delegated(end.call("read"))))
 
-    def _channel(self, end: str) -> tuple[Statements, str]:
-        if not end.endswith("]"):
+    def _channel(self, end: Code) -> tuple[Statements, Code]:
+        if not isinstance(end, Element):
             return (), end
         channel = self.spelling["channel"]
-        return (text(f"{channel} = {end}"),), channel
+        return (assign(channel, end),), channel
 
-    def _rendezvous_read(self, channel: str, into: str, alternated: bool) -> Statements:
+    def _rendezvous_read(self, channel: Code, into: Code, alternated: bool) -> Statements:
         me, writer = self.spelling["me"], self.spelling["writer"]
-        there: list[Statement] = [text(f"{channel}.writing = None"), text(f"{into} = {channel}.offered")]
-        if alternated:
-            there.append(text(f"{channel}.lower()"))
-        there += [self.push(writer), *self.report(channel, into, writer, me)]
-        return (
-            text(f"{writer} = {channel}.writing"),
-            Block(text(f"if {writer} is not None:"), tuple(there)),
-            Block(
-                text("else:"),
-                (text(f"{channel}.reading = {me}"), text("yield"), text(f"{into} = {channel}.value")),
-            ),
+        there = (
+            assign(channel.field("writing"), NONE),
+            assign(into, channel.field("offered")),
+            *self._lowered(channel, alternated),
+            self.push(writer),
+            *self.report(channel, into, writer, me),
         )
+        waits = (assign(channel.field("reading"), me), YIELD, assign(into, channel.field("value")))
+        return (assign(writer, channel.field("writing")), if_(is_there(writer), *there), else_(*waits))
 
-    def _sampled_read(self, end: str, into: str, medium: Medium) -> Statements:
+    @staticmethod
+    def _lowered(channel: Code, alternated: bool) -> Statements:
+        """Tells alternatives that the writer of a channel is no longer there."""
+        return (run(channel.call("lower")),) if alternated else ()
+
+    def _sampled_read(self, end: Code, into: Code, medium: Medium) -> Statements:
         """Waits for a sample, and takes it."""
-        wait = (text(f"{end}.wait({self.spelling['me']})"), text("yield"), *self.check())
-        return (Block(text(f"if not {end}.fresh:"), wait), *self._sample_taken(end, into, medium))
+        wait = (run(end.call("wait", self.spelling["me"])), YIELD, *self.check())
+        return (if_(negated(end.field("fresh")), *wait), *self._sample_taken(end, into, medium))
 
-    def _sample_taken(self, end: str, into: str, medium: Medium) -> Statements:
+    def _sample_taken(self, end: Code, into: Code, medium: Medium) -> Statements:
         """Takes a sample that is there: in place where it is the next of a session."""
-        scheduler, me = self.imports.runtime("scheduler"), self.spelling["me"]
-        in_place: Statements = (text(f"{end}.fresh = False"), text(f"{into} = {end}.value"))
-        if medium.guarded_reads:
-            lower = text(f"{self.imports.runtime('lower_bits')}({end}.inputs)")
-            in_place = (*in_place, Block(text(f"if {end}.inputs:"), (lower,)))
-        tell = run(call(f"{scheduler}.observe", *map(Atom, (f"{end}.name", into, "None", me))))
-        in_place = (*in_place, Block(text(f"if {scheduler}.observe is not None:"), (tell,)))
-        usual = infix("and", AND, Atom(f"{end}.begun"), Atom(f"not {end}.overdue"))
-        rest = text(f"{into} = {end}.taken({me})")
-        return (Block(Line("if ", usual, ":"), in_place), Block(text("else:"), (rest,)))
+        me, inputs = self.spelling["me"], end.field("inputs")
+        lowered = if_(inputs, run(call(self.runtime("lower_bits"), inputs))) if medium.guarded_reads else None
+        in_place: Statements = (
+            assign(end.field("fresh"), FALSE),
+            assign(into, end.field("value")),
+            *([lowered] if lowered else []),
+            self.observed(end.field("name"), into, NONE, me),
+        )
+        usual = infix("and", AND, end.field("begun"), negated(end.field("overdue")))
+        return (if_(usual, *in_place), else_(assign(into, end.call("taken", me))))
 
-    def write(self, sink: End, value: str) -> Statements:
+    def write(self, sink: End, value: Code) -> Statements:
         """Writes a value that is simple enough to be evaluated twice."""
         medium = self.spelling.medium(sink)
         if medium.kind == "discard":
             return ()
         if medium.kind == "var":
-            return (text(f"{self.spelling.value_at(sink)} = {value}"),)
+            return (assign(self.spelling.value_at(sink), value),)
         end = self.spelling.sink(sink)
         if is_inline(medium):
             before, channel = self._channel(end)
             return (*self.check(), *before, *self._rendezvous_write(channel, value, is_alternated(medium)))
-        if medium.kind == "latched" and value.isidentifier():
+        if medium.kind == "latched" and (isinstance(value, Name) or value in (TRUE, FALSE)):
             return (*self.check(), *self._latched(sink, end, value))
         if medium.kind in WRITTEN_AT_ONCE:
             known = () if medium.kind in ("latched", "direct") else self.known()
-            return (*self.check(), *known, text(f"{end}.offer({self.spelling['me']}, {value})"))
-        return (*self.known(), text(f"yield from {end}.write({value})"))
+            return (*self.check(), *known, run(end.call("offer", self.spelling["me"], value)))
+        return (*self.known(), run(delegated(end.call("write", value))))
 
-    def _latched(self, sink: End, end: str, value: str) -> Statements:
+    def _latched(self, sink: End, end: Code, value: Code) -> Statements:
         """Keeps a finite value for the next tick."""
         me = self.spelling["me"]
-        latch = tuple(text(f"{end}.{line}") for line in (f"latched = {value}", f"writer = {me}", "written = True"))
+        latch = (
+            assign(end.field("latched"), value),
+            assign(end.field("writer"), me),
+            assign(end.field("written"), TRUE),
+        )
         type_ = self.spelling.type_of(sink)
         if isinstance(type_, BoolType | IntType | EnumType | TimeType):
             return latch
-        refused = text(f"{end}.offer({me}, {value})")
+        refused = run(end.call("offer", me, value))
         if not isinstance(type_, RealType):
             return (refused,)
-        finite = infix("==", COMPARISON, infix("-", SUM, Atom(value), Atom(value)), Atom("0.0"))
-        return (Block(Line("if ", finite, ":"), latch), Block(text("else:"), (refused,)))
+        return (if_(is_finite(value), *latch), else_(refused))
 
-    def _rendezvous_write(self, channel: str, value: str, alternated: bool) -> Statements:
+    def _rendezvous_write(self, channel: Code, value: Code, alternated: bool) -> Statements:
+        waits = (*self._offered(channel, value, alternated), YIELD)
+        return self._met_reader(channel, value, waits)
+
+    def _met_reader(self, channel: Code, value: Code, otherwise: Statements) -> Statements:
+        """Gives a value to the reader that waits for it; if none does, something else."""
         me, reader = self.spelling["me"], self.spelling["reader"]
         there = (
-            text(f"{channel}.reading = None"),
-            text(f"{channel}.value = {value}"),
+            assign(channel.field("reading"), NONE),
+            assign(channel.field("value"), value),
             self.push(reader),
             *self.report(channel, value, me, reader),
         )
-        waits = (*self._offered(channel, value, alternated), text("yield"))
-        return (
-            text(f"{reader} = {channel}.reading"),
-            Block(text(f"if {reader} is not None:"), there),
-            Block(text("else:"), waits),
-        )
+        return (assign(reader, channel.field("reading")), if_(is_there(reader), *there), else_(*otherwise))
 
-    def _offered(self, channel: str, value: str, alternated: bool) -> Statements:
-        me, ready = self.spelling["me"], self.spelling["ready"]
-        parked = (text(f"{channel}.writing = {me}"), text(f"{channel}.offered = {value}"))
+    def _offered(self, channel: Code, value: Code, alternated: bool) -> Statements:
+        parked = (
+            assign(channel.field("writing"), self.spelling["me"]),
+            assign(channel.field("offered"), value),
+        )
         if not alternated:
             return parked
-        guards = f"{ready}_guards"
+        guards, bit = self.spelling["ready_guards"], channel.field("bit")
         return (
             *parked,
-            text(f"{guards} = {channel}.selector"),
-            text(f"{guards}.ready |= {channel}.bit"),
-            Block(text(f"if {guards}.armed & {channel}.bit:"), (*self.known(), text(f"{guards}.wake()"))),
+            assign(guards, channel.field("selector")),
+            change(guards.field("ready"), "|=", bit),
+            if_(infix("&", BITS_AND, guards.field("armed"), bit), *self.known(), run(guards.call("wake"))),
         )
 
     # Several at once
 
-    def read_all(self, reads: Sequence[tuple[End, str]]) -> Statements:
+    def read_all(self, reads: Sequence[tuple[End, Code]]) -> Statements:
         """Begins all reads in order, then waits for all."""
         spelling = self.spelling
         slow = [(end, into) for end, into in reads if not at_once(end, spelling.medium(end))]
-        here = tuple(
-            text(f"{into} = {spelling.value_at(end)}") for end, into in reads if at_once(end, spelling.medium(end))
-        )
+        here = tuple(assign(into, spelling.value_at(end)) for end, into in reads if at_once(end, spelling.medium(end)))
         if not slow:
             return (*self.check(), *here)
         if len(slow) == 1:
@@ -196,50 +241,51 @@ class Communications:
         if all(is_inline(spelling.medium(end)) for end, _ in slow):
             return (*self.check(), *here, *self._rendezvous_reads(slow))
         ends = [spelling.source(end) for end, _ in slow]
-        waiting = call(f"yield from {self.imports.runtime('read_all')}", *map(Atom, ends))
-        wait = (*self.known(), Unpack(tuple(into for _, into in slow), waiting))
+        waiting = delegated(call(self.runtime("read_all"), *ends))
+        wait = (*self.known(), unpack([into for _, into in slow], waiting))
         media = [spelling.medium(end) for end, _ in slow]
         if any(medium.kind != "sampled" for medium in media):
             return (*self.check_early(1), *here, *wait)
-        there = " and ".join(f"{end}.fresh" for end in ends)
+        there = infix_all("and", AND, [end.field("fresh") for end in ends])
         taken = tuple(
             statement
-            for name, (_, into), medium in zip(ends, slow, media, strict=True)
-            for statement in self._sample_taken(name, into, medium)
+            for end, (_, into), medium in zip(ends, slow, media, strict=True)
+            for statement in self._sample_taken(end, into, medium)
         )
-        return (*self.check(), *here, Block(text(f"if {there}:"), taken), Block(text("else:"), wait))
+        return (*self.check(), *here, if_(there, *taken), else_(*wait))
 
     def check_early(self, before: int) -> Statements:
         """A point of cancellation before accesses that are none."""
         return self.check() if before else ()
 
-    def _rendezvous_reads(self, reads: Sequence[tuple[End, str]]) -> Statements:
+    def _rendezvous_reads(self, reads: Sequence[tuple[End, Code]]) -> Statements:
         me, writer, waiting = (self.spelling[name] for name in ("me", "writer", "waiting"))
-        begun: list[Statement] = [text(f"{waiting} = 0")]
+        begun: list[Statement] = [assign(waiting, Whole(0))]
         for source, _ in reads:
             alternated = is_alternated(self.spelling.medium(source))
             before, channel = self._channel(self.spelling.source(source))
-            there: list[Statement] = [
-                text(f"{channel}.writing = None"),
-                text(f"{channel}.value = {channel}.offered"),
-            ]
-            if alternated:
-                there.append(text(f"{channel}.lower()"))
-            there += [self.push(writer), *self.report(channel, f"{channel}.value", writer, me)]
+            value = channel.field("value")
+            there = (
+                assign(channel.field("writing"), NONE),
+                assign(value, channel.field("offered")),
+                *self._lowered(channel, alternated),
+                self.push(writer),
+                *self.report(channel, value, writer, me),
+            )
             begun += [
                 *before,
-                text(f"{writer} = {channel}.writing"),
-                Block(text(f"if {writer} is not None:"), tuple(there)),
-                Block(text("else:"), (text(f"{channel}.reading = {me}"), text(f"{waiting} += 1"))),
+                assign(writer, channel.field("writing")),
+                if_(is_there(writer), *there),
+                else_(assign(channel.field("reading"), me), change(waiting, "+=", Whole(1))),
             ]
-        taken = [text(f"{into} = {self.spelling.source(source)}.value") for source, into in reads]
-        return (*begun, *self._all_done(), *taken)
+        taken = [assign(into, self.spelling.source(source).field("value")) for source, into in reads]
+        return (*begun, self._all_done(), *taken)
 
-    def _all_done(self) -> Statements:
+    def _all_done(self) -> Statement:
         waiting = self.spelling["waiting"]
-        return (Block(text(f"while {waiting}:"), (text("yield"), text(f"{waiting} -= 1"))),)
+        return Block("while", waiting, (YIELD, change(waiting, "-=", Whole(1))))
 
-    def write_all(self, writes: Sequence[tuple[End, str]]) -> Statements:
+    def write_all(self, writes: Sequence[tuple[End, Code]]) -> Statements:
         """Offers all values in order, then waits until all were taken."""
         spelling = self.spelling
         media = [spelling.medium(sink) for sink, _ in writes]
@@ -255,55 +301,45 @@ class Communications:
         if all(is_inline(medium) or at_once(sink, medium) for (sink, _), medium in zip(writes, media, strict=True)):
             return (*self.check(), *self._rendezvous_writes(writes))
         pairs = [
-            tuple_of((Atom(spelling.sink(sink)), Atom(value)))
+            tuple_of((spelling.sink(sink), value))
             for (sink, value), medium in zip(writes, media, strict=True)
             if medium.kind != "discard"
         ]
-        return (*self.known(), run(call(f"yield from {self.imports.runtime('write_all')}", *pairs)))
+        return (*self.known(), run(delegated(call(self.runtime("write_all"), *pairs))))
 
     def _unchecked(self, statements: Statements) -> Statements:
         check = self.check()
         return statements[1:] if check and statements[:1] == check else statements
 
-    def _rendezvous_writes(self, writes: Sequence[tuple[End, str]]) -> Statements:
-        me, reader, waiting = (self.spelling[name] for name in ("me", "reader", "waiting"))
-        begun: list[Statement] = [text(f"{waiting} = 0")]
+    def _rendezvous_writes(self, writes: Sequence[tuple[End, Code]]) -> Statements:
+        waiting = self.spelling["waiting"]
+        begun: list[Statement] = [assign(waiting, Whole(0))]
         for sink, value in writes:
             medium = self.spelling.medium(sink)
             if at_once(sink, medium):
                 begun += self.write(sink, value)
                 continue
             before, channel = self._channel(self.spelling.sink(sink))
-            there = (
-                text(f"{channel}.reading = None"),
-                text(f"{channel}.value = {value}"),
-                self.push(reader),
-                *self.report(channel, value, me, reader),
-            )
-            offered = (*self._offered(channel, value, is_alternated(medium)), text(f"{waiting} += 1"))
-            begun += [
-                *before,
-                text(f"{reader} = {channel}.reading"),
-                Block(text(f"if {reader} is not None:"), there),
-                Block(text("else:"), offered),
-            ]
-        return (*begun, *self._all_done())
+            offered = (*self._offered(channel, value, is_alternated(medium)), change(waiting, "+=", Whole(1)))
+            begun += [*before, *self._met_reader(channel, value, offered)]
+        return (*begun, self._all_done())
 
-    def take(self, source: End, into: str, guards: str, index: int) -> Statements:
+    def take(self, source: End, into: Code, guards: Code, index: int) -> Statements:
         """The communication of an input guard that was chosen, which is number ``index`` of ``guards``."""
         end = self.spelling.source(source)
         if not is_alternated(self.spelling.medium(source)):
-            return (*self.known(), text(f"{into} = {end}.take()"))
+            return (*self.known(), assign(into, end.call("take")))
         me, writer = self.spelling["me"], self.spelling["writer"]
         before, channel = self._channel(end)
-        bit = f"{channel}.bit" if before else str(1 << index)
+        bit = channel.field("bit") if before else Constant(str(1 << index))
+        chosen = infix("is", COMPARISON, channel.field("selector"), guards)
         return (
             *before,
-            text(f"{writer} = {channel}.writing"),
-            text(f"{channel}.writing = None"),
-            text(f"{into} = {channel}.offered"),
-            Block(text(f"if {channel}.selector is {guards}:"), (text(f"{guards}.ready ^= {bit}"),)),
-            Block(text("else:"), (text(f"{channel}.lower()"),)),
+            assign(writer, channel.field("writing")),
+            assign(channel.field("writing"), NONE),
+            assign(into, channel.field("offered")),
+            if_(chosen, change(guards.field("ready"), "^=", bit)),
+            else_(run(channel.call("lower"))),
             self.push(writer),
             *self.report(channel, into, writer, me),
         )

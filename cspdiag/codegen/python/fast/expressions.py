@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, assert_never
+from typing import assert_never
 
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.expressions import ROUNDED_FUNCTIONS, Printer, integer_function
@@ -17,23 +17,24 @@ from cspdiag.codegen.python.text.code import (
     AND,
     COMPARISON,
     OR,
-    PRIMARY,
     PRODUCT,
-    SIGN,
     SUM,
-    Atom,
     Code,
     Conditional,
+    Constant,
+    Name,
     Named,
     Parenthesized,
-    Postfix,
     Prefix,
-    at_least,
+    Whole,
     call,
     infix,
+    integer,
+    minus,
+    number,
 )
 from cspdiag.codegen.python.text.names import Names
-from cspdiag.codegen.python.text.types import literal, number, real
+from cspdiag.codegen.python.text.types import literal, real
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -69,13 +70,13 @@ from cspdiag.network.ir.expressions import (
 from cspdiag.network.ir.faults import index_fits, may_fault
 from cspdiag.network.ir.ranges import exceeds, needs_check, value_range
 
-NANOSECONDS = Atom("1_000_000_000")
+NANOSECONDS = Constant("1_000_000_000")
 """In a second."""
 
 SCALAR = RealType | IntType | TimeType | BoolType
 """The types of values that are printed in the place of a name."""
 
-_ZERO, _ONE, _MINUS_ONE = Atom("0.0"), Atom("1.0"), Atom("-1.0", SIGN)
+_ZERO, _ONE, _MINUS_ONE = Constant("0.0"), Constant("1.0"), number("-1.0")
 _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _UNFOLDED = frozenset({"floor", "ceil"})
 """Of constants the compiler makes these without the sign of a zero."""
@@ -150,7 +151,7 @@ class FastPrinter(Printer):
                 assert isinstance(value, int | float)
                 if value != value or value in (float("inf"), float("-inf")):
                     name = self._math("nan" if value != value else "inf")
-                    return Prefix("-", Atom(name)) if value < 0 else Atom(name)
+                    return minus(name) if value < 0 else name
                 return real(float(value), expression.span if isinstance(expression, LiteralValue) else None)
             case (
                 BoolType() | IntType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType()
@@ -159,8 +160,8 @@ class FastPrinter(Printer):
             case _:
                 assert_never(type_)
 
-    def _math(self, name: str) -> str:
-        return self.imports.standard("math", name)
+    def _math(self, name: str) -> Code:
+        return Name(self.imports.standard("math", name))
 
     # Operands that are wanted more than once
 
@@ -169,7 +170,7 @@ class FastPrinter(Printer):
         if _is_simple(code):
             return code, code
         name = self.temporaries.fresh(type_)
-        return Parenthesized(Named(name, code)), Atom(name)
+        return Parenthesized(Named(name, code)), Name(name)
 
     # Whole numbers
 
@@ -181,7 +182,7 @@ class FastPrinter(Printer):
     def _in_range(self, code: Code, type_: IntType | TimeType, exceeded: tuple[bool, bool]) -> Code:
         """The runtime's function is called only for a number outside, to say so."""
         word = type_ if isinstance(type_, IntType) else IntType()
-        low, high = number(str(word.minimum)), number(str(word.maximum))
+        low, high = integer(word.minimum), integer(word.maximum)
         first, again = self._reused(code, type_)
         below, above = exceeded
         if below and above:
@@ -219,7 +220,8 @@ class FastPrinter(Printer):
     def _ordinal(self, expression: Expression) -> Code:
         """A literal of an enum is compared as the number that it is."""
         if isinstance(expression, LiteralValue):
-            return Atom(str(expression.value))
+            assert isinstance(expression.value, int)
+            return integer(expression.value)
         return self.print(expression)
 
     def _divided(self, expression: BinaryOperation) -> Code:
@@ -230,9 +232,9 @@ class FastPrinter(Printer):
         if value_range(expression.left)[0] >= 0:
             return infix(operator, PRODUCT, dividend, divisor)
         first, again = self._reused(dividend, expression.type)
-        mirrored = Parenthesized(infix(operator, PRODUCT, Prefix("-", at_least(again, SIGN)), divisor))
+        mirrored = Parenthesized(infix(operator, PRODUCT, minus(again), divisor))
         return Conditional(
-            infix(operator, PRODUCT, again, divisor), infix(">=", COMPARISON, first, Atom("0")), Prefix("-", mirrored)
+            infix(operator, PRODUCT, again, divisor), infix(">=", COMPARISON, first, Whole(0)), Prefix("-", mirrored)
         )
 
     def _conversion(self, type_: Type, operand: Expression) -> Code:
@@ -253,12 +255,12 @@ class FastPrinter(Printer):
             return call(self.imports.runtime("element"), array, self.print(index))
         first, again = self._reused(self.print(index), index.type)
         above, below = (
-            infix(">=", COMPARISON, first, Atom("0")),
-            infix("<", COMPARISON, again, Atom(str(operand.type.size))),
+            infix(">=", COMPARISON, first, Whole(0)),
+            infix("<", COMPARISON, again, Constant(str(operand.type.size))),
         )
         inside = infix("and", AND, above, below)
         fault = call(self.imports.runtime("element"), array, again)
-        return Conditional(Postfix(at_least(array, PRIMARY), f"[{again.flat}]"), inside, fault)
+        return Conditional(array.at(again), inside, fault)
 
     # Reals
 
@@ -314,7 +316,7 @@ class FastPrinter(Printer):
             case "sqrt":
                 first, again = self._reused(self.print(given[0]), given[0].type)
                 root = call(self._math("sqrt"), again)
-                return Conditional(root, infix(">=", COMPARISON, first, _ZERO), Atom(self._math("nan")))
+                return Conditional(root, infix(">=", COMPARISON, first, _ZERO), self._math("nan"))
             case (
                 "abs" | "min" | "max" | "exp" | "log" | "asin" | "acos" | "atan" | "floor" | "ceil" | "round"
                 | "quantize" | "seconds" | "until"
@@ -343,7 +345,7 @@ class FastPrinter(Printer):
 
     def _sign(self, operand: Expression, is_real: bool) -> Code:
         first, again = self._reused(self.print(operand), operand.type)
-        zero, one, minus_one = (_ZERO, _ONE, _MINUS_ONE) if is_real else (Atom("0"), Atom("1"), Atom("-1", SIGN))
+        zero, one, minus_one = (_ZERO, _ONE, _MINUS_ONE) if is_real else (Whole(0), Whole(1), integer(-1))
         rest = Conditional(minus_one, infix("<", COMPARISON, again, zero), again if is_real else zero)
         return Conditional(one, infix(">", COMPARISON, first, zero), rest)
 
@@ -360,7 +362,7 @@ class FastPrinter(Printer):
         """Python's functions refuse an infinity; a NaN gives a NaN in both branches."""
         first, again = self._reused(self.print(operand), operand.type)
         finite = infix("==", COMPARISON, infix("-", SUM, first, again), _ZERO)
-        return Conditional(call(self._math(function), again), finite, Atom(self._math("nan")))
+        return Conditional(call(self._math(function), again), finite, self._math("nan"))
 
 
 def _is_one(value: Value | None) -> bool:
@@ -372,11 +374,11 @@ def _is_in(value: Value | None, type_: IntType) -> bool:
     return isinstance(value, int) and type_.minimum <= value <= type_.maximum
 
 
-def _is_simple(code: Any) -> bool:
+def _is_simple(code: Code) -> bool:
     """Whether an operand may be evaluated again: a name or a number, or the opposite of one."""
     match code:
-        case Atom(text=text):
-            return "." not in text or text[0].isdigit() or text[0] == "-"
+        case Name() | Constant() | Whole():
+            return True
         case Prefix(text="-", operand=operand):
             return _is_simple(operand)
         case _:
@@ -384,12 +386,4 @@ def _is_simple(code: Any) -> bool:
 
 
 def _negative(code: Code) -> Code:
-    match code:
-        case Atom(text=text) if text.startswith("-"):
-            return Atom(text[1:])
-        case Atom(text=text) if text[0].isdigit():
-            return Atom(f"-{text}", SIGN)
-        case Prefix(text="-", operand=operand):
-            return operand
-        case _:
-            return Prefix("-", at_least(code, SIGN))
+    return code.operand if isinstance(code, Prefix) and code.text == "-" else minus(code)

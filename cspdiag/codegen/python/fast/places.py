@@ -4,19 +4,17 @@ bound to.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from cspdiag.codegen.python.fast.storage import local_variables
 from cspdiag.codegen.python.plain.members import Members
-from cspdiag.codegen.python.text.code import Atom, Code
+from cspdiag.codegen.python.text.code import SELF, Attribute, Code, Element, Name, own
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir.network import Medium, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 
-_ATTRIBUTE = re.compile(r"self\.(\w+)(.*)", re.DOTALL)
 _HELPERS = (
     "me",
     "writer",
@@ -24,6 +22,7 @@ _HELPERS = (
     "value",
     "channel",
     "ready",
+    "ready_guards",
     "mask",
     "first",
     "waiting",
@@ -77,8 +76,8 @@ class Spelling:
         self._variables = {name: self._local_name(name) for name in sorted(self._locals)}
 
     def _local_name(self, variable: str) -> str:
-        attribute = self.members.channel(variable).removeprefix("self.")
-        return attribute if attribute.isidentifier() else self.names.fresh(variable)
+        member = self.members.channel(variable)
+        return member.name if isinstance(member, Attribute) else self.names.fresh(variable)
 
     def taken(self) -> list[str]:
         """The names that mean something of the process."""
@@ -89,9 +88,9 @@ class Spelling:
             *self.helpers.values(),
         ]
 
-    def __getitem__(self, helper: str) -> str:
+    def __getitem__(self, helper: str) -> Name:
         """A local variable of the code itself."""
-        return self.helpers[helper]
+        return Name(self.helpers[helper])
 
     # Variables, signals, parameters: as expressions name them
 
@@ -102,36 +101,46 @@ class Spelling:
     def variable(self, name: str) -> Code:
         """The value of a variable."""
         if name in self._locals:
-            return Atom(self._variables[name])
-        return Atom(f"{self.local(self.members.channel(name))}.value")
+            return Name(self._variables[name])
+        return self.local(self.members.channel(name)).field("value")
 
     def signal(self, name: str) -> Code:
         """A signal, a state or a constant of a law, or an object written by hand."""
+        spelled = self.signal_name(name)
+        if name in self.constants:
+            return self.bind(spelled)
+        return own(spelled) if name in self.states and self.again else Name(spelled)
+
+    def signal_name(self, name: str) -> str:
+        """What a signal is called, as an attribute or as a local variable."""
         if name not in self.signals:
             self.signals[name] = self.names.fresh(name)
-        spelled = self.signals[name]
-        if name in self.constants:
-            return Atom(self.local(f"self.{spelled}"))
-        if name in self.states:
-            return Atom(f"self.{spelled}" if self.again else spelled)
-        return Atom(spelled)
+        return self.signals[name]
 
     def constant_made(self, name: str) -> Code:
         """A constant as the constructor sees it."""
-        if name not in self.signals:
-            self.signals[name] = self.names.fresh(name)
-        return Atom(f"self.{self.signals[name]}")
+        return own(self.signal_name(name))
 
     def parameter(self, name: str) -> Code:
         """A parameter."""
-        return Atom(self.local(f"self.{self.members.arguments[name]}"))
+        return self.bind(self.members.arguments[name])
 
-    def local(self, attribute: str) -> str:
-        """The local variable for an attribute of ``self`` (or an element of it)."""
-        found = _ATTRIBUTE.fullmatch(attribute)
-        assert found is not None, attribute
-        self.bound[found[1]] = None
-        return f"{found[1]}{found[2]}"
+    def bind(self, attribute: str) -> Name:
+        """The local variable for an attribute of ``self``."""
+        self.bound[attribute] = None
+        return Name(attribute)
+
+    def local(self, member: Code) -> Code:
+        """The local variable for an attribute of ``self``, or what is reached from there."""
+        match member:
+            case Attribute(operand=operand, name=name) if operand == SELF:
+                return self.bind(name)
+            case Attribute(operand=operand, name=name):
+                return self.local(operand).field(name)
+            case Element(operand=operand, index=index):
+                return self.local(operand).at(index)
+            case _:
+                raise AssertionError(f"{member} is no member")
 
     def shared(self) -> frozenset[str]:
         """Local variables that a nested function has to declare if it sets them."""
@@ -158,24 +167,24 @@ class Spelling:
             return next(port.type for port in self.process.ports if port.name == end.port)
         return self._channels[end.channel].type
 
-    def source(self, end: End) -> str:
+    def source(self, end: End) -> Code:
         """The local name of an end that is read."""
         return self.local(self.members.source(end))
 
-    def sink(self, end: End) -> str:
+    def sink(self, end: End) -> Code:
         """The local name of an end that is written."""
         return self.local(self.members.sink(end))
 
-    def value_at(self, end: End) -> str:
+    def value_at(self, end: End) -> Code:
         """The value of a variable or a constant behind an end."""
         if isinstance(end, ChannelEnd):
-            return self.variable(end.channel).flat
+            return self.variable(end.channel)
         member = self.members.sink(end) if self.medium(end).kind == "var" else self.members.source(end)
-        return f"{self.local(member)}.value"
+        return self.local(member).field("value")
 
-    def part(self, instance: str) -> str:
+    def part(self, instance: str) -> Code:
         """The local name of a flattened process or a law."""
-        return self.local(f"self.{self.parts[instance]}")
+        return self.bind(self.parts[instance])
 
 
 def is_inline(medium: Medium) -> bool:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
+from cspdiag.base.record import replaced
 from cspdiag.codegen.options import Options
-from cspdiag.codegen.python.fast.actions import Composition, code_lines
+from cspdiag.codegen.python.fast.actions import Composition
 from cspdiag.codegen.python.fast.cancellation import checked_classes
-from cspdiag.codegen.python.fast.communications import Communications, Statements, text
+from cspdiag.codegen.python.fast.communications import Communications
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.laws.in_place import external_calls
 from cspdiag.codegen.python.fast.places import Spelling, is_alternated, is_inline
@@ -19,15 +19,52 @@ from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
-from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension, tuple_of
+from cspdiag.codegen.python.plain.processes import all_readers
+from cspdiag.codegen.python.text.code import (
+    FALSE,
+    NONE,
+    SELF,
+    TRUE,
+    Argument,
+    Call,
+    Code,
+    Constant,
+    Items,
+    Name,
+    Prefix,
+    Whole,
+    attributes_of_self,
+    call,
+    own,
+    tuple_of,
+    typed,
+)
 from cspdiag.codegen.python.text.imports import Imports, member_order
 from cspdiag.codegen.python.text.layout import LINE_LENGTH
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.rolling import rolled_list
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, signature
+from cspdiag.codegen.python.text.statements import (
+    RAISE,
+    YIELD,
+    Assign,
+    Block,
+    Declare,
+    Function,
+    Plain,
+    Statement,
+    Statements,
+    assign,
+    attributes_set,
+    bound_in,
+    if_,
+    lines,
+    run,
+    try_,
+)
 from cspdiag.codegen.python.text.types import annotation
+from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, ParallelSteps, PortEnd
 from cspdiag.network.ir.network import (
@@ -76,15 +113,20 @@ def has_levels(network: Network) -> bool:
     return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
 
 
-def _nonlocal(names: Sequence[str]) -> Statements:
+def _nonlocal(names: Sequence[str]) -> Iterator[Statement]:
     """Declares variables of the function around, as many as there is room for in a line."""
-    rows: list[str] = []
+    row: list[str] = []
     for name in names:
-        if rows and len(rows[-1]) + len(name) + 2 <= _DECLARED:
-            rows[-1] += f", {name}"
-        else:
-            rows.append(f"nonlocal {name}")
-    return tuple(map(text, rows))
+        if row and len(f"nonlocal {', '.join([*row, name])}") > _DECLARED:
+            yield _declared(row)
+            row = []
+        row.append(name)
+    if row:
+        yield _declared(row)
+
+
+def _declared(names: Sequence[str]) -> Statement:
+    return Plain("nonlocal", Items("", tuple(map(Name, names))))
 
 
 class _ProcessWriter:
@@ -127,111 +169,102 @@ class _ProcessWriter:
         self.spelling.bound.clear()
 
     def _argument(self, name: str) -> Code:
-        return Atom(self.members.arguments[name])
+        return Name(self.members.arguments[name])
 
     def module(self) -> ClassModule:
         process = self.process
         body = self.composition.statements(process.body) if process.body is not None else ()
         steps = self._steps(body)
         constructor = self._constructor()
-        slots = tuple_of(Atom(quoted(attribute)) for attribute in sorted(_assigned(constructor), key=member_order))
-        attributes = lines((assign("__slots__", slots),), "    ") if slots.flat != "()" else ["    __slots__ = ()"]
-        functions = [constructor, steps]
+        slots = sorted({*attributes_set(constructor.body)}, key=member_order)
+        attributes = lines([assign("__slots__", tuple_of(Constant(quoted(name)) for name in slots))], "    ")
         name, base = self.names.classes[process.name], self.imports.runtime("Routine")
-        attributes += ["", f"    kind = {quoted(process.definition)}", f"    source = {quoted(self.place)}"]
-        attributes += ["    checked = True"] * self.checked + ["    tracked = True"] * self.tracked
+        facts = {"kind": Constant(quoted(process.definition)), "source": Constant(quoted(self.place))}
+        facts |= {"checked": TRUE} if self.checked else {}
+        facts |= {"tracked": TRUE} if self.tracked else {}
+        attributes += ["", *lines([assign(fact, value) for fact, value in facts.items()], "    ")]
         return ClassModule(
             f"The process {process.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(process, self.place, "process"), "    "),
-            [attributes, *functions],
+            [attributes, *(lines([function], "    ") for function in (constructor, steps))],
         )
 
     # The code
 
-    def _steps(self, body: Statements) -> list[str]:
+    def _steps(self, body: Statements) -> Function:
         spelling, process = self.spelling, self.process
         me, error = spelling["me"], spelling["error"]
         states = tuple(self._initial_states()) if not spelling.again else ()
         declared = tuple(self._declared_variables())
-        memories = tuple(text(f"{name} = 0") for name in self.composition.memories.values())
+        memories = tuple(assign(name, Whole(0)) for name in self.composition.memories.values())
         for item in external_calls(process.body):
-            spelling.local(f"self.{spelling.signal(item.name).flat}")
-        bound = tuple(text(f"{name} = self.{name}") for name in spelling.bound)
+            spelling.bind(spelling.signal_name(item.name))
+        bound = tuple(assign(name, own(name)) for name in spelling.bound)
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
         code: Statements = (*bound, *self.composition.prologue, *states, *declared, *memories)
-        for name, parameters, function in self.composition.functions:
-            rows = lines(function or (text("pass"),), "    ")
-            shared = self._set_in(rows)
-            inner: Statements = (*_nonlocal(shared), *function)
-            code += (Block(text(f"def {name}({me}: {task}{parameters}) -> {steps}:"), self._generator(inner)),)
-        code += (*self.composition.prepared, text(f"self.start({me})"))
-        failed = (text(f"self.fail({me}, {error})"), text("raise"))
+        for function in self.composition.functions:
+            inner = (*_nonlocal(self._set_in(function.body)), *function.body)
+            code += (replaced(function, body=self._generator(inner)),)
+        failed = (run(own("fail").called(me, error)), RAISE)
         code += (
-            Block(text("try:"), self._generator(body)),
-            Block(text(f"except BaseException as {error}:"), failed),
+            *self.composition.prepared,
+            run(own("start").called(me)),
+            try_(*self._generator(body)),
+            Block("except", Name("BaseException"), failed, bound=error.text),
         )
         if process.body is None or may_end(process.body):
-            code += (text(f"self.end({me})"),)
-        return [f"    def steps(self, {me}: {task}) -> {steps}:", *lines(code, "        ")]
+            code += (run(own("end").called(me)),)
+        return Function("steps", ("self", f"{me.text}: {task}"), code, steps)
 
     @staticmethod
     def _generator(body: Statements) -> Statements:
         """A body that waits nowhere is made a generator all the same."""
-        if any("yield" in row for row in lines(body, "")):
-            return body
-        return (*body, Block(text("if False:"), (text("yield"),)))
+        waits = any(node == YIELD or (isinstance(node, Prefix) and node.text == "yield from ") for node in nodes(body))
+        return body if waits else (*body, if_(FALSE, YIELD))
 
-    def _set_in(self, rows: Sequence[str]) -> list[str]:
-        """Local variables of ``steps`` that the rows of a nested function set."""
+    def _set_in(self, body: Statements) -> list[str]:
+        """Local variables of ``steps`` that the statements of a nested function set."""
         candidates = self.spelling.shared() | set(self.composition.memories.values())
-        found = set()
-        for row in rows:
-            match = re.match(r"\s*\(?(\w+(?:, \w+)*),? (?:[-+*&|]|<<)?= ", row) or re.match(
-                r"\s*(\w+(?:, \w+)*) = ", row
-            )
-            if match is not None:
-                found |= {name for name in match[1].split(", ") if name in candidates}
-        return sorted(found)
+        return sorted(candidates.intersection(bound_in(body)))
 
     def _initial_states(self) -> Iterator[Statement]:
         printer = self.composition.printer
         for state in self.process.states:
-            target = self.spelling.signal(state.name).flat
-            typed = f"{target}: {annotation(state.type, self.imports)}"
-            yield from assigned(typed, printer, state.initial, self.composition.place_of(state))
+            target = self.spelling.signal(state.name)
+            place = self.composition.place_of(state)
+            yield from assigned(target, printer, state.initial, place, annotation(state.type, self.imports))
 
     def _declared_variables(self) -> Iterator[Statement]:
         channels = {channel.name: channel for channel in self.process.channels}
         for name, local in self.spelling.local_declarations():
             channel = channels[name]
-            typed = f"{local}: {annotation(channel.type, self.imports)}"
+            type_ = annotation(channel.type, self.imports)
             if channel.initial is None or self.spelling.again:
-                yield text(typed)
+                yield Declare(Name(local), type_)
             else:
-                yield assign(typed, self.composition.printer.print(channel.initial))
+                yield Assign(Name(local), self.composition.printer.print(channel.initial), annotation=type_)
 
     # The constructor
 
-    def _constructor(self) -> list[str]:
-        statements: list[Statement] = [
-            Line("", Call("super().__init__", (Argument(Atom("name")),))),
+    def _constructor(self) -> Function:
+        statements: Statements = (
+            run(call(call("super").field("__init__"), Name("name"))),
             *self._stored_arguments(),
             *self._constants(),
             *self._parts(),
             *self._external_calls(),
             *self._channels(),
             *self._created(),
-        ]
-        head = signature("def __init__", self._parameters(), " -> None:", "    ")
-        return [*head, *code_lines(tuple(statements), "        ")]
+        )
+        return Function("__init__", self._parameters(), statements)
 
-    def _parameters(self) -> list[str]:
+    def _parameters(self) -> tuple[str, ...]:
         arguments = self.members.arguments
-        typed = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
-        typed += [f"{arguments[p.name]}: {self._port_annotation(p)}" for p in self.process.ports]
-        return ["self", "name: str", *(["*", *typed] if typed else [])]
+        keywords = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
+        keywords += [f"{arguments[p.name]}: {self._port_annotation(p)}" for p in self.process.ports]
+        return ("self", "name: str", *(["*", *keywords] if keywords else []))
 
     def _port_annotation(self, port: Port) -> str:
         kinds = {self._end_class(medium, port.direction) for medium in port.media}
@@ -253,21 +286,20 @@ class _ProcessWriter:
 
     def _stored_arguments(self) -> Iterator[Statement]:
         """Parameters and ports that the code uses, or that guards are made of."""
-        guards = " ".join(code.flat for code in self.composition.choices.values())
+        guards = set(attributes_of_self(tuple(self.composition.choices.values())))
         read = {end.port for end in self.members.reading_ends if isinstance(end, PortEnd)}
         for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
             python = self.members.arguments[name]
-            used = python in self.spelling.bound or re.search(rf"\bself\.{python}\b", guards)
-            if used and name not in read:
-                yield assign(f"self.{python}", Atom(python))
-        instances = " ".join(self.instances.made(instance).flat for instance in self.process.instances)
+            if (python in self.spelling.bound or python in guards) and name not in read:
+                yield assign(own(python), Name(python))
+        made = guards.union(*(attributes_of_self(self.instances.made(item)) for item in self.process.instances))
         done: set[str] = set()
         for end in self.members.reading_ends:
             name = self.members.end_name(end)
-            used = name in self.spelling.bound or re.search(rf"\bself\.{name}\b", f"{guards} {instances}")
-            if isinstance(end, PortEnd) and used and not self._has_end(end) and name not in done:
+            is_used = name in self.spelling.bound or name in made
+            if isinstance(end, PortEnd) and is_used and not self._has_end(end) and name not in done:
                 done.add(name)
-                yield assign(f"self.{name}", Atom(self.members.arguments[end.port]))
+                yield assign(own(name), Name(self.members.arguments[end.port]))
 
     def _has_end(self, end: End) -> bool:
         """Whether a reading end is an object of its own."""
@@ -276,30 +308,30 @@ class _ProcessWriter:
 
     def _constants(self) -> Iterator[Statement]:
         for item in self.process.constants:
-            target = self.spelling.constant_made(item.name).flat
+            target = self.spelling.constant_made(item.name)
             yield from assigned(target, self.initial, item.value, self.composition.place_of(item))
         if self.spelling.again:
             for state in self.process.states:
-                typed = f"{self.spelling.signal(state.name).flat}: {annotation(state.type, self.imports)}"
-                yield from assigned(typed, self.initial, state.initial, self.composition.place_of(state))
+                target, place = self.spelling.signal(state.name), self.composition.place_of(state)
+                yield from assigned(target, self.initial, state.initial, place, annotation(state.type, self.imports))
 
     def _parts(self) -> Iterator[Statement]:
         if not self.spelling.parts:
             return
         class_ = self.imports.runtime("Inlined")
         for scope in self.spelling.scopes:
-            source = Argument(Atom(quoted(self.names.place(scope.span.file, scope.span.line))), "source")
-            arguments = (Argument(path(scope.instance)), Argument(Atom(quoted(scope.class_name))), source)
-            yield assign(f"self.{self.spelling.parts[scope.instance]}", Call(class_, arguments))
+            source = Constant(quoted(self.names.place(scope.span.file, scope.span.line)))
+            made = call(class_, path(scope.instance), Constant(quoted(scope.class_name)), source=source)
+            yield assign(own(self.spelling.parts[scope.instance]), made)
         for law, action in self.spelling.laws.items():
-            source = Argument(Atom(quoted(self.names.place(action.span.file, action.span.line))), "source")
-            yield assign(f"self.{self.spelling.parts[law]}", Call(class_, (Argument(path(law)), source)))
+            source = Constant(quoted(self.names.place(action.span.file, action.span.line)))
+            yield assign(own(self.spelling.parts[law]), call(class_, path(law), source=source))
 
     def _external_calls(self) -> Iterator[Statement]:
         for item in external_calls(self.process.body):
             given = {name: self.initial.print(value) for name, value in item.arguments}
             made = self.modules.construct(item.external, given, self.imports)
-            yield assign(f"self.{self.spelling.signal(item.name).flat}", made)
+            yield assign(own(self.spelling.signal_name(item.name)), made)
 
     def _channels(self) -> Iterator[Statement]:
         kept = [channel for channel in self.process.channels if not self.spelling.is_local(channel.name)]
@@ -313,8 +345,8 @@ class _ProcessWriter:
         if channel.initial is not None:
             arguments.append(Argument(self.initial.print(channel.initial)))
         if channel.capacity is not None:
-            arguments.append(Argument(Atom(str(channel.capacity)), "capacity"))
-        return Call(f"{self.imports.runtime(name)}[{annotation(channel.type, self.imports)}]", tuple(arguments))
+            arguments.append(Argument(Whole(channel.capacity), "capacity"))
+        return Call(typed(self.imports.runtime(name), annotation(channel.type, self.imports)), tuple(arguments))
 
     def _attributes(
         self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: dict[str, Code]
@@ -326,8 +358,8 @@ class _ProcessWriter:
                 yield assign(self.members.attribute(item.name), made[item.name])
             elif array.name not in done:
                 done.add(array.name)
-                elements = [made.get(element, Atom("None")) for element in array.elements]
-                yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
+                elements = [made.get(element, NONE) for element in array.elements]
+                yield assign(own(array.name), rolled_list(elements, self.members.index))
 
     def _created(self) -> Iterator[Statement]:
         """Reading ends, instances and alternatives in the order in which they have to come to be."""
@@ -344,7 +376,7 @@ class _ProcessWriter:
                         done.add(name)
                 case CreatedChoice(choice=name):
                     if name in choices:
-                        yield assign(f"self.{self.composition.choice_names[name]}", choices.pop(name))
+                        yield assign(own(self.composition.choice_names[name]), choices.pop(name))
                 case PortEnd() | ChannelEnd():
                     yield from self._made_end(item, made_ends)
         for end in self.members.reading_ends:
@@ -353,7 +385,7 @@ class _ProcessWriter:
             if instance.name not in done:
                 yield from self._made_instance(instance, made_arrays)
         for name, choice in choices.items():
-            yield assign(f"self.{self.composition.choice_names[name]}", choice)
+            yield assign(own(self.composition.choice_names[name]), choice)
 
     def _made_instance(self, instance: InstanceOf, arrays: set[str]) -> Iterator[Statement]:
         array = self.members.array_of(instance.name)
@@ -363,7 +395,7 @@ class _ProcessWriter:
             arrays.add(array.name)
             by_name = {item.name: item for item in self.process.instances}
             elements = [self.instances.made(by_name[element]) for element in array.elements]
-            yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
+            yield assign(own(array.name), rolled_list(elements, self.members.index))
 
     def _made_end(self, end: End, made: set[str]) -> Iterator[Statement]:
         if end not in self.members.reading_ends or not self._has_end(end):
@@ -374,24 +406,16 @@ class _ProcessWriter:
         made.add(name)
         owner = self._owner(end)
         if isinstance(end, ChannelEnd):
-            yield assign(f"self.{name}", Atom(f"{self.members.channel(end.channel)}.reader({owner})"))
+            yield assign(own(name), self.members.channel(end.channel).call("reader", owner))
             return
         port = self.members.arguments[end.port]
         size = next(item.size for item in self.process.ports if item.name == end.port)
-        if size is None:
-            yield assign(f"self.{name}", Atom(f"{port}.reader({owner})"))
-        else:
-            yield assign(f"self.{name}", Comprehension(Atom(f"end.reader({owner})"), f"for end in {port}"))
+        readers = Name(port).call("reader", owner) if size is None else all_readers(port, owner)
+        yield assign(own(name), readers)
 
-    def _owner(self, end: End) -> str:
+    def _owner(self, end: End) -> Code:
         """The process that an end belongs to: one that was flattened, or this one."""
         for scope in self.spelling.scopes:
             if end in scope.ends:
-                return f"self.{self.spelling.parts[scope.instance]}"
-        return "self"
-
-
-def _assigned(constructor: Sequence[str]) -> list[str]:
-    """The attributes that a constructor sets."""
-    found = (re.match(r"\s*self\.(\w+)(?:: .*)? = ", row) for row in constructor)
-    return sorted({match[1] for match in found if match is not None})
+                return own(self.spelling.parts[scope.instance])
+        return SELF

@@ -6,22 +6,20 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from cspdiag.base import Span
-from cspdiag.codegen.python.fast.communications import Communications, Statements, text
+from cspdiag.codegen.python.fast.communications import Communications
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.places import Spelling
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.plain.external import ExternalModules
-from cspdiag.codegen.python.text.code import Atom, Code, call
+from cspdiag.codegen.python.text.code import SELF, Code, call
 from cspdiag.codegen.python.text.imports import Imports
-from cspdiag.codegen.python.text.statements import Statement, assign
+from cspdiag.codegen.python.text.statements import Remark, Statement, Statements, assign
 from cspdiag.network.ir.actions import Action, Step, Target
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 
 _LONGEST_COMMENT = 70
-
-
-_LONGEST_COMMENT = 70
+_LONGEST_SIMPLE = 40
 
 
 @dataclass
@@ -37,7 +35,7 @@ class Values:
     modules: ExternalModules
     prologue: list[Statement] = field(default_factory=list)
     """What is computed once, before the process begins."""
-    process: str = "self"
+    process: Code = SELF
     """The process or law that is executed at this place."""
 
     def statements(self, action: Action) -> Statements:
@@ -58,11 +56,11 @@ class Values:
 
     def comment(self, action: Step, what: str | None = None) -> Statement:
         """The place and the text of an action as a comment."""
-        return text(f"# {self.place(action)}  {one_line(action.span) if what is None else what}".rstrip())
+        return Remark(f"{self.place(action)}  {one_line(action.span) if what is None else what}".rstrip())
 
     def set(self, target: Target, value: Expression, place: str) -> Iterable[Statement]:
         """Sets a variable, or an element of it."""
-        name = self.spelling.variable(target.channel).flat
+        name = self.spelling.variable(target.channel)
         if not target.indexes:
             yield from assigned(name, self.printer, value, place)
         else:
@@ -72,23 +70,23 @@ class Values:
         """Sets an element of a variable."""
         variable = self.spelling.variable(target.channel)
         indexes = [self.printer.print(index) for index in target.indexes]
-        return assign(variable.flat, call(self.imports.runtime("replaced"), variable, value, *indexes), place)
+        return assign(variable, call(self.imports.runtime("replaced"), variable, value, *indexes), place)
 
-    def read_into(self, target: Target, read: Callable[[str], Statements]) -> Statements:
+    def read_into(self, target: Target, read: Callable[[Code], Statements]) -> Statements:
         """What ``read`` reads, into a variable or an element of it."""
         if not target.indexes:
-            return read(self.spelling.variable(target.channel).flat)
+            return read(self.spelling.variable(target.channel))
         value = self.spelling["value"]
-        return (*read(value), self.replaced(target, Atom(value)))
+        return (*read(value), self.replaced(target, value))
 
-    def simple(self, value: Expression) -> tuple[Statements, str]:
+    def simple(self, value: Expression) -> tuple[Statements, Code]:
         """A value as a name or a literal, and what has to be computed before."""
         if isinstance(value, LiteralValue | ParameterValue | SignalValue) or (
             isinstance(value, VariableValue) and self.spelling.is_local(value.channel)
         ):
             code = self.printer.print(value)
-            if len(code.flat) < 40:
-                return (), code.flat
+            if len(code.flat) < _LONGEST_SIMPLE:
+                return (), code
         name = self.spelling["value"]
         return tuple(assigned(name, self.printer, value, None)), name
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import assert_never
+from typing import Literal, assert_never
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
@@ -13,23 +12,41 @@ from cspdiag.codegen.python.plain.guards import GuardNames, Guards, select_argum
 from cspdiag.codegen.python.plain.members import Members
 from cspdiag.codegen.python.text.code import (
     OR,
+    TRUE,
     Argument,
-    Atom,
     Call,
     Code,
     Comprehension,
     Conditional,
+    Constant,
+    Name,
     Parenthesized,
-    Prefix,
+    Whole,
     at_least,
+    awaited,
     call,
+    counted_to,
+    mentions,
+    own,
     tuple_of,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import quoted
-from cspdiag.codegen.python.text.rolling import LEAST, rolled_steps, statements_template, template
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, run
+from cspdiag.codegen.python.text.rolling import rolled_steps, template
+from cspdiag.codegen.python.text.statements import (
+    BREAK,
+    Block,
+    Plain,
+    Statement,
+    Statements,
+    assign,
+    else_,
+    repeat,
+    run,
+    try_,
+)
 from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -73,15 +90,13 @@ from cspdiag.network.ir.faults import is_known_at_start, may_fault, variables_in
 from cspdiag.network.ir.ranges import cannot_fault
 from cspdiag.network.ir.walk import parts
 
-"""In code: calls, of which checks of ranges are some, and divisions."""
-
 
 @record
 class Method:
     """A part of a composition that runs beside others and so needs a coroutine of its own."""
 
     name: str
-    body: tuple[Statement, ...]
+    body: Statements
     parameter: str | None = None
 
 
@@ -101,13 +116,13 @@ class Composition:
     imports: Imports
     unwritten: frozenset[str] = frozenset()
     """Variables that may be read before they were written, which is a fault."""
-    alternatives: list[Line] = field(default_factory=list)
+    alternatives: list[Statement] = field(default_factory=list)
     methods: list[Method] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.guard_names = GuardNames(self.members.names.fresh)
 
-    def statements(self, action: CoreAction) -> tuple[Statement, ...]:
+    def statements(self, action: CoreAction) -> Statements:
         """An action as statements of a coroutine."""
         match action:
             case SkipStep():
@@ -120,17 +135,17 @@ class Composition:
             case ReadValue(source=source, target=target):
                 return (self._read(action, source, target),)
             case RaiseException(exception=exception):
-                return (Line("raise ", Atom(self.imports.exception(exception)), comment=self._place(action)),)
+                return (Plain("raise", Name(self.imports.exception(exception)), self._place(action)),)
             case ResetInstance(instance=instance):
-                return (run(self._call(self.members.instance(instance), "reset")),)
+                return (run(self.members.instance(instance).call("reset")),)
             case Repeat(until=until):
                 return (self._repeat(action, until),)
             case WhileLoop(condition=condition, body=body):
-                head = Line("while ", self.printer.print(condition), ":", self._place_of_fault(condition, action))
-                return (Block(head, self.statements(body)),)
+                place = self._place_of_fault(condition, action)
+                return (Block("while", self.printer.print(condition), self.statements(body), place),)
             case CountedLoop(turns=turns, body=body):
                 inside = self.statements(body)
-                return (Block(Line(f"for _ in range({turns}):"), inside),) if inside else ()
+                return (repeat(turns, inside),) if inside else ()
             case IfElse():
                 return self._if(action)
             case CatchException():
@@ -140,35 +155,35 @@ class Composition:
             case Choice():
                 return self._choice(action, "choice")
             case Group(label=label, body=Choice() as choice) if not self._alone_suffices(choice):
-                return (run(Prefix("await ", self._group(label, action.body))),)
+                return (run(awaited(self._group(label, action.body))),)
             case InterruptOn(body=body, branch=branch):
                 needs = self._guards((branch,), always=True)
                 return (
                     *needs.lines,
-                    run(Prefix("await ", self._interrupt(body, branch, needs)), self._checked_place(action)),
+                    run(awaited(self._interrupt(body, branch, needs)), self._checked_place(action)),
                 )
             case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | Group():
-                return (run(Prefix("await ", self.awaitable(action)), self._checked_place(action)),)
+                return (run(awaited(self.awaitable(action)), self._checked_place(action)),)
         assert_never(action)
 
     def awaitable(self, action: CoreAction) -> Code:
         """An action as something that can be awaited."""
         match action:
             case RunInstance(instance=instance):
-                return Atom(self.members.instance(instance))
+                return self.members.instance(instance)
             case WriteValue(sink=sink, value=value):
-                return self._call(self.members.sink(sink), "write", self.printer.print(value))
+                return self.members.sink(sink).call("write", self.printer.print(value))
             case WaitStep(duration=duration):
                 return call(self.imports.runtime("wait"), self.printer.print(duration))
             case StopStep():
                 return call(self.imports.runtime("stop"))
             case ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
-                return Call(name, tuple(self._branches(steps)))
+                return Call(Name(name), tuple(self._branches(steps)))
             case InterruptOn(body=body, branch=branch):
                 needs = self._guards((branch,), always=True)
                 if needs.lines:
-                    return call(self._coroutine(action, branch_name(action)).flat)
+                    return call(self._coroutine(action, branch_name(action)))
                 return self._interrupt(body, branch, needs)
             case Group(label=label, body=body):
                 return self._group(label, body)
@@ -214,7 +229,7 @@ class Composition:
                 position += 1
             else:
                 name, count = whole
-                yield Argument(Atom(name), starred=True)
+                yield Argument(name, starred=True)
                 position += count
 
     def _alike(self, steps: Sequence[CoreAction]) -> Argument | None:
@@ -223,16 +238,16 @@ class Composition:
             return None
         groups = [self.statements(step) for step in steps]
         index = self.members.index_around(groups)
-        body = statements_template(groups, index, 0)
+        body = template(groups, index)
         if body is None:
             return None
         name = self.members.names.fresh(f"_{branch_name(steps[0])}")
         self.methods.append(Method(name, body, f"{index}: int"))
-        made = call(self.imports.standard("functools", "partial"), Atom(f"self.{name}"), Atom(index))
-        each = Comprehension(made, f"for {index} in range({len(steps)})", "()")
+        made = call(self.imports.standard("functools", "partial"), own(name), Name(index))
+        each = Comprehension(made, index, counted_to(len(steps)), "()")
         return Argument(each, starred=True)
 
-    def _whole_array(self, steps: Sequence[CoreAction], start: int) -> tuple[str, int] | None:
+    def _whole_array(self, steps: Sequence[CoreAction], start: int) -> tuple[Code, int] | None:
         first = steps[start]
         if not isinstance(first, RunInstance):
             return None
@@ -241,59 +256,56 @@ class Composition:
             return None
         wanted = array.elements
         given = [step.instance for step in steps[start : start + len(wanted)] if isinstance(step, RunInstance)]
-        return (f"self.{array.name}", len(wanted)) if given == list(wanted) else None
+        return (own(array.name), len(wanted)) if given == list(wanted) else None
 
     def _group(self, label: str, body: CoreAction) -> Code:
-        return call(self.imports.runtime("group"), Atom(quoted(label)), self._later(body, label))
+        return call(self.imports.runtime("group"), Constant(quoted(label)), self._later(body, label))
 
     def _coroutine(self, action: CoreAction, hint: str) -> Code:
         name = self.members.names.fresh(f"_{hint}")
         position = len(self.methods)
         self.methods.append(Method(name, ()))
         self.methods[position] = Method(name, self.statements(action))
-        return Atom(f"self.{name}")
+        return own(name)
 
     def _repeat(self, action: Repeat[CoreAction], until: Expression | None) -> Block:
         statements = self.statements(action.body)
         if until is not None:
-            head = Line("if ", self.printer.print(until), ":", self._place_of_fault(until, action))
-            statements += (Block(head, (Line("break"),)),)
-        return Block(Line("while True:"), statements)
+            place = self._place_of_fault(until, action)
+            statements += (Block("if", self.printer.print(until), (BREAK,), place),)
+        return Block("while", TRUE, statements)
 
-    def _if(self, action: IfElse[CoreAction]) -> tuple[Statement, ...]:
-        keyword = "if "
+    def _if(self, action: IfElse[CoreAction]) -> Statements:
+        keyword: Literal["if", "elif"] = "if"
         blocks: list[Statement] = []
         rest: CoreAction = action
         while isinstance(rest, IfElse):
             place = self._place_of_fault(rest.condition, rest)
-            head = Line(keyword, self.printer.print(rest.condition), ":", place)
-            blocks.append(Block(head, self.statements(rest.then)))
-            keyword, rest = "elif ", rest.otherwise
+            blocks.append(Block(keyword, self.printer.print(rest.condition), self.statements(rest.then), place))
+            keyword, rest = "elif", rest.otherwise
         otherwise = self.statements(rest)
-        if otherwise:
-            blocks.append(Block(Line("else:"), otherwise))
-        return tuple(blocks)
+        return (*blocks, else_(*otherwise)) if otherwise else tuple(blocks)
 
-    def _catch(self, action: CatchException[CoreAction]) -> tuple[Statement, ...]:
-        caught = [Atom(name) for name in self.imports.caught(action.exception)]
+    def _catch(self, action: CatchException[CoreAction]) -> Statements:
+        caught = [Name(name) for name in self.imports.caught(action.exception)]
         body, handler = self.statements(action.body), self.statements(action.handler)
         if not handler:
             suppress = self.imports.standard("contextlib", "suppress")
-            return (Block(Line("with ", call(suppress, *caught), ":"), body),)
+            return (Block("with", call(suppress, *caught), body),)
         exceptions = caught[0] if len(caught) == 1 else tuple_of(caught)
-        return (Block(Line("try:"), body), Block(Line("except ", exceptions, ":"), handler))
+        return (try_(*body), Block("except", exceptions, handler))
 
-    def _alone(self, event: Event) -> tuple[Statement, ...]:
+    def _alone(self, event: Event) -> Statements:
         """A guard that is waited for by itself is the communication that it stands for."""
         match event:
             case InputEvent(source=source, target=target):
                 return (self._read(event, source, target),)
             case OutputEvent(sink=sink, value=value):
-                written = self._call(self.members.sink(sink), "write", self.printer.print(value))
-                return (run(Prefix("await ", written), self._place(event)),)
+                written = self.members.sink(sink).call("write", self.printer.print(value))
+                return (run(awaited(written), self._place(event)),)
             case AfterEvent(duration=duration):
                 waited = call(self.imports.runtime("wait"), self.printer.print(duration))
-                return (run(Prefix("await ", waited), self._place(event)),)
+                return (run(awaited(waited), self._place(event)),)
             case SkipEvent():
                 return ()
             case ReadyEvent():
@@ -308,29 +320,29 @@ class Composition:
             and not isinstance(choice.branches[0].event, ReadyEvent)
         )
 
-    def _choice(self, choice: Choice[CoreAction], hint: str) -> tuple[Statement, ...]:
+    def _choice(self, choice: Choice[CoreAction], hint: str) -> Statements:
         branches = choice.branches
-        attribute = f"self.{self.members.names.fresh(hint)}"
+        attribute = own(self.members.names.fresh(hint))
         alike = self._choice_alike(choice, attribute)
         if alike is not None:
             return alike
         guards = [Argument(self._guard(branch.event, self.initial)) for branch in branches]
         if choice.prioritized and len(branches) > 1:
-            guards.append(Argument(Atom("True"), "prioritized"))
-        self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
+            guards.append(Argument(TRUE, "prioritized"))
+        self.alternatives.append(assign(attribute, Call(Name(self.imports.runtime("Alternative")), tuple(guards))))
 
         needs = self._guards(branches)
-        selected = Prefix("await ", Call(f"{attribute}.select", tuple(select_arguments(branches, needs))))
+        selected = awaited(Call(attribute.field("select"), tuple(select_arguments(branches, needs))))
         taken = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
         if len(branches) == 1:
             return (*needs.lines, run(selected, self._place(choice)), *taken[0])
         cases = [
-            Block(Line(f"case {number}:", comment=_one_line(branch.event.span.text) or None), body)
+            Block("case", Whole(number), body, _one_line(branch.event.span.text) or None)
             for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
         ]
-        return (*needs.lines, Block(Line("match ", selected, ":", self._place(choice)), tuple(cases)))
+        return (*needs.lines, Block("match", selected, tuple(cases), self._place(choice)))
 
-    def _choice_alike(self, choice: Choice[CoreAction], attribute: str) -> tuple[Statement, ...] | None:
+    def _choice_alike(self, choice: Choice[CoreAction], attribute: Code) -> Statements | None:
         """An alternative whose branches differ only in an index, which is then what was chosen."""
         branches = choice.branches
         regular = (InputEvent, ReadyEvent)
@@ -338,25 +350,24 @@ class Composition:
             return None
         bodies = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
         index, count = self.members.index_around(bodies), len(branches)
-        guard = template([self._guard(branch.event, self.initial) for branch in branches], index, 0)
-        condition = template([self._condition(branch) for branch in branches], index, 0)
-        body = statements_template(bodies, index, 0)
+        guard = template([self._guard(branch.event, self.initial) for branch in branches], index)
+        condition = template([self._condition(branch) for branch in branches], index)
+        body = template(bodies, index)
         if guard is None or condition is None or body is None:
             return None
-        clause = f"for {index} in range({count})"
-        guards = [Argument(Comprehension(guard, clause, "()"), starred=True)]
+        guards = [Argument(Comprehension(guard, index, counted_to(count), "()"), starred=True)]
         if choice.prioritized:
-            guards.append(Argument(Atom("True"), "prioritized"))
-        self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
-        before: tuple[Statement, ...] = ()
-        enabled = [] if condition.flat == "True" else [Argument(Comprehension(condition, clause), "enabled")]
+            guards.append(Argument(TRUE, "prioritized"))
+        self.alternatives.append(assign(attribute, Call(Name(self.imports.runtime("Alternative")), tuple(guards))))
+        before: Statements = ()
+        enabled = [] if condition == TRUE else [Argument(Comprehension(condition, index, counted_to(count)), "enabled")]
         if any(branch.condition is not None and self._may_fault(branch.condition) for branch in branches):
             name, place = self.guard_names.local("enabled"), self._place_of_condition(branches[0])
             before = (assign(name, enabled[0].value, place),)
-            enabled = [Argument(Atom(name), "enabled")]
-        selected = Prefix("await ", Call(f"{attribute}.select", tuple(enabled)))
-        used = any(re.search(rf"\b{index}\b", row) for row in lines(body, ""))
-        select = assign(index, selected, self._place(choice)) if used else run(selected, self._place(choice))
+            enabled = [Argument(Name(name), "enabled")]
+        selected = awaited(Call(attribute.field("select"), tuple(enabled)))
+        is_used = mentions(body, index)
+        select = assign(index, selected, self._place(choice)) if is_used else run(selected, self._place(choice))
         return (*before, select, *body)
 
     def _place_of_condition(self, branch: Branch[CoreAction]) -> str:
@@ -366,16 +377,16 @@ class Composition:
     def _guard(self, event: Event, printer: Printer, needed: Code | None = None) -> Code:
         match event:
             case ReadyEvent(source=source):
-                return call(self.imports.runtime("Ready"), Atom(self.members.source(source)))
+                return call(self.imports.runtime("Ready"), self.members.source(source))
             case InputEvent(source=source):
-                return call(self.imports.runtime("Input"), Atom(self.members.source(source)))
+                return call(self.imports.runtime("Input"), self.members.source(source))
             case OutputEvent(sink=sink, value=value):
                 # The value is given at each selection; only an interrupt makes its guard anew each time.
                 given = () if printer is self.initial else (needed or printer.print(value),)
-                return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)), *given)
+                return call(self.imports.runtime("Output"), self.members.sink(sink), *given)
             case AfterEvent(duration=duration):
                 later = printer is self.initial and not is_known_at_start(duration)
-                delay = Atom("0") if later else needed or printer.print(duration)
+                delay = Whole(0) if later else needed or printer.print(duration)
                 return call(self.imports.runtime("After"), delay)
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))
@@ -396,49 +407,45 @@ class Composition:
         return found
 
     def _condition(self, branch: Branch[CoreAction]) -> Code:
-        return Atom("True") if branch.condition is None else self.printer.print(branch.condition)
+        return TRUE if branch.condition is None else self.printer.print(branch.condition)
 
-    def _taken(self, event: Event, attribute: str) -> tuple[Statement, ...]:
+    def _taken(self, event: Event, attribute: Code) -> Statements:
         if isinstance(event, InputEvent):
-            return (self._set(event.target, Atom(f"{attribute}.value")),)
+            return (self._set(event.target, attribute.field("value")),)
         return ()
 
     def _interrupt(self, body: CoreAction, branch: Branch[CoreAction], needs: Guards) -> Code:
         guard = self._guard(branch.event, self.printer, needs.needed.get(0))
         interrupted = self._later(body)
-        taken: tuple[Statement, ...] = ()
+        taken: Statements = ()
         if isinstance(branch.event, InputEvent):
-            attribute = f"self.{self.members.names.fresh('interruption')}"
+            attribute = own(self.members.names.fresh("interruption"))
             self.alternatives.append(assign(attribute, guard))
-            guard = Atom(attribute)
+            guard = attribute
             taken = self._taken(branch.event, attribute)
         handler = (*taken, *self.statements(branch.body))
         name = "_go_on"
         if handler or name not in self.members.names:
             name = self.members.names.fresh("_interrupted" if handler else name)
             self.methods.append(Method(name, handler))
-        arguments = [Argument(interrupted), Argument(guard), Argument(Atom(f"self.{name}"))]
-        interrupting = Call(self.imports.runtime("interrupt"), tuple(arguments))
+        interrupting = call(self.imports.runtime("interrupt"), interrupted, guard, own(name))
         condition = needs.conditions[0]
         if condition is None:
             return interrupting
-        if any(interrupted.flat == f"self.{method.name}" for method in self.methods):
-            interrupted = call(interrupted.flat)
+        if any(interrupted == own(method.name) for method in self.methods):
+            interrupted = call(interrupted)
         return Parenthesized(Conditional(interrupting, at_least(condition, OR), interrupted))
 
-    def _read(self, step: Step, source: End, target: Target) -> Line:
-        value = Prefix("await ", self._call(self.members.source(source), "read"))
+    def _read(self, step: Step, source: End, target: Target) -> Statement:
+        value = awaited(self.members.source(source).call("read"))
         return self._set(target, value, self._place(step))
 
-    def _set(self, target: Target, value: Code, comment: str | None = None) -> Line:
-        variable = f"{self.members.channel(target.channel)}.value"
+    def _set(self, target: Target, value: Code, comment: str | None = None) -> Statement:
+        variable = self.members.channel(target.channel).field("value")
         if not target.indexes:
             return assign(variable, value, comment)
         indexes = [self.printer.print(index) for index in target.indexes]
-        return assign(variable, call(self.imports.runtime("replaced"), Atom(variable), value, *indexes), comment)
-
-    def _call(self, owner: str, method: str, *arguments: Code) -> Call:
-        return call(f"{owner}.{method}", *arguments)
+        return assign(variable, call(self.imports.runtime("replaced"), variable, value, *indexes), comment)
 
     def _place(self, action: Step) -> str:
         return self.imports.names.place(action.span.file, action.span.line)

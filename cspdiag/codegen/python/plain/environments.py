@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import ClassVar
 
 from cspdiag.base.record import record
@@ -11,11 +11,25 @@ from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
 from cspdiag.codegen.python.plain.integration import Integration
 from cspdiag.codegen.python.plain.submodels import INTEGRATION
-from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, Entry, Items, call, infix
+from cspdiag.codegen.python.text.code import (
+    COMPARISON,
+    PRODUCT,
+    SUM,
+    Code,
+    Constant,
+    Entry,
+    Items,
+    Name,
+    Whole,
+    call,
+    infix,
+    own,
+    typed,
+)
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, run
+from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, if_, lines, run
 from cspdiag.codegen.python.text.types import annotation, duration, literal, zero
 from cspdiag.codegen.shared.equations import (
     Equation,
@@ -33,6 +47,9 @@ from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
+
+ELAPSED = infix("-", SUM, Name("now"), own("now"))
+"""The time from the last instant to the present one."""
 
 MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
@@ -101,7 +118,7 @@ class EnvironmentWriter:
             functions += self._derivatives(self.system)
         attributes = [
             assign("step", duration(environment.step, self.imports)),
-            assign("on_miss", Atom(quoted(environment.on_miss))),
+            assign("on_miss", Constant(quoted(environment.on_miss))),
         ]
         constants = lines(self._constants(), "")
         return EnvironmentModule(
@@ -111,10 +128,10 @@ class EnvironmentWriter:
             name,
             docstring(f"{doc}\n\nSource: {place}", "    "),
             lines(attributes, "    "),
-            functions,
+            [lines([function], "    ") for function in functions],
         )
 
-    def _assigned(self, target: str, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
+    def _assigned(self, target: Code, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
         yield assign(target, printer.print(equation.value), self._place(equation))
 
     def _place(self, item: Declared) -> str:
@@ -124,9 +141,9 @@ class EnvironmentWriter:
         known = {*local, *(constant.name for constant in self.constants)}
 
         def signal(name: str) -> Code:
-            return Atom(self.names[name] if name in known else f"self.{self.names[name]}")
+            return Name(self.names[name]) if name in known else own(self.names[name])
 
-        return Printer(self.imports, signal=signal, time=time or Atom("time"))
+        return Printer(self.imports, signal=signal, time=time or Name("time"))
 
     def _constants(self) -> Iterable[Statement]:
         printer = self._printer(())
@@ -137,8 +154,8 @@ class EnvironmentWriter:
         equations = self.system.equations if self.system is not None else ()
         return [equation for equation in equations if isinstance(equation, ExternalCall)]
 
-    def _constructor(self) -> list[str]:
-        statements: list[Statement] = [Line("self.now = ", Atom("0"))]
+    def _constructor(self) -> Function:
+        statements: list[Statement] = [assign(own("now"), Whole(0))]
         entries: list[Code] = []
         devices = {
             external: (device, port) for device in self.environment.drivers for port, external in device.connections
@@ -146,48 +163,47 @@ class EnvironmentWriter:
         for device in self.environment.drivers:
             given = {name: literal(value, _type_of(value), self.imports) for name, value in device.arguments}
             made = self.modules.construct(device.external, given, self.imports)
-            statements.append(assign(f"self.{self.names[device.name]}", made))
+            statements.append(assign(own(self.names[device.name]), made))
         for port in self.network.external_ports:
             key = port_key(port)
             if key in devices:
                 device, device_port = devices[key]
                 driver: Code = call(
                     self.imports.runtime("DevicePort"),
-                    Atom(f"self.{self.names[device.name]}"),
-                    Atom(quoted(device_port)),
+                    own(self.names[device.name]),
+                    Constant(quoted(device_port)),
                 )
             else:
                 type_ = annotation(port.type, self.imports)
                 initial = literal(zero(port.type), port.type, self.imports)
-                signal = Call(f"{self.imports.runtime('Signal')}[{type_}]", (Argument(initial),))
-                statements.append(assign(f"self.{self.names[key]}", signal))
-                driver = Atom(f"self.{self.names[key]}")
+                driver = own(self.names[key])
+                statements.append(assign(driver, typed(self.imports.runtime("Signal"), type_).called(initial)))
             entries.append(Entry(quoted(key), driver))
         for item in self._calls():
             printer = self._printer(())
             given = {name: printer.print(value) for name, value in item.arguments}
             made = self.modules.construct(item.external, given, self.imports)
-            statements.append(assign(f"self.{self.names[item.name]}", made))
+            statements.append(assign(own(self.names[item.name]), made))
         mapping, driver_type = self.imports.standard("collections.abc", "Mapping"), self.imports.runtime("Driver")
         type_ = f"{mapping}[str, {driver_type}]"
-        statements.append(assign(f"self.drivers: {type_}", Items("{}", tuple(entries))))
-        return ["    def __init__(self) -> None:", *lines(statements, "        ")]
+        statements.append(Assign(own("drivers"), Items("{}", tuple(entries)), annotation=type_))
+        return Function("__init__", ("self",), tuple(statements))
 
-    def _start(self) -> list[str]:
-        statements: list[Statement] = [Line("self.now = ", Atom("0")), *self._start_statements()]
+    def _start(self) -> Function:
+        statements: list[Statement] = [assign(own("now"), Whole(0)), *self._start_statements()]
         if self.system is not None:
-            printer = self._printer((), Atom("0.0"))
+            printer = self._printer((), Constant("0.0"))
             statements += [
-                assign(f"self.{self.names[state.name]}", printer.print(state.initial)) for state in self.system.states
+                assign(own(self.names[state.name]), printer.print(state.initial)) for state in self.system.states
             ]
         statements += [
-            run(call(f"self.{self.names[item.name]}.reset"))
+            run(own(self.names[item.name]).call("reset"))
             for item in self._calls()
             if self.modules.describe(item.external).has_reset
         ]
         if self._result_equations():
-            statements.append(Line("self._evaluate()"))
-        return _method("start", "self", "Go to time 0 and evaluate the outputs.", statements)
+            statements.append(run(own("_evaluate").called()))
+        return Function("start", ("self",), tuple(statements), doc="Go to time 0 and evaluate the outputs.")
 
     def _start_statements(self) -> Iterable[Statement]:
         """What else there is to do at time 0."""
@@ -196,16 +212,16 @@ class EnvironmentWriter:
     def _result_equations(self) -> list[Equation]:
         return needed(self.system.equations, outputs(self.system)) if self.system is not None else []
 
-    def _advance(self) -> list[str]:
+    def _advance(self) -> Function:
         statements: list[Statement] = []
         system = self.system
         if system is not None and system.states:
             statements += self._moved(system)
-        statements.append(Line("self.now = ", Atom("now")))
+        statements.append(assign(own("now"), Name("now")))
         if system is not None and self._result_equations():
             statements += self._evaluated(system)
         doc = "Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."
-        return _method("advance", "self, now: int", doc, statements)
+        return Function("advance", ("self", "now: int"), tuple(statements), doc=doc)
 
     def _moved(self, system: SubmodelClass) -> Iterable[Statement]:
         """From the last instant to ``now``: next values and slopes come from the inputs as they are."""
@@ -224,51 +240,50 @@ class EnvironmentWriter:
         printer = self._printer(local)
         timed = uses_time((equations, system.next_values)) or (system.derivatives and integration.timed)
         if timed:
-            yield assign("time", self._seconds("self.now"))
+            yield assign("time", self._seconds(own("now")))
         for name in given:
-            yield assign(self.names[name], Atom(f"self.{self.names[name]}.value"))
+            yield assign(self.names[name], own(self.names[name]).field("value"))
         for name in (*discrete, *continuous, *kept):
-            yield assign(self.names[name], Atom(f"self.{self.names[name]}"))
+            yield assign(self.names[name], own(self.names[name]))
         for equation in equations:
             if isinstance(equation, SubmodelEquation):
-                yield from self._assigned(self.names[equation.name], printer, equation)
+                yield from self._assigned(Name(self.names[equation.name]), printer, equation)
         if system.next_values:
             places = {state.name: self._place(state) for state in system.states}
             updates = tuple(
-                assign(f"self.{self.names[name]}", printer.print(value), places[name])
-                for name, value in system.next_values
+                assign(own(self.names[name]), printer.print(value), places[name]) for name, value in system.next_values
             )
-            yield Block(Line("if now % self.step == 0:"), updates)
+            due = infix("==", COMPARISON, infix("%", PRODUCT, Name("now"), own("step")), Whole(0))
+            yield if_(due, *updates)
         if system.derivatives:
             yield from self._integrated(system, integration)
 
     def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
-        interval = self._seconds("(now - self.now)")
+        interval = self._seconds(ELAPSED)
         if system.step is None:
             yield assign("h", interval)
             yield from integration.loop(None)
         else:
             step = duration(system.step, self.imports)
             ceil = self.imports.standard("math", "ceil")
-            ratio = infix("/", PRODUCT, Atom("(now - self.now)"), step)
+            ratio = infix("/", PRODUCT, ELAPSED, step)
             yield assign("steps", call(ceil, ratio))
-            yield assign("h", infix("/", PRODUCT, interval, Atom("steps")))
-            yield from integration.loop(Atom("steps"))
+            yield assign("h", infix("/", PRODUCT, interval, Name("steps")))
+            yield from integration.loop(Name("steps"))
         for state in integration.states:
-            yield assign(f"self.{state}", call(self.imports.runtime("finite"), Atom(state)))
+            yield assign(own(state), call(self.imports.runtime("finite"), Name(state)))
 
-    def _seconds(self, nanoseconds: str) -> Code:
-        return infix("/", PRODUCT, Atom(nanoseconds), Atom(self.imports.runtime("s")))
+    def _seconds(self, nanoseconds: Code) -> Code:
+        return infix("/", PRODUCT, nanoseconds, Name(self.imports.runtime("s")))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
         """At the end of ``advance``: gives the outputs their values."""
-        return [Line("self._evaluate()")]
+        return [run(own("_evaluate").called())]
 
-    def _evaluate(self, system: SubmodelClass) -> list[str]:
-        statements = self._evaluation(system, "self.now", ())
-        return ["    def _evaluate(self) -> None:", *lines(statements, "        ")]
+    def _evaluate(self, system: SubmodelClass) -> Function:
+        return Function("_evaluate", ("self",), tuple(self._evaluation(system, own("now"), ())))
 
-    def _evaluation(self, system: SubmodelClass, now: str, present: Iterable[str]) -> list[Statement]:
+    def _evaluation(self, system: SubmodelClass, now: Code, present: Iterable[str]) -> list[Statement]:
         """Gives the outputs their values at the instant ``now``; local variables have those of the
         states ``present``.
         """
@@ -283,15 +298,15 @@ class EnvironmentWriter:
         takes_time = any(self.modules.describe(item.external).takes_time for item in self._calls())
         if uses_time((tuple(part for equation in equations for part in values(equation)),)) or takes_time:
             statements.append(assign("time", self._seconds(now)))
-        statements += [assign(self.names[name], Atom(f"self.{self.names[name]}.value")) for name in given]
-        statements += [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in states]
+        statements += [assign(self.names[name], own(self.names[name]).field("value")) for name in given]
+        statements += [assign(self.names[name], own(self.names[name])) for name in states]
         for equation in equations:
             if isinstance(equation, ExternalCall):
-                statements.append(external_call(equation, self.names, printer, self.modules, time=Atom("time")))
+                statements.append(external_call(equation, self.names, printer, self.modules, time=Name("time")))
             else:
                 name = self.names[equation.name]
                 handed_over = equation.name in results and not read[equation.name]
-                target = f"self.{name}.value" if handed_over else name
+                target = own(name).field("value") if handed_over else Name(name)
                 statements += self._assigned(target, printer, equation)
         done = {
             equation.name
@@ -299,11 +314,11 @@ class EnvironmentWriter:
             if isinstance(equation, SubmodelEquation) and not read[equation.name]
         }
         statements += [
-            assign(f"self.{self.names[name]}.value", printer.signal(name)) for name in results if name not in done
+            assign(own(self.names[name]).field("value"), printer.signal(name)) for name in results if name not in done
         ]
         return statements
 
-    def _derivatives(self, system: SubmodelClass) -> list[list[str]]:
+    def _derivatives(self, system: SubmodelClass) -> list[Function]:
         """Further methods that the integration calls."""
         integration = Integration(system, self.names, self._place)
         moving = [state.name for state in system.states if state.continuous]
@@ -311,10 +326,6 @@ class EnvironmentWriter:
         printer = self._printer([*integration.held, *moving])
         annotations = {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
         return [integration.derivatives(printer, annotations)]
-
-
-def _method(name: str, parameters: str, doc: str, statements: Sequence[Statement]) -> list[str]:
-    return [f"    def {name}({parameters}) -> None:", f'        """{doc}"""', *lines(statements, "        ")]
 
 
 def _type_of(value: object) -> Type:

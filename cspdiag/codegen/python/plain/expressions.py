@@ -12,21 +12,20 @@ from cspdiag.base.record import replaced
 from cspdiag.codegen.python.text.code import (
     AND,
     COMPARISON,
-    NOT,
+    FALSE,
     OR,
-    PRIMARY,
     PRODUCT,
-    SIGN,
     SUM,
-    Atom,
+    TRUE,
     Code,
     Conditional,
+    Name,
     Parenthesized,
-    Postfix,
-    Prefix,
     at_least,
     call,
     infix,
+    minus,
+    negated,
     tuple_of,
 )
 from cspdiag.codegen.python.text.imports import Imports
@@ -98,9 +97,9 @@ class Printer:
             case LiteralValue(value=value, name=name):
                 constant = self.imports.constant(name) if name is not None else None
                 if constant is not None:
-                    return Atom(constant)
+                    return Name(constant)
                 if value == pi and isinstance(expression.type, RealType):
-                    return Atom(self.imports.standard("math", "pi"))
+                    return Name(self.imports.standard("math", "pi"))
                 return literal(value, expression.type, self.imports, expression.span)
             case ParameterValue(name=name):
                 return self.parameter(name)
@@ -116,9 +115,9 @@ class Printer:
             case UnaryOperation(operator="not", operand=BinaryOperation(operator="==") as equal):
                 return self.print(replaced(equal, operator="!="))
             case UnaryOperation(operator="not", operand=operand):
-                return Prefix("not ", at_least(self.print(operand), NOT))
+                return negated(self.print(operand))
             case UnaryOperation(operand=operand):
-                return self._checked(expression, Prefix("-", at_least(self.print(operand), SIGN)))
+                return self._checked(expression, minus(self.print(operand)))
             case BinaryOperation():
                 return self._operation(expression)
             case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
@@ -130,10 +129,10 @@ class Printer:
                 return self._conversion(expression.type, operand)
             case FieldValue(operand=operand, field=field):
                 assert isinstance(operand.type, StructType)
-                return Postfix(at_least(self.print(operand), PRIMARY), f".{field_names(operand.type)[field]}")
+                return self.print(operand).field(field_names(operand.type)[field])
             case ElementValue(operand=operand, index=index):
                 if index_fits(expression):
-                    return Postfix(at_least(self.print(operand), PRIMARY), f"[{self.print(index).flat}]")
+                    return self.print(operand).at(self.print(index))
                 return call(self.imports.runtime("element"), self.print(operand), self.print(index))
             case StructValue(values=values):
                 assert isinstance(expression.type, StructType)
@@ -149,7 +148,7 @@ class Printer:
         operator = expression.operator
         known = _known_comparison(expression)
         if known is not None:
-            return Atom(repr(known))
+            return TRUE if known else FALSE
         left, right = self.print(expression.left), self.print(expression.right)
         whole = isinstance(expression.left.type, IntType | TimeType)
         match operator:
@@ -163,7 +162,7 @@ class Printer:
                 expression.right.type, BoolType
             ):
                 holds = bool(expression.right.value) == (operator == "==")
-                return left if holds else Prefix("not ", at_least(left, NOT))
+                return left if holds else negated(left)
         if operator == "or":  # `and` binds tighter, but readers should not need to know
             left, right = (Parenthesized(code) if code.precedence == AND else code for code in (left, right))
         return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
@@ -185,7 +184,7 @@ class Printer:
             return self.seconds(expression.arguments[0].name)
         arguments = [self.print(argument) for argument in expression.arguments]
         if function == "seconds":
-            return infix("/", PRODUCT, arguments[0], Atom(self.imports.runtime("s")))
+            return infix("/", PRODUCT, arguments[0], Name(self.imports.runtime("s")))
         if function == "until":
             # Of an instant that is past it is negative, and so over at once; it does not overflow.
             return infix("-", SUM, *arguments)

@@ -6,13 +6,14 @@ import ast
 import posixpath
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import Argument, Call, Code
+from cspdiag.codegen.python.text.code import Argument, Call, Code, Name, own
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names, identifier
-from cspdiag.codegen.python.text.statements import Statement, Unpack, assign
+from cspdiag.codegen.python.text.statements import Statement, unpack
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.network import Network
@@ -66,7 +67,7 @@ class ExternalModules:
     def construct(self, body: ExternalBody, given: Mapping[str, Code], imports: Imports) -> Code:
         """An object of the class, with its parameters by keyword."""
         arguments = tuple(Argument(value, identifier(name)) for name, value in given.items())
-        return Call(self.imported(body, imports), arguments)
+        return Call(Name(self.imported(body, imports)), arguments)
 
     def imported(self, body: ExternalBody, imports: Imports) -> str:
         """The name of the class in a module that imports it."""
@@ -90,18 +91,15 @@ def external_call(
     arguments = [Argument(printer.print(value), identifier(port)) for port, value in call.inputs]
     if time is not None and modules.describe(call.external).takes_time:
         arguments.append(Argument(time, "time"))
-    evaluated = Call(f"self.{names[call.name]}.calculate", tuple(arguments))
-    targets = [names[local] for _, local, _ in call.outputs]
-    return assign(targets[0], evaluated) if len(targets) == 1 else Unpack(tuple(targets), evaluated)
+    evaluated = Call(own(names[call.name]).field("calculate"), tuple(arguments))
+    return unpack([Name(names[local]) for _, local, _ in call.outputs], evaluated)
 
 
-def bodies(network: Network) -> list[ExternalBody]:
-    """Every body in Python that a network names, each once."""
-    found: dict[ExternalBody, None] = {}
-    for part in parts((network.classes, network.environments)):
-        if isinstance(part, ExternalBody):
-            found[part] = None
-    return list(found)
+@lru_cache(maxsize=1)
+def bodies(network: Network) -> tuple[ExternalBody, ...]:
+    """Every body in Python that a network names, each once; what becomes of a package asks several times."""
+    found = (part for part in parts((network.classes, network.environments)) if isinstance(part, ExternalBody))
+    return tuple(dict.fromkeys(found))
 
 
 def source_path(body: ExternalBody) -> str | None:

@@ -11,8 +11,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from cspdiag.base.span import Span
-from cspdiag.codegen.python.text.code import OR, Argument, Atom, Code, Conditional, Entry, Items, at_least, tuple_of
-from cspdiag.codegen.python.text.statements import Line, assign
+from cspdiag.codegen.python.text.code import (
+    NONE,
+    OR,
+    TRUE,
+    Argument,
+    Code,
+    Conditional,
+    Entry,
+    Items,
+    Name,
+    Whole,
+    at_least,
+    tuple_of,
+)
+from cspdiag.codegen.python.text.statements import Statement, assign
 from cspdiag.network.ir.actions import AfterEvent, Branch, OutputEvent, Step
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.faults import is_known_at_start
@@ -44,7 +57,7 @@ class Guards:
     names: GuardNames
     always: bool = False
     """Whether a duration is evaluated although it is known at the start."""
-    lines: list[Line] = field(default_factory=list)
+    lines: list[Statement] = field(default_factory=list)
     """The statements before the alternative."""
     conditions: list[Code | None] = field(default_factory=list)
     needed: dict[int, Code] = field(default_factory=dict)
@@ -63,29 +76,29 @@ class Guards:
         self.conditions.append(condition)
         match branch.event:
             case OutputEvent(value=value):
-                self.needed[number] = self._needed(f"value_{number}", value, branch.event, condition, "None")
+                self.needed[number] = self._needed(f"value_{number}", value, branch.event, condition, NONE)
             case AfterEvent(duration=duration) if self.always or not is_known_at_start(duration):
-                self.needed[number] = self._needed(f"duration_{number}", duration, branch.event, condition, "0")
+                self.needed[number] = self._needed(f"duration_{number}", duration, branch.event, condition, Whole(0))
 
-    def _needed(self, name: str, expression: Expression, step: Step, condition: Code | None, otherwise: str) -> Code:
+    def _needed(self, name: str, expression: Expression, step: Step, condition: Code | None, otherwise: Code) -> Code:
         code = self.printed(expression)
         if not self.can_fault(expression):
             return code
         if condition is not None:
-            code = Conditional(at_least(code, OR), at_least(condition, OR), Atom(otherwise))
+            code = Conditional(at_least(code, OR), at_least(condition, OR), otherwise)
         return self._kept(name, code, step.span)
 
     def _kept(self, name: str, code: Code, span: Span) -> Code:
         local = self.names.local(name)
         self.lines.append(assign(local, code, self.place(span)))
-        return Atom(local)
+        return Name(local)
 
 
 def select_arguments(branches: Sequence[Branch], guards: Guards) -> list[Argument]:
     """The arguments of ``select``."""
     found = []
     if any(condition is not None for condition in guards.conditions):
-        found.append(Argument(tuple_of(condition or Atom("True") for condition in guards.conditions), "enabled"))
+        found.append(Argument(tuple_of(condition or TRUE for condition in guards.conditions), "enabled"))
     for kind, name in ((OutputEvent, "values"), (AfterEvent, "delays")):
         entries = tuple(
             Entry(str(number), code)

@@ -4,6 +4,7 @@ to.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import assert_never
 
@@ -11,7 +12,7 @@ from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.members import Members
 from cspdiag.codegen.python.plain.submodels import signal_names
-from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, call
+from cspdiag.codegen.python.text.code import Argument, Call, Code, Element, Formatted, Name, Whole, call
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.rolling import rolled_list
@@ -27,6 +28,9 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 
+_NAME = Name("name")
+_INDEXES = re.compile(r"(?<=\[)(\d+)(?=\])")
+
 
 class Instances:
     """Makes the instances of one process class; ``initial`` prints expressions over its parameters in
@@ -41,11 +45,14 @@ class Instances:
         self.initial = initial
         self.imports = imports
         self.modules = modules
+        self._keywords: dict[str, Mapping[str, str]] = {}
 
     def made(self, instance: InstanceOf) -> Code:
         """The call that makes it."""
         class_ = self.network.class_named(instance.class_name)
-        keywords = keywords_of(class_)
+        if class_.name not in self._keywords:
+            self._keywords[class_.name] = keywords_of(class_)
+        keywords = self._keywords[class_.name]
         arguments = [Argument(path(instance.name))]
         arguments += [Argument(self.initial.print(value), keywords[name]) for name, value in instance.arguments]
         for port in class_.ports:
@@ -53,23 +60,22 @@ class Instances:
             value = self._attached(port, attached, isinstance(class_, SubmodelClass))
             arguments.append(Argument(value, keywords[port.name]))
         if isinstance(class_, ProcessClass) and class_.external is not None:
-            return Call(self.modules.imported(class_.external, self.imports), tuple(arguments))
-        return Call(self.imports.class_(class_.name), tuple(arguments))
+            return Call(Name(self.modules.imported(class_.external, self.imports)), tuple(arguments))
+        return Call(Name(self.imports.class_(class_.name)), tuple(arguments))
 
     def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
         ordered = sorted(connections, key=lambda connection: connection.index or 0)
         values = [self._attachment(port, connection, by_submodel) for connection in ordered]
         if port.size is None:
             return values[0]
-        whole = self._whole(values)
-        return Atom(whole) if whole is not None else rolled_list(values, self.members.index)
+        return self._whole(values) or rolled_list(values, self.members.index)
 
-    def _whole(self, values: Sequence[Code]) -> str | None:
+    def _whole(self, values: Sequence[Code]) -> Code | None:
         """The list of which these are all elements in order."""
-        base = values[0].flat.removesuffix("[0]")
-        if [value.flat for value in values] != [f"{base}[{index}]" for index in range(len(values))]:
+        first = values[0]
+        if not isinstance(first, Element) or self.members.list_sizes.get(first.operand) != len(values):
             return None
-        return base if self.members.list_sizes.get(base) == len(values) else None
+        return first.operand if list(values) == [first.operand.at(index) for index in range(len(values))] else None
 
     def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
         attachment = connection.attachment
@@ -80,8 +86,8 @@ class Instances:
                 return call(self.imports.runtime("Discard"))
             case PortEnd() | ChannelEnd():
                 if by_submodel and port.direction == "in":
-                    return Atom(self.members.source(attachment))
-                return Atom(self.members.handed_on(attachment))
+                    return self.members.source(attachment)
+                return self.members.handed_on(attachment)
             case _:
                 assert_never(attachment)
 
@@ -95,6 +101,8 @@ def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
     return {item.name: names[item.name] for item in (*class_.parameters, *class_.ports)}
 
 
-def path(name: str) -> Code:
+def path(name: str, owner: Code | None = None) -> Code:
     """The hierarchical name of something inside, from the ``name`` of the process."""
-    return Atom(f'f"{{name}}.{name}"')
+    parts = _INDEXES.split(name)
+    counted = [Whole(int(part)) if position % 2 else part for position, part in enumerate(parts)]
+    return Formatted((owner or _NAME, ".", *counted))

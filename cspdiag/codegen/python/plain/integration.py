@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import PRODUCT, SUM, Argument, Atom, Call, Code, infix, tuple_of
+from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Name, Whole, call, code, counted_to, infix, own
 from cspdiag.codegen.python.text.names import Names
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, assign, lines, signature
+from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, give, unpack
 from cspdiag.codegen.shared.equations import held, needed, signals, uses_time
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.network import SubmodelClass
@@ -45,7 +45,7 @@ class Integration:
         """The name of the method."""
         return "_derivatives" if len(self.states) > 1 else "_derivative"
 
-    def derivatives(self, printer: Printer, annotations: dict[str, str]) -> list[str]:
+    def derivatives(self, printer: Printer, annotations: dict[str, str]) -> Function:
         """The method that evaluates the derivatives from states and held signals."""
         wanted = signals((self.class_.derivatives,))
         parameters = [f"{name}: float" for name in self.states]
@@ -58,34 +58,26 @@ class Integration:
             for equation in needed(self.class_.derivative_equations, wanted)
             if isinstance(equation, SubmodelEquation)
         ]
-        if len(results) == 1:
-            returns, result = "float", Line("return ", results[0])
-        else:
-            returns = f"tuple[{', '.join('float' for _ in results)}]"
-            flat = ", ".join(code.flat for code in results)
-            fits = len(flat) + 15 <= 100
-            result = Line("return ", Atom(flat) if fits else tuple_of(results))
-        head = signature(f"def {self.method}", ["self", *parameters], f" -> {returns}:", "    ")
-        return [*head, *lines([*body, result], "        ")]
+        returns = "float" if len(results) == 1 else f"tuple[{', '.join('float' for _ in results)}]"
+        return Function(self.method, ("self", *parameters), (*body, give(*results)), returns)
 
-    def loop(self, steps: Code | None) -> tuple[Statement, ...]:
+    def loop(self, steps: Code | None) -> Statements:
         """The statements that move the states, which are local variables, over ``steps`` sub-steps of ``h`` seconds."""
         body = self._euler() if self.class_.method == "euler" else self._runge_kutta()
         fractions = () if self.class_.method == "euler" else (assign("half", _part(2)), assign("sixth", _part(6)))
         if steps is None:
-            clock = (assign("t", Atom("time")),) if self.timed else ()
+            clock = (assign("t", Name("time")),) if self.timed else ()
             return (*fractions, *clock, *body)
         counter = "step" if self.timed else "_"
-        clock = (assign("t", Atom("time + step * h")),) if self.timed else ()
-        return (*fractions, Block(Line(f"for {counter} in ", Call("range", (Argument(steps),)), ":"), (*clock, *body)))
+        clock = (assign("t", begin_of_step()),) if self.timed else ()
+        return (*fractions, For(counter, counted_to(steps), (*clock, *body)))
 
-    def _euler(self) -> tuple[Statement, ...]:
+    def _euler(self) -> Statements:
         slopes = self._slopes("slope")
-        moved = [Line(f"{state} += ", _times("h", slope)) for state, slope in zip(self.states, slopes, strict=True)]
-        statements: list[Statement] = [self._evaluated(slopes, [Atom(state) for state in self.states], Atom("t"))]
-        return (*statements, *moved)
+        moved = [change(state, "+=", _times("h", slope)) for state, slope in zip(self.states, slopes, strict=True)]
+        return (self._evaluated(slopes, [Name(state) for state in self.states], Name("t")), *moved)
 
-    def _runge_kutta(self) -> tuple[Statement, ...]:
+    def _runge_kutta(self) -> Statements:
         states = self.states
         stages = [self._slopes(f"k{stage}") for stage in (1, 2, 3, 4)]
         statements: list[Statement] = []
@@ -94,15 +86,15 @@ class Integration:
             if fraction:
                 before = stages[stage - 1]
                 at = [_plus(state, fraction, slope) for state, slope in zip(states, before, strict=True)]
-                time = infix("+", SUM, Atom("t"), Atom(fraction))
+                time = infix("+", SUM, Name("t"), Name(fraction))
                 statements.append(self._evaluated(slopes, at, time))
             else:
-                statements.append(self._evaluated(slopes, [Atom(state) for state in states], Atom("t")))
+                statements.append(self._evaluated(slopes, [Name(state) for state in states], Name("t")))
         for position, state in enumerate(states):
             k1, k2, k3, k4 = (slopes[position] for slopes in stages)
-            total = infix("+", SUM, Atom(k1), _times("2", k2))
-            total = infix("+", SUM, infix("+", SUM, total, _times("2", k3)), Atom(k4))
-            statements.append(Line(f"{state} += ", infix("*", PRODUCT, Atom("sixth"), total)))
+            total = infix("+", SUM, Name(k1), _times(Whole(2), k2))
+            total = infix("+", SUM, infix("+", SUM, total, _times(Whole(2), k3)), Name(k4))
+            statements.append(change(state, "+=", infix("*", PRODUCT, Name("sixth"), total)))
         return tuple(statements)
 
     def _slopes(self, prefix: str) -> list[str]:
@@ -111,20 +103,22 @@ class Integration:
         return [f"{prefix}_{state}" for state in self.states]
 
     def _evaluated(self, slopes: Sequence[str], at: Sequence[Code], time: Code) -> Statement:
-        arguments = [*at, *(Atom(self.names[name]) for name in self.held), *([time] if self.timed else [])]
-        evaluated = Call(f"self.{self.method}", tuple(Argument(value) for value in arguments))
-        if len(slopes) == 1:
-            return assign(slopes[0], evaluated)
-        return Unpack(tuple(slopes), evaluated)
+        arguments = [*at, *(Name(self.names[name]) for name in self.held), *([time] if self.timed else [])]
+        return unpack([Name(slope) for slope in slopes], call(own(self.method), *arguments))
+
+
+def begin_of_step() -> Code:
+    """The instant at which a sub-step begins."""
+    return infix("+", SUM, Name("time"), _times("step", "h"))
 
 
 def _part(count: int) -> Code:
-    return infix("/", PRODUCT, Atom("h"), Atom(str(count)))
+    return infix("/", PRODUCT, Name("h"), Whole(count))
 
 
-def _times(factor: str, name: str) -> Code:
-    return infix("*", PRODUCT, Atom(factor), Atom(name))
+def _times(factor: Code | str, name: str) -> Code:
+    return infix("*", PRODUCT, code(factor), Name(name))
 
 
 def _plus(state: str, fraction: str, slope: str) -> Code:
-    return infix("+", SUM, Atom(state), _times(fraction, slope))
+    return infix("+", SUM, Name(state), _times(fraction, slope))

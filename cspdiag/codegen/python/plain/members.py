@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 
 from cspdiag.base.record import record
+from cspdiag.codegen.python.text.code import Code, Name, own
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names, indexed
 from cspdiag.codegen.python.text.statements import Statement, bound_in
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
@@ -19,6 +21,11 @@ class Array:
     name: str
     elements: tuple[str, ...]
     positions: Mapping[str, int]
+
+    @cached_property
+    def code(self) -> Code:
+        """The list."""
+        return own(self.name)
 
 
 class Members:
@@ -54,12 +61,12 @@ class Members:
         return self._indexes[-1]
 
     @property
-    def list_sizes(self) -> dict[str, int]:
+    def list_sizes(self) -> dict[Code, int]:
         """The lists by the expression that they are reached by, with their lengths."""
-        sizes = {f"self.{array.name}": len(array.elements) for array in self._arrays.values()}
+        sizes: dict[Code, int] = {own(array.name): len(array.elements) for array in self._arrays.values()}
         for port in self.process.ports:
             if port.size is not None:
-                sizes[self.arguments[port.name]] = port.size
+                sizes[Name(self.arguments[port.name])] = port.size
         return sizes
 
     def _group(self, items: Sequence[LocalChannel] | Sequence[InstanceOf]) -> None:
@@ -91,12 +98,10 @@ class Members:
         """The list that an instance or channel stands in."""
         return self._arrays.get(name)
 
-    def attribute(self, name: str) -> str:
+    def attribute(self, name: str) -> Code:
         """``self.cell[3]`` for the channel or instance ``cell[3]``."""
         array = self._arrays.get(name)
-        if array is None:
-            return f"self.{self._plain[name]}"
-        return f"self.{array.name}[{array.positions[name]}]"
+        return own(self._plain[name]) if array is None else array.code.at(array.positions[name])
 
     channel = attribute
     instance = attribute
@@ -105,31 +110,31 @@ class Members:
         """The attribute of a reading end, without its index."""
         return self._ends[_whole(end)]
 
-    def source(self, end: End) -> str:
+    def source(self, end: End) -> Code:
         """What a reading end of this process is called."""
         if end not in self.reading_ends:
             return self.sink(end)
-        return f"self.{self.end_name(end)}{_index(end)}"
+        return _indexed(own(self.end_name(end)), end)
 
-    def sink(self, end: End) -> str:
+    def sink(self, end: End) -> Code:
         """What is written to at an end."""
         if isinstance(end, ChannelEnd):
             return self.attribute(end.channel)
-        return f"self.{self.arguments[end.port]}{_index(end)}"
+        return _indexed(own(self.arguments[end.port]), end)
 
-    def handed_on(self, end: End) -> str:
+    def handed_on(self, end: End) -> Code:
         """What an instance of a process gets: the port or channel itself, of which it makes ends of its own."""
         if isinstance(end, ChannelEnd):
             return self.attribute(end.channel)
-        return f"{self.arguments[end.port]}{_index(end)}"
+        return _indexed(Name(self.arguments[end.port]), end)
 
     def is_input(self, end: End) -> bool:
         """Whether an end is an input port of the class."""
         return isinstance(end, PortEnd) and self._ports[end.port].direction == "in"
 
 
-def _index(end: End) -> str:
-    return f"[{end.index}]" if isinstance(end, PortEnd) and end.index is not None else ""
+def _indexed(port: Code, end: End) -> Code:
+    return port.at(end.index) if isinstance(end, PortEnd) and end.index is not None else port
 
 
 def _whole(end: End) -> End:

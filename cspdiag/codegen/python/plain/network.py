@@ -8,11 +8,11 @@ from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.environments import port_key
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import keywords_of
-from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Items, tuple_of
+from cspdiag.codegen.python.text.code import TRUE, Argument, Call, Code, Constant, Items, Name, tuple_of, typed
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
-from cspdiag.codegen.python.text.statements import Line, Statement, assign, lines
+from cspdiag.codegen.python.text.statements import Assign, Statement, assign, give, lines
 from cspdiag.codegen.python.text.types import accepted, annotation, duration, literal
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 
@@ -37,23 +37,24 @@ def network_view(network: Network, names: PackageNames, modules: ExternalModules
         assign(by_port[port_key(port)], _port(port, network, imports)) for port in network.external_ports
     ]
     keywords = keywords_of(top)
-    arguments = [Argument(Atom(quoted(network.top)))]
+    arguments = [Argument(Constant(quoted(network.top)))]
     types = {parameter.name: parameter.type for parameter in top.parameters}
     arguments += [Argument(literal(value, types[name], imports), keywords[name]) for name, value in network.arguments]
     for port in top.ports:
-        own = [Atom(by_port[port_key(e)]) for e in network.external_ports if _belongs(e, port.name)]
+        own = [Name(by_port[port_key(e)]) for e in network.external_ports if _belongs(e, port.name)]
         value: Code = own[0] if port.size is None else Items("[]", tuple(own))
         arguments.append(Argument(value, keywords[port.name]))
     by_hand = top.external if isinstance(top, ProcessClass) else None
     class_ = modules.imported(by_hand, imports) if by_hand is not None else imports.class_(network.top)
-    made = Call(class_, tuple(arguments))
-    ends = tuple_of(Atom(name) for name in by_port.values())
-    built = Call(imports.runtime("Network"), (Argument(made), *([Argument(ends, "ports")] if by_port else ())))
-    statements.append(Line("return ", built))
+    made = Call(Name(class_), tuple(arguments))
+    ends = tuple_of(Name(name) for name in by_port.values())
+    built = Call(Name(imports.runtime("Network")), (Argument(made), *([Argument(ends, "ports")] if by_port else ())))
+    statements.append(give(built))
+    keys = tuple_of(Constant(quoted(key)) for key in by_port)
     mapping, driver = imports.standard("collections.abc", "Mapping"), imports.runtime("Driver")
     return NetworkModule(
         imports.lines(),
-        lines([assign("PORTS: tuple[str, ...]", tuple_of(Atom(quoted(key)) for key in by_port))], ""),
+        lines([Assign(Name("PORTS"), keys, annotation="tuple[str, ...]")]),
         f"{mapping}[str, {driver}]",
         lines(statements, "    "),
     )
@@ -66,20 +67,20 @@ def _belongs(external: ExternalPort, port: str) -> bool:
 def _port(port: ExternalPort, network: Network, imports: Imports) -> Code:
     sampled = port.period is not None
     class_ = ("Sampled" if sampled else "Event") + ("Input" if port.direction == "in" else "Output")
-    arguments = [Argument(Atom(quoted(f"{network.top}.{port_key(port)}"))), *_options(port, imports)]
-    return Call(f"{imports.runtime(class_)}[{annotation(port.type, imports)}]", tuple(arguments))
+    arguments = [Argument(Constant(quoted(f"{network.top}.{port_key(port)}"))), *_options(port, imports)]
+    return Call(typed(imports.runtime(class_), annotation(port.type, imports)), tuple(arguments))
 
 
 def _options(port: ExternalPort, imports: Imports) -> Iterable[Argument]:
     if port.period is not None:
         yield Argument(duration(port.period, imports), "period")
-    yield Argument(Atom(f"drivers[{quoted(port_key(port))}]"), "driver")
+    yield Argument(Name("drivers").at(Constant(quoted(port_key(port)))), "driver")
     if port.direction == "out":
         if port.safe is not None:
             yield Argument(literal(port.safe, port.type, imports), "safe")
         if port.immediate:
-            yield Argument(Atom("True"), "immediate")
+            yield Argument(TRUE, "immediate")
         return
     if port.period is None and port.kind != "sync":
-        yield Argument(Atom(quoted(port.kind)), "kind")
+        yield Argument(Constant(quoted(port.kind)), "kind")
     yield Argument(accepted(port.type, imports), "accepts")

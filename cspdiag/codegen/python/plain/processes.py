@@ -11,13 +11,25 @@ from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
 from cspdiag.codegen.python.plain.members import Members
-from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension
+from cspdiag.codegen.python.text.code import (
+    SELF,
+    Argument,
+    Call,
+    Code,
+    Comprehension,
+    Constant,
+    Name,
+    Whole,
+    call,
+    own,
+    typed,
+)
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.rolling import rolled_list
-from cspdiag.codegen.python.text.statements import Line, Statement, assign, lines, signature
+from cspdiag.codegen.python.text.statements import Function, Statement, Statements, assign, lines, run
 from cspdiag.codegen.python.text.types import annotation
 from cspdiag.network.checks.unwritten import may_be_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
@@ -64,44 +76,43 @@ class _ProcessWriter:
     def module(self) -> ClassModule:
         process = self.process
         body = self.composition.statements(process.body) if process.body is not None else ()
-        functions = [self._constructor(), _function("run", body)]
-        functions += [_function(method.name, method.body, method.parameter) for method in self.composition.methods]
+        functions = [self._constructor(), _coroutine("run", body)]
+        functions += [_coroutine(method.name, method.body, method.parameter) for method in self.composition.methods]
         name, base = self.names.classes[process.name], self.imports.runtime("Process")
         return ClassModule(
             f"The process {process.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(process, self.place, "process"), "    "),
-            functions,
+            [lines([function], "    ") for function in functions],
         )
 
     def _argument(self, name: str) -> Code:
-        return Atom(self.members.arguments[name])
+        return Name(self.members.arguments[name])
 
     def _parameter(self, name: str) -> Code:
-        return Atom(f"self.{self.members.arguments[name]}")
+        return own(self.members.arguments[name])
 
     def _variable(self, name: str) -> Code:
-        return Atom(f"{self.members.channel(name)}.value")
+        return self.members.channel(name).field("value")
 
-    def _constructor(self) -> list[str]:
-        source = Argument(Atom(quoted(self.place)), "source")
-        statements: list[Statement] = [
-            Line("", Call("super().__init__", (Argument(Atom("name")), source))),
+    def _constructor(self) -> Function:
+        source = Constant(quoted(self.place))
+        statements: tuple[Statement, ...] = (
+            run(call(call("super").field("__init__"), Name("name"), source=source)),
             *self._stored_arguments(),
             *self._reading_ends(),
             *self._channels(),
             *self._instances(),
             *self.composition.alternatives,
-        ]
-        head = signature("def __init__", self._parameters(), " -> None:", "    ")
-        return [*head, *lines(statements, "        ")]
+        )
+        return Function("__init__", self._parameters(), statements)
 
-    def _parameters(self) -> list[str]:
+    def _parameters(self) -> tuple[str, ...]:
         arguments = self.members.arguments
-        typed = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
-        typed += [f"{arguments[p.name]}: {port_annotation(p, self.imports)}" for p in self.process.ports]
-        return ["self", "name: str", *(["*", *typed] if typed else [])]
+        keywords = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
+        keywords += [f"{arguments[p.name]}: {port_annotation(p, self.imports)}" for p in self.process.ports]
+        return ("self", "name: str", *(["*", *keywords] if keywords else []))
 
     def _stored_arguments(self) -> Iterable[Statement]:
         """Parameters and output ports that ``run`` uses."""
@@ -114,7 +125,7 @@ class _ProcessWriter:
         for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
             if name in used:
                 python = self.members.arguments[name]
-                yield assign(f"self.{python}", Atom(python))
+                yield assign(own(python), Name(python))
 
     def _reading_ends(self) -> Iterable[Statement]:
         sizes = {port.name: port.size for port in self.process.ports}
@@ -125,18 +136,16 @@ class _ProcessWriter:
                 continue
             done.add(name)
             if isinstance(end, PortEnd) and sizes[end.port] is not None:
-                port = self.members.arguments[end.port]
-                every = Comprehension(Atom("end.reader(self)"), f"for end in {port}")
-                yield assign(f"self.{name}", every)
+                yield assign(own(name), all_readers(self.members.arguments[end.port], SELF))
             elif isinstance(end, PortEnd):
-                yield assign(f"self.{name}", Atom(f"{self.members.arguments[end.port]}.reader(self)"))
+                yield assign(own(name), Name(self.members.arguments[end.port]).call("reader", SELF))
 
     def _channels(self) -> Iterable[Statement]:
         yield from self._attributes(self.process.channels, {c.name: self._channel(c) for c in self.process.channels})
         for end in self.members.reading_ends:
             if isinstance(end, ChannelEnd):
-                reader = Atom(f"{self.members.channel(end.channel)}.reader(self)")
-                yield assign(f"self.{self.members.end_name(end)}", reader)
+                reader = self.members.channel(end.channel).call("reader", SELF)
+                yield assign(own(self.members.end_name(end)), reader)
 
     def _instances(self) -> Iterable[Statement]:
         yield from self._attributes(
@@ -154,7 +163,7 @@ class _ProcessWriter:
             elif array.name not in done:
                 done.add(array.name)
                 elements = [made[element] for element in array.elements]
-                yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
+                yield assign(own(array.name), rolled_list(elements, self.members.index))
 
     def _channel(self, channel: LocalChannel) -> Code:
         class_ = self.imports.runtime(_CHANNEL_CLASSES[channel.kind])
@@ -162,11 +171,14 @@ class _ProcessWriter:
         if channel.initial is not None:
             arguments.append(Argument(self.initial.print(channel.initial)))
         if channel.capacity is not None:
-            arguments.append(Argument(Atom(str(channel.capacity)), "capacity"))
-        return Call(f"{class_}[{annotation(channel.type, self.imports)}]", tuple(arguments))
+            arguments.append(Argument(Whole(channel.capacity), "capacity"))
+        return Call(typed(class_, annotation(channel.type, self.imports)), tuple(arguments))
 
 
-def _function(name: str, body: Sequence[Statement], parameter: str | None = None) -> list[str]:
-    statements = tuple(body) or (Line("pass"),)
-    parameters = "self" if parameter is None else f"self, {parameter}"
-    return [f"    async def {name}({parameters}) -> None:", *lines(statements, "        ")]
+def all_readers(port: str, owner: Code) -> Code:
+    """The reading ends of an array of ports."""
+    return Comprehension(Name("end").call("reader", owner), "end", Name(port))
+
+
+def _coroutine(name: str, body: Statements, parameter: str | None = None) -> Function:
+    return Function(name, ("self",) if parameter is None else ("self", parameter), body, waits=True)

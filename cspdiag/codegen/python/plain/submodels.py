@@ -9,12 +9,24 @@ from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
 from cspdiag.codegen.python.plain.integration import Integration
-from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, Prefix, call, infix, tuple_of
+from cspdiag.codegen.python.text.code import (
+    PRODUCT,
+    Argument,
+    Call,
+    Code,
+    Constant,
+    Name,
+    awaited,
+    call,
+    infix,
+    own,
+    tuple_of,
+)
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
 from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
-from cspdiag.codegen.python.text.statements import Line, Statement, Unpack, assign, lines, run, signature
+from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, give, lines, run, unpack
 from cspdiag.codegen.python.text.types import annotation, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
@@ -69,7 +81,7 @@ class _SubmodelWriter:
         functions = [self._constructor()]
         reset = self._reset_statements()
         if reset:
-            functions.append(["    def reset(self) -> None:", *lines(reset, "        ")])
+            functions.append(Function("reset", ("self",), tuple(reset)))
         functions += [self._run(), self._calculate()]
         if self.class_.derivatives:
             printer = self._printer(local=[*self.integration.held, *self._moving()])
@@ -80,7 +92,7 @@ class _SubmodelWriter:
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(self.class_, self.place, "submodel"), "    "),
-            functions,
+            [lines([function], "    ") for function in functions],
         )
 
     def _place(self, equation: SubmodelEquation | ExternalCall) -> str:
@@ -114,32 +126,29 @@ class _SubmodelWriter:
         known = set(local)
 
         def parameter(name: str) -> Code:
-            python = self.names[name]
-            return Atom(python if constructing or name in known else f"self.{python}")
+            return Name(self.names[name]) if constructing else signal(name)
 
         def signal(name: str) -> Code:
-            return Atom(self.names[name] if name in known else f"self.{self.names[name]}")
+            return Name(self.names[name]) if name in known else own(self.names[name])
 
         def seconds(name: str) -> Code:
             if constructing:
-                return infix("/", PRODUCT, Atom(self.names[name]), Atom(self.imports.runtime("s")))
+                return infix("/", PRODUCT, Name(self.names[name]), Name(self.imports.runtime("s")))
             return parameter(name)
 
         return Printer(self.imports, parameter=parameter, signal=signal, seconds=seconds)
 
-    def _constructor(self) -> list[str]:
+    def _constructor(self) -> Function:
         class_ = self.class_
         keywords = [f"{self.names[p.name]}: {annotation(p.type, self.imports)}" for p in class_.parameters]
         keywords += [f"{self.names[p.name]}: {port_annotation(p, self.imports)}" for p in class_.ports]
-        head = signature(
-            "def __init__", ["self", "name: str", *(["*", *keywords] if keywords else [])], " -> None:", "    "
-        )
-        source = Argument(Atom(quoted(self.place)), "source")
-        statements: list[Statement] = [run(Call("super().__init__", (Argument(Atom("name")), source)))]
         ports = [self.names[port.name] for port in class_.ports]
-        statements += [assign(f"self.{port}", Atom(port)) for port in ports]
-        statements += self._made()
-        return [*head, *lines(statements, "        ")]
+        statements = (
+            run(call(call("super").field("__init__"), Name("name"), source=Constant(quoted(self.place)))),
+            *(assign(own(port), Name(port)) for port in ports),
+            *self._made(),
+        )
+        return Function("__init__", ("self", "name: str", *(["*", *keywords] if keywords else [])), statements)
 
     def _made(self) -> Iterable[Statement]:
         """What the constructor does after it has the ports."""
@@ -148,74 +157,70 @@ class _SubmodelWriter:
         yield from self._sub_steps()
         yield from (self._external_body(item) for item in self._calls())
         if self.class_.states:
-            yield Line("self.reset()")
+            yield run(own("reset").called())
 
     def _kept_parameters(self) -> Iterable[Statement]:
         for item in self.class_.parameters:
             if item.name in self.attributes:
                 python = self.names[item.name]
-                value: Code = Atom(python)
+                value: Code = Name(python)
                 if isinstance(item.type, TimeType):
-                    value = infix("/", PRODUCT, value, Atom(self.imports.runtime("s")))
-                yield assign(f"self.{python}", value)
+                    value = infix("/", PRODUCT, value, Name(self.imports.runtime("s")))
+                yield assign(own(python), value)
 
     def _constants(self) -> Iterable[Statement]:
         local = [item.name for item in self.constants if item.name not in self.attributes]
         printer = self._printer(local=local, constructing=True)
         for item in self.constants:
             python = self.names[item.name]
-            target = python if item.name in local else f"self.{python}"
+            target = Name(python) if item.name in local else own(python)
             yield assign(target, printer.print(item.value), self._place(item))
 
     def _sub_steps(self) -> Iterable[Statement]:
         if not self.class_.derivatives or self.class_.step is None:
             return
-        sample = infix("*", PRODUCT, Atom(self.names["sample"]), Atom(self.imports.runtime("s")))
+        sample = infix("*", PRODUCT, Name(self.names["sample"]), Name(self.imports.runtime("s")))
         step = duration(self.class_.step, self.imports)
         ratio = infix("/", PRODUCT, call("round", sample), step)
-        yield assign("self._steps", call(self.imports.standard("math", "ceil"), ratio))
-        yield assign("self._h", infix("/", PRODUCT, Atom(self.names["sample"]), Atom("self._steps")))
+        yield assign(own("_steps"), call(self.imports.standard("math", "ceil"), ratio))
+        yield assign(own("_h"), infix("/", PRODUCT, Name(self.names["sample"]), own("_steps")))
 
     def _external_body(self, item: ExternalCall) -> Statement:
         printer = self._printer(constructing=True, local=[])
         given = {name: printer.print(value) for name, value in item.arguments}
-        return assign(f"self.{self.names[item.name]}", self.modules.construct(item.external, given, self.imports))
+        return assign(own(self.names[item.name]), self.modules.construct(item.external, given, self.imports))
 
     def _reset_statements(self) -> list[Statement]:
         printer = self._printer()
         statements: list[Statement] = [
-            Line(f"self.{self.names[state.name]} = ", printer.print(state.initial)) for state in self.class_.states
+            assign(own(self.names[state.name]), printer.print(state.initial)) for state in self.class_.states
         ]
         statements += [
-            Line("", call(f"self.{self.names[item.name]}.reset"))
+            run(own(self.names[item.name]).call("reset"))
             for item in self._calls()
             if self.modules.describe(item.external).has_reset
         ]
         return statements
 
-    def _run(self) -> list[str]:
+    def _run(self) -> Function:
         """All inputs are read at once, and then all outputs are written at once."""
         given = [self.names[name] for name in inputs(self.class_)]
         results = [self.names[name] for name in outputs(self.class_)]
         statements: list[Statement] = []
         if len(given) == 1:
-            statements.append(assign(given[0], Prefix("await ", call(f"self.{given[0]}.read"))))
+            statements.append(assign(given[0], awaited(own(given[0]).call("read"))))
         elif given:
-            read = call(self.imports.runtime("read_all"), *(Atom(f"self.{name}") for name in given))
-            statements.append(Unpack(tuple(given), Prefix("await ", read)))
-        calculated = call("self.calculate", *(Atom(name) for name in given))
-        if not results:
-            statements.append(run(calculated))
-        elif len(results) == 1:
-            statements.append(assign(results[0], calculated))
-            statements.append(run(Prefix("await ", call(f"self.{results[0]}.write", Atom(results[0])))))
-        else:
-            pairs = (tuple_of((Atom(f"self.{name}"), Atom(name))) for name in results)
-            statements.append(Unpack(tuple(results), calculated))
-            statements.append(run(Prefix("await ", call(self.imports.runtime("write_all"), *pairs))))
-        return ["    async def run(self) -> None:", *lines(statements, "        ")]
+            read = call(self.imports.runtime("read_all"), *map(own, given))
+            statements.append(unpack([*map(Name, given)], awaited(read)))
+        statements.append(unpack([*map(Name, results)], own("calculate").called(*map(Name, given))))
+        if len(results) == 1:
+            statements.append(run(awaited(own(results[0]).call("write", Name(results[0])))))
+        elif results:
+            pairs = (tuple_of((own(name), Name(name))) for name in results)
+            statements.append(run(awaited(call(self.imports.runtime("write_all"), *pairs))))
+        return Function("run", ("self",), tuple(statements), waits=True)
 
-    def _calculate(self) -> list[str]:
+    def _calculate(self) -> Function:
         class_ = self.class_
         given, results = inputs(class_), outputs(class_)
         roots = [*results, *signals((class_.next_values,)), *(self.integration.held if class_.derivatives else [])]
@@ -225,26 +230,25 @@ class _SubmodelWriter:
         local = [*given, *hoisted, *(name for equation in equations for name in defined(equation))]
         printer = self._printer(local=local)
 
-        statements: list[Statement] = [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in hoisted]
+        statements: list[Statement] = [assign(self.names[name], own(self.names[name])) for name in hoisted]
         statements += [self._equation(equation, printer) for equation in equations]
         if class_.derivatives:
             statements += self._integrate()
         statements += [
-            Line(f"self.{self.names[name]} = ", printer.print(value), comment=self._next_place(name))
+            assign(own(self.names[name]), printer.print(value), self._next_place(name))
             for name, value in class_.next_values
         ]
-        statements += [assign(f"self.{state}", Atom(state)) for state in self._moved]
+        statements += [assign(own(state), Name(state)) for state in self._moved]
         statements += self._returned(statements, results, printer)
 
         return self._calculation(statements)
 
-    def _calculation(self, statements: Sequence[Statement]) -> list[str]:
+    def _calculation(self, statements: Sequence[Statement]) -> Function:
         given, results = inputs(self.class_), outputs(self.class_)
         types = self._annotations()
         parameters_ = [f"{self.names[name]}: {types[name]}" for name in given]
         returned = _return_annotation([types[name] for name in results])
-        head = signature("def calculate", ["self", *parameters_], f" -> {returned}:", "    ")
-        return [*head, *lines(statements or [Line("pass")], "        ")]
+        return Function("calculate", ("self", *parameters_), tuple(statements), returned)
 
     def _next_place(self, name: str) -> str | None:
         return next((self.package.place(s.span.file, s.span.line) for s in self.class_.states if s.name == name), None)
@@ -278,13 +282,13 @@ class _SubmodelWriter:
 
     def _integrate(self) -> Iterable[Statement]:
         if self.class_.step is None:
-            yield assign("h", Atom(f"self.{self.names['sample']}"))
+            yield assign("h", own(self.names["sample"]))
             yield from self.integration.loop(None)
         else:
-            yield assign("h", Atom("self._h"))
-            yield from self.integration.loop(Atom("self._steps"))
+            yield assign("h", own("_h"))
+            yield from self.integration.loop(own("_steps"))
         for state in self.integration.states:
-            yield assign(state, call(self.imports.runtime("finite"), Atom(state)))
+            yield assign(state, call(self.imports.runtime("finite"), Name(state)))
 
     @property
     def _moved(self) -> list[str]:
@@ -294,14 +298,11 @@ class _SubmodelWriter:
     def _returned(self, before: list[Statement], results: list[str], printer: Printer) -> Iterable[Statement]:
         if len(results) == 1:
             last = before[-1] if before else None
-            target = f"{self.names[results[0]]} = "
-            if isinstance(last, Line) and last.before == target:
+            if isinstance(last, Assign) and last.target == Name(self.names[results[0]]):
                 before.pop()
-                return [Line("return ", last.code, comment=last.comment)]
-            return [Line("return ", printer.signal(results[0]))]
-        if not results:
-            return []
-        return [Line("return ", Atom(", ".join(self.names[name] for name in results)))]
+                return [give(last.value, comment=last.comment)]
+            return [give(printer.signal(results[0]))]
+        return [give(*(Name(self.names[name]) for name in results))] if results else []
 
 
 class _BodyWriter(_SubmodelWriter):
@@ -314,24 +315,22 @@ class _BodyWriter(_SubmodelWriter):
         self.body = body
 
     def _made(self) -> Iterable[Statement]:
-        given = {item.name: Atom(self.names[item.name]) for item in self.class_.parameters if not item.derived}
-        yield assign("self._body", self.modules.construct(self.body, given, self.imports))
+        given = {item.name: Name(self.names[item.name]) for item in self.class_.parameters if not item.derived}
+        yield assign(own("_body"), self.modules.construct(self.body, given, self.imports))
 
     def _reset_statements(self) -> list[Statement]:
-        return [run(call("self._body.reset"))] if self.modules.describe(self.body).has_reset else []
+        return [run(own("_body").call("reset"))] if self.modules.describe(self.body).has_reset else []
 
-    def _calculate(self) -> list[str]:
-        arguments = tuple(Argument(Atom(self.names[name]), identifier(name)) for name in inputs(self.class_))
-        calculated = Call("self._body.calculate", arguments)
+    def _calculate(self) -> Function:
+        arguments = tuple(Argument(Name(self.names[name]), identifier(name)) for name in inputs(self.class_))
+        calculated = Call(own("_body").field("calculate"), arguments)
         results = outputs(self.class_)
         if not results:
             return self._calculation([run(calculated)])
         types = self._annotations()
         returned = _return_annotation([types[name] for name in results])
-        target = self.names[results[0]] if len(results) == 1 else "calculated"
-        return self._calculation(
-            [assign(f"{target}: {returned}", calculated, self.place), Line("return ", Atom(target))]
-        )
+        target = Name(self.names[results[0]] if len(results) == 1 else "calculated")
+        return self._calculation([Assign(target, calculated, self.place, annotation=returned), give(target)])
 
 
 def _return_annotation(types: Sequence[str]) -> str:

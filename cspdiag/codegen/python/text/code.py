@@ -1,31 +1,106 @@
 """Python expressions as trees that know their precedence and their text on one line.
 
-The generator builds these; ``python_layout`` breaks them over lines where a line is too short.
+The generator builds these; ``layout`` breaks them over lines where a line is too short.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import ClassVar, Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias, cast
 
 from cspdiag.base.record import record
+from cspdiag.codegen.shared.trees import Closed, Counted, nodes
 
-CONDITIONAL, OR, AND, NOT, COMPARISON, SUM, PRODUCT, SIGN, AWAIT, PRIMARY = range(10)
-"""Precedences of Python, the loosest first (The Python Language Reference, section 6.17)."""
+(
+    LOOSEST, CONDITIONAL, OR, AND, NOT, COMPARISON, BITS_OR, BITS_AND, SHIFT, SUM, PRODUCT, SIGN, AWAIT, PRIMARY,
+) = range(14)  # fmt: skip
+"""Precedences of Python (The Python Language Reference, section 6.17)."""
+
+
+class _Node:
+    """An expression: what the nodes have in common."""
+
+    _PRECEDENCE: ClassVar[int]
+
+    @property
+    def precedence(self) -> int:
+        """How tightly its operator binds."""
+        return self._PRECEDENCE
+
+    def field(self, name: str) -> Attribute:
+        """``x.name``."""
+        return Attribute(at_least(cast("Code", self), PRIMARY), name)
+
+    def at(self, index: Code | int) -> Element:
+        """``x[index]``."""
+        return Element(at_least(cast("Code", self), PRIMARY), Whole(index) if isinstance(index, int) else index)
+
+    def called(self, *arguments: Code) -> Call:
+        """``x(arguments)``."""
+        return call(cast("Code", self), *arguments)
+
+    def call(self, method: str, *arguments: Code) -> Call:
+        """``x.method(arguments)``."""
+        return call(self.field(method), *arguments)
+
+
+class Primary(_Node):
+    """What shows no operator outside brackets."""
+
+    _PRECEDENCE = PRIMARY
 
 
 @record
-class Atom:
-    """A name, a literal or an attribute: text that never breaks; ``precedence`` is lower for a negative number."""
+class Name(Primary):
+    """A name, or one that is qualified by the module that it is imported from."""
 
     text: str
-    precedence: int = PRIMARY
 
     @property
     def flat(self) -> str:
         """The text on one line."""
         return self.text
+
+
+@record
+class Constant(Primary):
+    """A literal that does not count: a real, a string, ``True``, ``None``, and also a type."""
+
+    text: str
+
+    @property
+    def flat(self) -> str:
+        """The text on one line."""
+        return self.text
+
+
+@record
+class Whole(Primary, Counted):
+    """A whole number that may count in a row of like statements; it has no sign."""
+
+    value: int
+
+    @property
+    def flat(self) -> str:
+        """The text on one line."""
+        return str(self.value)
+
+
+@record
+class Formatted(Primary):
+    """A string with values in it, numbers as text: ``f"{name}.cell[3]"``."""
+
+    parts: tuple[str | Code, ...]
+
+    @cached_property
+    def flat(self) -> str:
+        """The text on one line."""
+        texts = (
+            part if isinstance(part, str) else part.flat if isinstance(part, Whole) else f"{{{part.flat}}}"
+            for part in self.parts
+        )
+        return f'f"{"".join(texts)}"'
 
 
 @record
@@ -48,44 +123,55 @@ class Argument:
 
 
 @record
-class Call:
-    """A call of something named."""
+class Call(Primary):
+    """A call."""
 
-    function: str
+    function: Code
     arguments: tuple[Argument, ...]
-    precedence: ClassVar[int] = PRIMARY
 
     @cached_property
     def flat(self) -> str:
         """The text on one line."""
-        return f"{self.function}({', '.join(argument.flat for argument in self.arguments)})"
+        return f"{self.function.flat}({', '.join([argument.flat for argument in self.arguments])})"
 
 
 @record
-class Postfix:
-    """An attribute or an element of a value: ``operand.x``, ``operand[0]``."""
+class Attribute(Primary):
+    """``x.name``."""
 
     operand: Code
-    text: str
-    precedence: ClassVar[int] = PRIMARY
+    name: str
 
     @cached_property
     def flat(self) -> str:
         """The text on one line."""
-        return self.operand.flat + self.text
+        return f"{self.operand.flat}.{self.name}"
 
 
 @record
-class Prefix:
+class Element(Primary):
+    """``x[index]``."""
+
+    operand: Code
+    index: Code
+
+    @cached_property
+    def flat(self) -> str:
+        """The text on one line."""
+        return f"{self.operand.flat}[{self.index.flat}]"
+
+
+@record
+class Prefix(_Node):
     """``-x``, ``not x``, ``await x``: the text before the operand, blank included."""
 
-    text: Literal["-", "not ", "await "]
+    text: Literal["-", "not ", "await ", "yield from "]
     operand: Code
 
     @property
     def precedence(self) -> int:
         """How tightly the operator binds."""
-        return {"-": SIGN, "not ": NOT, "await ": AWAIT}[self.text]
+        return {"-": SIGN, "not ": NOT, "await ": AWAIT, "yield from ": LOOSEST}[self.text]
 
     @cached_property
     def flat(self) -> str:
@@ -94,27 +180,33 @@ class Prefix:
 
 
 @record
-class Chain:
+class Chain(_Node):
     """Operands joined by operators of one precedence: ``a + b - c``."""
 
-    precedence: int
+    level: int
     first: Code
     rest: tuple[tuple[str, Code], ...]
+
+    @property
+    def precedence(self) -> int:
+        """That of the operators."""
+        return self.level
 
     @cached_property
     def flat(self) -> str:
         """The text on one line."""
-        return self.first.flat + "".join(f" {operator} {operand.flat}" for operator, operand in self.rest)
+        return self.first.flat + "".join([f" {operator} {operand.flat}" for operator, operand in self.rest])
 
 
 @record
-class Conditional:
+class Conditional(_Node):
     """``then if condition else otherwise``."""
 
     then: Code
     condition: Code
     otherwise: Code
-    precedence: ClassVar[int] = CONDITIONAL
+
+    _PRECEDENCE = CONDITIONAL
 
     @cached_property
     def flat(self) -> str:
@@ -123,11 +215,10 @@ class Conditional:
 
 
 @record
-class Parenthesized:
+class Parenthesized(Primary):
     """An expression in the parentheses that its surroundings ask for."""
 
     operand: Code
-    precedence: ClassVar[int] = PRIMARY
 
     @cached_property
     def flat(self) -> str:
@@ -136,28 +227,26 @@ class Parenthesized:
 
 
 @record
-class Items:
-    """A tuple, a list or a dictionary (its items then ``key: value`` by ``name``)."""
+class Items(Primary):
+    """A tuple, a list, a dictionary of entries, or without brackets the values that a statement lists."""
 
-    brackets: Literal["()", "[]", "{}"]
+    brackets: Literal["()", "[]", "{}", ""]
     items: tuple[Code, ...]
-    precedence: ClassVar[int] = PRIMARY
 
     @cached_property
     def flat(self) -> str:
         """The text on one line."""
-        inside = ", ".join(item.flat for item in self.items)
+        inside = ", ".join([item.flat for item in self.items])
         comma = "," if self.brackets == "()" and len(self.items) == 1 else ""
-        return f"{self.brackets[0]}{inside}{comma}{self.brackets[1]}"
+        return f"{self.brackets[:1]}{inside}{comma}{self.brackets[1:]}"
 
 
 @record
-class Entry:
+class Entry(Primary):
     """``key: value`` in a dictionary."""
 
     key: str
     value: Code
-    precedence: ClassVar[int] = PRIMARY
 
     @property
     def flat(self) -> str:
@@ -166,13 +255,18 @@ class Entry:
 
 
 @record
-class Comprehension:
+class Comprehension(Primary, Closed):
     """``[element for i in range(8)]``, or a generator in parentheses."""
 
     element: Code
-    clause: str
+    variable: str
+    items: Code
     brackets: Literal["[]", "()"] = "[]"
-    precedence: ClassVar[int] = PRIMARY
+
+    @property
+    def clause(self) -> str:
+        """What stands behind the element."""
+        return f"for {self.variable} in {self.items.flat}"
 
     @cached_property
     def flat(self) -> str:
@@ -181,11 +275,10 @@ class Comprehension:
 
 
 @record
-class Starred:
-    """``*value`` in a list."""
+class Starred(Primary, Closed):
+    """``*value`` in a list or a call."""
 
     value: Code
-    precedence: ClassVar[int] = PRIMARY
 
     @property
     def flat(self) -> str:
@@ -194,12 +287,13 @@ class Starred:
 
 
 @record
-class Named:
+class Named(_Node, Closed):
     """``name := value``: a value that is wanted again in the same expression; always in parentheses."""
 
     name: str
     value: Code
-    precedence: ClassVar[int] = CONDITIONAL - 1
+
+    _PRECEDENCE = LOOSEST
 
     @property
     def flat(self) -> str:
@@ -208,9 +302,13 @@ class Named:
 
 
 Code: TypeAlias = (
-    Atom
+    Name
+    | Constant
+    | Whole
+    | Formatted
     | Call
-    | Postfix
+    | Attribute
+    | Element
     | Prefix
     | Chain
     | Conditional
@@ -222,11 +320,26 @@ Code: TypeAlias = (
     | Named
 )
 
+SELF = Name("self")
+NONE = Constant("None")
+TRUE = Constant("True")
+FALSE = Constant("False")
 
-def call(function: str, *positional: Code, **named: Code) -> Call:
+
+def code(item: Code | str) -> Code:
+    """A name as a node."""
+    return Name(item) if isinstance(item, str) else item
+
+
+def own(name: str) -> Attribute:
+    """``self.name``."""
+    return Attribute(SELF, name)
+
+
+def call(function: Code | str, *positional: Code, **named: Code) -> Call:
     """A call with positional and named arguments."""
     return Call(
-        function,
+        code(function),
         (*(Argument(value) for value in positional), *(Argument(value, name) for name, value in named.items())),
     )
 
@@ -234,6 +347,46 @@ def call(function: str, *positional: Code, **named: Code) -> Call:
 def tuple_of(items: Iterable[Code]) -> Items:
     """A tuple in parentheses."""
     return Items("()", tuple(items))
+
+
+def typed(class_: str, argument: str) -> Element:
+    """A generic class with its argument: ``In[float]``."""
+    return Name(class_).at(Constant(argument))
+
+
+def counted_to(count: int | Code) -> Call:
+    """``range(count)``."""
+    return call("range", Constant(str(count)) if isinstance(count, int) else count)
+
+
+def number(text: str) -> Code:
+    """A real number in decimal notation, also one with a sign."""
+    return Prefix("-", Constant(text[1:])) if text.startswith("-") else Constant(text)
+
+
+def integer(value: int) -> Code:
+    """A whole number; one with a sign does not count."""
+    return Whole(value) if value >= 0 else Prefix("-", Constant(str(-value)))
+
+
+def awaited(item: Code) -> Prefix:
+    """``await x``."""
+    return Prefix("await ", item)
+
+
+def delegated(item: Code) -> Prefix:
+    """``yield from x``."""
+    return Prefix("yield from ", item)
+
+
+def negated(item: Code) -> Prefix:
+    """``not x``."""
+    return Prefix("not ", at_least(item, NOT))
+
+
+def minus(item: Code) -> Code:
+    """``-x``."""
+    return Prefix("-", at_least(item, SIGN))
 
 
 def at_least(code: Code, precedence: int) -> Code:
@@ -246,6 +399,24 @@ def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
     right = at_least(right, precedence + 1)
     if precedence == COMPARISON:
         return Chain(precedence, at_least(left, precedence + 1), ((operator, right),))
-    if isinstance(left, Chain) and left.precedence == precedence:
+    if isinstance(left, Chain) and left.level == precedence:
         return Chain(precedence, left.first, (*left.rest, (operator, right)))
     return Chain(precedence, at_least(left, precedence), ((operator, right),))
+
+
+def infix_all(operator: str, precedence: int, operands: Sequence[Code]) -> Code:
+    """``a operator b operator c``."""
+    first, *rest = operands
+    for operand in rest:
+        first = infix(operator, precedence, first, operand)
+    return first
+
+
+def attributes_of_self(item: object) -> Iterator[str]:
+    """The attributes of ``self`` that a tree mentions."""
+    return (node.name for node in nodes(item) if isinstance(node, Attribute) and node.operand == SELF)
+
+
+def mentions(item: object, name: str) -> bool:
+    """Whether a tree reads a local variable."""
+    return any(isinstance(node, Name) and node.text == name for node in nodes(item))

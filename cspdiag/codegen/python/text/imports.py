@@ -105,7 +105,7 @@ def import_lines(wanted: Mapping[str, set[str]], dots: str) -> list[str]:
 
 def _import_lines(start: str, members: list[str]) -> list[str]:
     line = start + ", ".join(members)
-    return [line] if len(line) <= 100 else bracketed("", f"{start}(", members, ")", together=False)
+    return [line] if len(line) <= 100 else bracketed("", f"{start}(", members, ")")
 
 
 def member_order(name: str) -> tuple[int, list[str | int], str]:

@@ -11,19 +11,24 @@ from typing import assert_never
 
 from cspdiag.codegen.python.text.code import (
     CONDITIONAL,
-    Atom,
+    Attribute,
     Call,
     Chain,
     Code,
     Comprehension,
     Conditional,
+    Constant,
+    Element,
     Entry,
+    Formatted,
     Items,
+    Name,
     Named,
     Parenthesized,
-    Postfix,
     Prefix,
+    Primary,
     Starred,
+    Whole,
 )
 from cspdiag.codegen.python.text.literals import remark
 from cspdiag.codegen.shared.document import LINE, SOFT, Choice, Document, Flat, Group, Nest, joined, render
@@ -39,20 +44,19 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
 
     ``comment`` stands at the end of the line, or on a line of its own before a statement that does not fit with it.
     """
-    if before.startswith("#"):
-        return [_comment_line(indent, before)]
     comment = comment and remark(comment)
     line = f"{indent}{before}{code.flat}{after}"
     if comment is not None and len(line) + 4 + len(comment) <= LINE_LENGTH:
         return [f"{line}  # {comment}"]
     lines = [] if comment is None else [f"{indent}# {comment}"]
-    if len(line) <= LINE_LENGTH or not code.flat:
+    if len(line) <= LINE_LENGTH:
         return [*lines, line]
     return [*lines, *render((before, _statement(code), after), LINE_LENGTH, len(indent))]
 
 
-def _comment_line(indent: str, comment: str) -> str:
-    line = f"{indent}{remark(comment)}"
+def comment_line(indent: str, comment: str) -> str:
+    """A comment by itself, cut where it is too long."""
+    line = f"{indent}# {remark(comment)}".rstrip()
     return line if len(line) <= LINE_LENGTH else f"{line[: LINE_LENGTH - 3].rstrip()}..."
 
 
@@ -60,15 +64,24 @@ def _statement(code: Code) -> Document:
     """An expression that stands behind the beginning of a statement, and does not fit on its line."""
     if isinstance(code, Chain | Conditional | Prefix):
         at_brackets = (_at_brackets(code),) if _splits_at_brackets(code) else ()
-        in_parentheses = () if _is_awaited_call(code) else (_surrounded("(", _inside(code), ")"),)
+        in_parentheses = () if _is_call_behind_keyword(code) else (_surrounded("(", _inside(code), ")"),)
         return Choice((*at_brackets, *(in_parentheses or (_at_brackets(code),))))
-    if isinstance(code, Atom):
-        return Choice((_surrounded("(", code.text, ")"), code.text))
+    if isinstance(code, Items) and not code.brackets:
+        return _surrounded("(", _listed(code), ")")
+    if _is_atom(code):
+        return Choice((_surrounded("(", code.flat, ")"), code.flat))
     return _at_brackets(code)
 
 
-def _is_awaited_call(code: Code) -> bool:
-    return isinstance(code, Prefix) and code.text == "await " and isinstance(code.operand, Call)
+def _is_call_behind_keyword(code: Code) -> bool:
+    return isinstance(code, Prefix) and code.text in ("await ", "yield from ") and isinstance(code.operand, Call)
+
+
+def _is_atom(code: Code) -> bool:
+    """Whether an expression can be broken nowhere."""
+    if isinstance(code, Attribute | Element):
+        return _is_atom(code.operand)
+    return isinstance(code, Name | Constant | Whole | Formatted)
 
 
 def _splits_at_brackets(code: Code) -> bool:
@@ -96,7 +109,7 @@ def _operators(code: Code) -> Iterator[int]:
                 yield from _operators(operand)
         case Prefix():
             yield from _operators(code.operand)
-        case Atom() | Call() | Postfix() | Parenthesized() | Items() | Entry() | Comprehension() | Starred() | Named():
+        case Primary() | Named():
             pass
         case _:
             assert_never(code)
@@ -110,36 +123,22 @@ def _last(code: Code) -> Code:
             return _last(code.otherwise)
         case Prefix():
             return _last(code.operand)
-        case Atom() | Call() | Postfix() | Parenthesized() | Items() | Entry() | Comprehension() | Starred() | Named():
+        case Primary() | Named():
             return code
         case _:
             assert_never(code)
 
 
 def _has_brackets(code: Code) -> bool:
-    match code:
-        case Call():
-            return bool(code.arguments)
-        case Items():
-            return bool(code.items)
-        case Parenthesized() | Comprehension():
-            return True
-        case Atom() | Postfix() | Prefix() | Chain() | Conditional() | Entry() | Starred() | Named():
-            return False
-        case _:
-            assert_never(code)
+    if isinstance(code, Call):
+        return bool(code.arguments)
+    return bool(code.items) if isinstance(code, Items) else isinstance(code, Parenthesized | Comprehension)
 
 
 def _has_brackets_first(code: Code) -> bool:
-    match code:
-        case Chain():
-            return _has_brackets_first(code.first)
-        case Items() | Parenthesized():
-            return _has_brackets(code)
-        case Atom() | Call() | Postfix() | Prefix() | Conditional() | Entry() | Comprehension() | Starred() | Named():
-            return False
-        case _:
-            assert_never(code)
+    if isinstance(code, Chain):
+        return _has_brackets_first(code.first)
+    return isinstance(code, Items | Parenthesized) and _has_brackets(code)
 
 
 def _inside(code: Code) -> Document:
@@ -154,7 +153,7 @@ def _inside(code: Code) -> Document:
             return (code.text, _inside(code.operand))
         case Named():
             return (f"{code.name} := ", _inside(code.value))
-        case Atom() | Call() | Postfix() | Parenthesized() | Items() | Entry() | Comprehension() | Starred():
+        case Primary():
             return _at_brackets(code)
         case _:
             assert_never(code)
@@ -174,13 +173,12 @@ def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:
 def _at_brackets(code: Code) -> Document:
     """An expression that is broken at its own brackets."""
     match code:
-        case Atom() | Entry() | Call(arguments=()) | Items(items=()):
+        case Name() | Constant() | Whole() | Formatted() | Entry() | Call(arguments=()) | Items(items=()):
             return code.flat
         case Call():
-            return _bracketed(code, f"{code.function}(", _arguments(code), ")")
+            return _bracketed(code, f"{code.function.flat}(", _arguments(code), ")")
         case Items():
-            items = joined(LINE, [(_item(item), ",") for item in code.items])
-            return _bracketed(code, code.brackets[0], items, code.brackets[1])
+            return _bracketed(code, code.brackets[:1], _listed(code), code.brackets[1:])
         case Comprehension():
             several = (_inside(code.element), LINE, code.clause)
             inner = Choice((Flat(f"{code.element.flat} {code.clause}"), several))
@@ -189,14 +187,18 @@ def _at_brackets(code: Code) -> Document:
             return ("*", _at_brackets(code.value))
         case Parenthesized():
             return _bracketed(code, "(", _inside(code.operand), ")")
-        case Postfix():
-            return (_at_brackets(code.operand), code.text)
+        case Attribute():
+            return (_at_brackets(code.operand), f".{code.name}")
+        case Element():
+            return (_at_brackets(code.operand), f"[{code.index.flat}]")
         case Prefix():
             return (code.text, _at_brackets(code.operand))
         case Chain():
             return tuple((operator, _at_brackets(leaf)) for operator, leaf in _leaves(code, ""))
         case Conditional() | Named():
             return _inside(code)
+        case _:
+            assert_never(code)
 
 
 def _bracketed(code: Code, opening: str, inner: Document, closing: str) -> Document:
@@ -221,6 +223,10 @@ def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
             yield before, code
 
 
+def _listed(code: Items) -> Document:
+    return joined(LINE, [(_item(item), ",") for item in code.items])
+
+
 def _item(item: Code) -> Document:
     return (f"{item.key}: ", _inside(item.value)) if isinstance(item, Entry) else _inside(item)
 
@@ -231,13 +237,8 @@ def _arguments(code: Call) -> Document:
     return Choice((together, joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
 
 
-def bracketed(indent: str, before: str, items: Sequence[str], after: str, *, together: bool = True) -> list[str]:
-    """``before`` items ``after`` where ``before`` ends in an opening bracket: on one line, one indented line, or one
-    line an item.
-
-    ``together`` allows the items on one indented line, as for arguments; imports do not.
-    """
-    inner = Flat(", ".join(items))
+def bracketed(indent: str, before: str, items: Sequence[str], after: str) -> list[str]:
+    """``before`` items ``after`` where ``before`` ends in an opening bracket: on one line, or one line an item."""
+    whole = Flat((before, ", ".join(items), after))
     apart = _surrounded(before, joined(LINE, [f"{item}," for item in items]), after)
-    beneath = (_surrounded(before, inner, after),) if together else ()
-    return render(Choice((Flat((before, inner, after)), *beneath, apart)), LINE_LENGTH, len(indent))
+    return render(Choice((whole, apart)), LINE_LENGTH, len(indent))

@@ -2,108 +2,249 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TypeAlias
+from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.codegen.python.text.code import Atom, Code
-from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, bracketed, statement
-from cspdiag.codegen.python.text.literals import remark
+from cspdiag.codegen.python.text.code import (
+    SELF,
+    Attribute,
+    Call,
+    Code,
+    Constant,
+    Items,
+    Name,
+    Prefix,
+    code,
+    counted_to,
+)
+from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, bracketed, comment_line, statement
+from cspdiag.codegen.python.text.literals import docstring, remark
+from cspdiag.codegen.shared.trees import Closed, nodes
 
-NOTHING = Atom("")
+NOTHING = Constant("")
 
 
 @record
-class Line:
-    """A simple statement: ``before code after``."""
+class Remark:
+    """A comment on a line of its own."""
 
-    before: str
-    code: Code = NOTHING
-    after: str = ""
+    text: str
+
+
+@record
+class Plain:
+    """A simple statement: an expression, or a keyword with or without one."""
+
+    keyword: Literal["", "return", "raise", "break", "pass", "yield", "nonlocal"]
+    code: Code | None = None
+    comment: str | None = None
+
+
+@record
+class Assign:
+    """``target = value``, or another operator that assigns; ``annotation`` declares the target as well."""
+
+    target: Code
+    value: Code
+    comment: str | None = None
+    operator: str = "="
+    annotation: str | None = None
+
+
+@record
+class Declare:
+    """``target: annotation``, without a value."""
+
+    target: Code
+    annotation: str
+
+
+@record
+class Unpack(Closed):
+    """``a, b = value``."""
+
+    targets: tuple[Code, ...]
+    value: Code
     comment: str | None = None
 
 
 @record
 class Block:
-    """A head that ends in a colon, and what it governs; an empty body is ``pass``."""
+    """A keyword that governs a body, with ``code`` behind it, and perhaps what that is called there; an empty body is
+    ``pass``.
+    """
 
-    head: Line
+    keyword: Literal["if", "elif", "else", "while", "try", "except", "finally", "with", "match", "case"]
+    code: Code | None
+    body: tuple[Statement, ...]
+    comment: str | None = None
+    bound: str | None = None
+
+
+@record
+class For:
+    """``for variable in items``."""
+
+    variable: str
+    items: Code
     body: tuple[Statement, ...]
 
 
 @record
-class Unpack:
-    """``a, b = code``."""
+class Function(Closed):
+    """A function or method; among other statements it stands between blank lines."""
 
-    targets: tuple[str, ...]
-    code: Code
-    comment: str | None = None
+    name: str
+    parameters: tuple[str, ...]
+    body: tuple[Statement, ...]
+    returns: str = "None"
+    doc: str | None = None
+    waits: bool = False
+    """Whether it is a coroutine."""
 
 
-Statement: TypeAlias = Line | Block | Unpack
+Statement: TypeAlias = Remark | Plain | Assign | Declare | Unpack | Block | For | Function
+Statements: TypeAlias = tuple[Statement, ...]
+
+PASS = Plain("pass")
+BREAK = Plain("break")
+YIELD = Plain("yield")
+RAISE = Plain("raise")
 
 
-def assign(target: str, value: Code, comment: str | None = None) -> Line:
+def assign(target: Code | str, value: Code, comment: str | None = None) -> Assign:
     """``target = value``."""
-    return Line(f"{target} = ", value, comment=comment)
+    return Assign(code(target), value, comment)
 
 
-def run(code: Code, comment: str | None = None) -> Line:
+def change(target: Code | str, operator: str, value: Code) -> Assign:
+    """``target += value``."""
+    return Assign(code(target), value, operator=operator)
+
+
+def unpack(targets: Sequence[Code], value: Code, comment: str | None = None) -> Statement:
+    """``a, b = value``; what has one value is assigned, what has none is done."""
+    match targets:
+        case []:
+            return run(value, comment)
+        case [target]:
+            return assign(target, value, comment)
+        case _:
+            return Unpack(tuple(targets), value, comment)
+
+
+def run(code: Code, comment: str | None = None) -> Plain:
     """An expression as a statement."""
-    return Line("", code, comment=comment)
+    return Plain("", code, comment)
 
 
-_BINDING = re.compile(r"(?:for )?(\w+) (?:=|in)(?: |$)")
+def give(*values: Code, comment: str | None = None) -> Plain:
+    """``return value``; of several as a tuple."""
+    return Plain("return", values[0] if len(values) == 1 else Items("", values), comment)
 
 
-def bound_in(statements: Iterable[Statement]) -> Iterator[str]:
+def if_(condition: Code, *then: Statement) -> Block:
+    """``if condition:``."""
+    return Block("if", condition, then)
+
+
+def else_(*otherwise: Statement) -> Block:
+    """``else:``."""
+    return Block("else", None, otherwise)
+
+
+def try_(*body: Statement) -> Block:
+    """``try:``."""
+    return Block("try", None, body)
+
+
+def repeat(count: int, body: Statements, variable: str = "_") -> For:
+    """``for _ in range(count):``."""
+    return For(variable, counted_to(count), body)
+
+
+def bound_in(statements: object) -> Iterator[str]:
     """The local variables that statements set or count with."""
-    for item in statements:
-        match item:
-            case Line(before=before):
-                found = _BINDING.match(before)
-                if found is not None:
-                    yield found[1]
-            case Block(head=head, body=body):
-                yield from bound_in((head, *body))
-            case Unpack(targets=targets):
-                yield from targets
+    for item in nodes(statements):
+        if isinstance(item, For):
+            yield item.variable
+        elif isinstance(item, Assign | Unpack):
+            targets = (item.target,) if isinstance(item, Assign) else item.targets
+            yield from (target.text for target in targets if isinstance(target, Name))
 
 
-def lines(statements: Iterable[Statement], indent: str) -> list[str]:
-    """The lines of statements at an indentation; a function among them stands between blank lines."""
+def attributes_set(statements: object) -> Iterator[str]:
+    """The attributes of ``self`` that statements assign."""
+    for item in nodes(statements):
+        target = item.target if isinstance(item, Assign) else None
+        if isinstance(target, Attribute) and target.operand == SELF:
+            yield target.name
+
+
+def lines(statements: Iterable[Statement], indent: str = "") -> list[str]:
+    """The lines of statements at an indentation."""
     result: list[str] = []
     after_function = False
     for item in statements:
-        is_function = isinstance(item, Block) and item.head.before.startswith("def ")
+        is_function = isinstance(item, Function)
         if result and (is_function or after_function):
             result.append("")
         after_function = is_function
-        match item:
-            case Line():
-                result += statement(item.before, item.code, item.after, indent, item.comment)
-            case Block(head=head, body=body):
-                result += statement(head.before, head.code, head.after, indent, head.comment)
-                rows = lines(body, indent + INDENT)
-                result += rows
-                if all(row.lstrip().startswith("#") for row in rows):
-                    result.append(f"{indent}{INDENT}pass")
-            case Unpack():
-                result += _unpacking(item, indent)
+        result += _lines(item, indent)
     return result
 
 
+def _lines(item: Statement, indent: str) -> list[str]:
+    match item:
+        case Remark(text=text):
+            return [comment_line(indent, text)]
+        case Plain(keyword=keyword, code=code):
+            blank = " " if keyword and code is not None else ""
+            return statement(f"{keyword}{blank}", code or NOTHING, "", indent, item.comment)
+        case Assign(target=target, annotation=annotation):
+            declared = f": {annotation}" if annotation else ""
+            return statement(f"{target.flat}{declared} {item.operator} ", item.value, "", indent, item.comment)
+        case Declare(target=target, annotation=annotation):
+            return [f"{indent}{target.flat}: {annotation}"]
+        case Unpack():
+            return _unpacking(item, indent)
+        case Block(keyword=keyword, code=code, bound=bound):
+            after = f" as {bound}:" if bound else ":"
+            head = statement(f"{keyword} " if code else keyword, code or NOTHING, after, indent, item.comment)
+            return [*head, *_body(item.body, indent)]
+        case For():
+            return [*statement(f"for {item.variable} in ", item.items, ":", indent), *_body(item.body, indent)]
+        case Function():
+            start = "async def" if item.waits else "def"
+            head = bracketed(indent, f"{start} {item.name}(", item.parameters, f") -> {item.returns}:")
+            doc = docstring(item.doc, indent + INDENT) if item.doc is not None else []
+            return [*head, *doc, *_body(item.body, indent)]
+    assert_never(item)
+
+
+def _body(body: Statements, indent: str) -> list[str]:
+    inner = indent + INDENT
+    is_empty = all(isinstance(item, Remark) for item in body)
+    return [*lines(body, inner), *([f"{inner}pass"] if is_empty else [])]
+
+
 def _unpacking(item: Unpack, indent: str) -> list[str]:
-    before = f"{', '.join(item.targets)} = "
-    opening = item.code.flat.partition("(")[0] + "("
-    if len(indent) + len(before) + len(opening) <= LINE_LENGTH:
-        return statement(before, item.code, "", indent, item.comment)
-    rows = [f"{indent}(", *(f"{indent}{INDENT}{target}," for target in item.targets)]
+    targets = [target.flat for target in item.targets]
+    before = f"{', '.join(targets)} = "
+    if len(indent) + len(before) + len(_opening(item.value)) <= LINE_LENGTH:
+        return statement(before, item.value, "", indent, item.comment)
+    rows = [f"{indent}(", *(f"{indent}{INDENT}{target}," for target in targets)]
     comment = [f"{indent}# {remark(item.comment)}"] if item.comment else []
-    return [*comment, *rows, *statement(") = ", item.code, "", indent)]
+    return [*comment, *rows, *statement(") = ", item.value, "", indent)]
 
 
-def signature(before: str, parameters: Sequence[str], after: str, indent: str) -> list[str]:
-    """The head of a function: on one line, or one parameter a line."""
-    return bracketed(indent, f"{before}(", parameters, f"){after}", together=False)
+def _opening(value: Code) -> str:
+    """The text of a call, which may be waited for, up to its first bracket."""
+    match value:
+        case Prefix(text=text, operand=operand):
+            return text + _opening(operand)
+        case Call(function=function):
+            return f"{function.flat}("
+        case _:
+            return value.flat

@@ -7,7 +7,20 @@ from collections.abc import Mapping
 from typing import assert_never
 
 from cspdiag.base import Span
-from cspdiag.codegen.python.text.code import PRIMARY, PRODUCT, SIGN, Argument, Atom, Call, Chain, Code, call, tuple_of
+from cspdiag.codegen.python.text.code import (
+    FALSE,
+    PRODUCT,
+    TRUE,
+    Code,
+    Constant,
+    Name,
+    Whole,
+    call,
+    infix,
+    integer,
+    number,
+    tuple_of,
+)
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.names import member_names
@@ -70,28 +83,28 @@ def annotation(type_: Type, imports: Imports) -> str:
 
 def accepted(type_: Type, imports: Imports) -> Code:
     """What makes a value of ``type_`` of one that a driver returns."""
+
+    def runtime(name: str) -> Code:
+        return Name(imports.runtime(name))
+
     match type_:
         case BoolType():
-            return Atom(imports.runtime("boolean"))
+            return runtime("boolean")
         case IntType():
-            of = imports.runtime(f"{'' if type_.signed else 'u'}int{type_.bits}")
-            return Call(imports.runtime("integer"), (Argument(Atom(of)),))
+            return call(runtime("integer"), runtime(f"{'' if type_.signed else 'u'}int{type_.bits}"))
         case TimeType():
-            return Call(imports.runtime("integer"), (Argument(Atom(imports.runtime("int64"))),))
+            return call(runtime("integer"), runtime("int64"))
         case RealType():
-            return Atom(imports.runtime("single" if type_.bits == 32 else "double"))
+            return runtime("single" if type_.bits == 32 else "double")
         case TextType():
-            return Atom(imports.runtime("text"))
+            return runtime("text")
         case EnumType():
-            return Call(imports.runtime("enumeration"), (Argument(Atom(imports.type_(type_.name))),))
+            return call(runtime("enumeration"), Name(imports.type_(type_.name)))
         case StructType():
             fields = [accepted(field, imports) for _, field in type_.fields]
-            made = (Atom(imports.type_(type_.name)), *fields)
-            return Call(imports.runtime("record"), tuple(Argument(part) for part in made))
+            return call(runtime("record"), Name(imports.type_(type_.name)), *fields)
         case ArrayType():
-            size = Atom(str(type_.size or 0))
-            parts = (accepted(type_.element, imports), size)
-            return Call(imports.runtime("array"), tuple(Argument(part) for part in parts))
+            return call(runtime("array"), accepted(type_.element, imports), Whole(type_.size or 0))
         case UnknownType():
             raise ValueError("a type that was reported cannot be generated")
     assert_never(type_)
@@ -121,10 +134,10 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
     """A value as an expert would write it; numbers keep the spelling that they have at ``span``."""
     match type_:
         case BoolType():
-            return Atom(repr(bool(value)))
+            return TRUE if value else FALSE
         case IntType():
             assert isinstance(value, int)
-            return number(repr(int(value)))
+            return integer(int(value))
         case TimeType():
             assert isinstance(value, int)
             return duration(value, imports)
@@ -132,10 +145,10 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
             assert isinstance(value, int | float)
             return real(single(float(value)) if type_.bits == 32 else float(value), span)
         case TextType():
-            return Atom(quoted(str(value)))
+            return Constant(quoted(str(value)))
         case EnumType():
             assert isinstance(value, int)
-            return Atom(f"{imports.type_(type_.name)}.{enum_members(type_)[type_.literals[value]]}")
+            return Name(imports.type_(type_.name)).field(enum_members(type_)[type_.literals[value]])
         case StructType():
             assert isinstance(value, tuple)
             fields = zip(type_.fields, value, strict=True)
@@ -146,16 +159,11 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
             assert isinstance(value, tuple)
             if len(value) > 8 and len(set(value)) == 1:
                 element = tuple_of([literal(value[0], type_.element, imports)])
-                return Chain(PRODUCT, element, (("*", Atom(str(len(value)))),))
+                return infix("*", PRODUCT, element, Whole(len(value)))
             return tuple_of(literal(part, type_.element, imports) for part in value)
         case UnknownType():
             raise ValueError("a type that was reported cannot be generated")
     assert_never(type_)
-
-
-def number(text: str) -> Atom:
-    """A number, with the precedence of the sign that it may have."""
-    return Atom(text, SIGN if text.startswith("-") else PRIMARY)
 
 
 def real(value: float, span: Span | None = None) -> Code:
@@ -165,20 +173,18 @@ def real(value: float, span: Span | None = None) -> Code:
         if written and float(written[0]) == value and not written[0].endswith("."):
             return number(written[0])
     if value != value:
-        return call("float", Atom('"nan"'))
+        return call("float", Constant('"nan"'))
     if value in (float("inf"), float("-inf")):
-        return call("float", Atom('"inf"' if value > 0 else '"-inf"'))
+        return call("float", Constant('"inf"' if value > 0 else '"-inf"'))
     return number(repr(value))
 
 
 def duration(nanoseconds: int, imports: Imports) -> Code:
     """A duration in its greatest unit: ``2 * ms``."""
     if nanoseconds == 0:
-        return Atom("0")
-    for unit, size in _UNITS:
-        if nanoseconds % size == 0:
-            return Chain(PRODUCT, number(repr(nanoseconds // size)), (("*", Atom(imports.runtime(unit))),))
-    return Chain(PRODUCT, number(repr(nanoseconds)), (("*", Atom(imports.runtime("ns"))),))
+        return Whole(0)
+    unit, size = next(((unit, size) for unit, size in _UNITS if nanoseconds % size == 0), ("ns", 1))
+    return infix("*", PRODUCT, integer(nanoseconds // size), Name(imports.runtime(unit)))
 
 
 def enum_members(type_: EnumType) -> Mapping[str, str]:

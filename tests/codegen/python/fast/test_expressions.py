@@ -14,7 +14,7 @@ from cspdiag import runtime
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import Atom, Code
+from cspdiag.codegen.python.text.code import Code, Name
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names, PackageNames
 from cspdiag.codegen.python.text.statements import assign, lines
@@ -204,7 +204,7 @@ def printed(expression: Expression, names: PackageNames) -> str:
 
 
 def signal(name: str) -> Code:
-    return Atom(name)
+    return Name(name)
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -9,7 +9,7 @@ from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
 from cspdiag.codegen.python.fast.cancellation import checked_classes
 from cspdiag.codegen.python.fast.storage import local_variables, run_again
-from cspdiag.codegen.python.text.statements import Block, Line, lines
+from cspdiag.codegen.python.text.statements import Remark, lines, try_
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.optimize import lower_for_targets
 
@@ -107,7 +107,7 @@ def test_only_who_can_be_seen_after_a_cancellation_asks_for_it(composition: str,
 
 def test_a_block_of_which_only_a_comment_is_left_passes() -> None:
     """A value that is written to nobody leaves nothing but its place."""
-    assert lines((Block(Line("try:"), (Line("# p.csp:3  o ! 1"),)),), "") == [
+    assert lines([try_(Remark("p.csp:3  o ! 1"))]) == [
         "try:",
         "    # p.csp:3  o ! 1",
         "    pass",

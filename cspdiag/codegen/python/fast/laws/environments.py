@@ -12,13 +12,24 @@ from cspdiag.codegen.python.fast.expressions import NANOSECONDS, SCALAR, FastPri
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
 from cspdiag.codegen.python.fast.temporaries import Temporaries
-from cspdiag.codegen.python.plain.environments import MEMBERS, EnvironmentModule, EnvironmentWriter
+from cspdiag.codegen.python.plain.environments import ELAPSED, MEMBERS, EnvironmentModule, EnvironmentWriter
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
-from cspdiag.codegen.python.plain.integration import Integration
-from cspdiag.codegen.python.text.code import PRODUCT, Atom, Code, call, infix
+from cspdiag.codegen.python.plain.integration import Integration, begin_of_step
+from cspdiag.codegen.python.text.code import (
+    COMPARISON,
+    PRODUCT,
+    Code,
+    Constant,
+    Name,
+    Whole,
+    call,
+    counted_to,
+    infix,
+    own,
+)
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines
+from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, run
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Value
@@ -62,16 +73,16 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             plain.imports, signal=plain.signal, time=plain.time, known=self._known, temporaries=temporaries
         )
 
-    def _assigned(self, target: str, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
+    def _assigned(self, target: Code, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
         assert isinstance(printer, FastPrinter)
         return assigned(target, printer, equation.value, self._place(equation))
 
-    def _seconds(self, nanoseconds: str) -> Code:
-        return infix("/", PRODUCT, Atom(nanoseconds), NANOSECONDS)
+    def _seconds(self, nanoseconds: Code) -> Code:
+        return infix("/", PRODUCT, nanoseconds, NANOSECONDS)
 
     def _start_statements(self) -> Iterable[Statement]:
         if self.system is not None and self.system.derivatives:
-            yield Line("self._elapsed = ", Atom("0"))
+            yield assign(own("_elapsed"), Whole(0))
 
     def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
         printer = self._printer([*integration.held, *(state.name for state in system.states if state.continuous)])
@@ -84,44 +95,44 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             local=self.names.__getitem__,
             names=self.names,
             place=self._place,
-            step=SubStep(Atom("h"), Atom("half"), Atom("sixth")),
+            step=SubStep(Name("h"), Name("half"), Name("sixth")),
         )
-        yield assign("elapsed", Atom("now - self.now"))
-        yield Block(Line("if elapsed != self._elapsed:"), (Line("self._divide(elapsed)"),))
+        elapsed = Name("elapsed")
+        yield assign(elapsed, ELAPSED)
+        yield if_(infix("!=", COMPARISON, elapsed, own("_elapsed")), run(own("_divide").called(elapsed)))
         for name in ("h",) if system.method == "euler" else ("h", "half", "sixth"):
-            yield assign(name, Atom(f"self._{name}"))
+            yield assign(name, own(f"_{name}"))
         within = inline.statements()
         if system.step is None:
-            yield from (assign("t", Atom("time")),) if inline.timed else ()
+            yield from (assign("t", Name("time")),) if inline.timed else ()
             yield from within
         else:
             counter = "step" if inline.timed else "_"
-            clock = (assign("t", Atom("time + step * h")),) if inline.timed else ()
-            yield Block(Line(f"for {counter} in self._steps:"), (*clock, *within))
+            clock = (assign("t", begin_of_step()),) if inline.timed else ()
+            yield For(counter, own("_steps"), (*clock, *within))
         for state in integration.states:
-            yield refused_unless_finite(state, self.imports)
-            yield assign(f"self.{state}", Atom(state))
+            yield refused_unless_finite(Name(state), self.imports)
+            yield assign(own(state), Name(state))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
         present = [state.name for state in system.states if state.continuous] if system.derivatives else []
-        return self._evaluation(system, "now", present)
+        return self._evaluation(system, Name("now"), present)
 
-    def _derivatives(self, system: SubmodelClass) -> list[list[str]]:
+    def _derivatives(self, system: SubmodelClass) -> list[Function]:
         """Further methods: how long a sub-step is depends on the time between instants, which seldom changes."""
-        statements = [assign("self._elapsed", Atom("elapsed"))]
-        interval = self._seconds("elapsed")
+        elapsed = Name("elapsed")
+        statements = [assign(own("_elapsed"), elapsed)]
+        interval = self._seconds(elapsed)
         if system.step is None:
             doc = "Remember the time between two instants, over which states are integrated in one step."
-            statements.append(assign("self._h", interval))
+            statements.append(assign(own("_h"), interval))
         else:
             doc = "Divide the time between two instants into equal steps."
-            count = infix("/", PRODUCT, Atom("elapsed"), Atom(f"{system.step:_}"))
+            count = infix("/", PRODUCT, elapsed, Constant(f"{system.step:_}"))
             ceil = self.imports.standard("math", "ceil")
-            statements.append(assign("self._steps", call("range", call(ceil, count))))
-            statements.append(assign("self._h", infix("/", PRODUCT, interval, Atom("len(self._steps)"))))
+            statements.append(assign(own("_steps"), counted_to(call(ceil, count))))
+            statements.append(assign(own("_h"), infix("/", PRODUCT, interval, call("len", own("_steps")))))
         if system.method == "rk4":
-            statements.append(assign("self._half", Atom("self._h / 2")))
-            statements.append(assign("self._sixth", Atom("self._h / 6")))
-        return [
-            ["    def _divide(self, elapsed: int) -> None:", f'        """{doc}"""', *lines(statements, "        ")]
-        ]
+            statements.append(assign(own("_half"), infix("/", PRODUCT, own("_h"), Whole(2))))
+            statements.append(assign(own("_sixth"), infix("/", PRODUCT, own("_h"), Whole(6))))
+        return [Function("_divide", ("self", "elapsed: int"), tuple(statements), doc=doc)]

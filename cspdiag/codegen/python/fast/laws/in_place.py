@@ -8,13 +8,24 @@ from functools import cached_property
 from math import ceil
 
 from cspdiag.base.record import record
-from cspdiag.codegen.python.fast.expressions import FastPrinter
+from cspdiag.codegen.python.fast.expressions import NANOSECONDS, FastPrinter
 from cspdiag.codegen.python.fast.laws.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
 from cspdiag.codegen.python.plain.external import ExternalModules
-from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, call, infix
+from cspdiag.codegen.python.text.code import (
+    PRODUCT,
+    Argument,
+    Call,
+    Code,
+    Constant,
+    Name,
+    Whole,
+    call,
+    counted_to,
+    infix,
+)
 from cspdiag.codegen.python.text.names import Names, identifier
-from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, assign, run
+from cspdiag.codegen.python.text.statements import For, Statement, assign, unpack
 from cspdiag.codegen.python.text.types import real
 from cspdiag.codegen.shared.equations import defined, signals
 from cspdiag.network.ir.actions import RunLaw
@@ -53,14 +64,14 @@ class InlineLaw:
         assert self.law.sample is not None
         sample = self.printer.print(self.law.sample)
         if self.law.step is not None:
-            duration = call("round", infix("*", PRODUCT, sample, Atom(f"{_SECOND:_}")))
-            count = infix("/", PRODUCT, duration, Atom(f"{self.law.step:_}"))
-            yield assign(self._steps.flat, call(self.printer.imports.standard("math", "ceil"), count))
+            duration = call("round", infix("*", PRODUCT, sample, NANOSECONDS))
+            count = infix("/", PRODUCT, duration, Constant(f"{self.law.step:_}"))
+            yield assign(self._steps, call(self.printer.imports.standard("math", "ceil"), count))
             sample = infix("/", PRODUCT, sample, self._steps)
-        yield assign(step.whole.flat, sample)
+        yield assign(step.whole, sample)
         if self.law.method == "rk4":
-            yield assign(step.half.flat, infix("/", PRODUCT, step.whole, Atom("2")))
-            yield assign(step.sixth.flat, infix("/", PRODUCT, step.whole, Atom("6")))
+            yield assign(step.half, infix("/", PRODUCT, step.whole, Whole(2)))
+            yield assign(step.sixth, infix("/", PRODUCT, step.whole, Whole(6)))
 
     def statements(self) -> Iterable[Statement]:
         """One run: the equations, then the next values, then the integration with everything else as it was before."""
@@ -75,7 +86,7 @@ class InlineLaw:
         changed: set[str] = set()
 
         def late(name: str) -> Code:
-            return Atom(before[name]) if name in before and name in changed else self.printer.signal(name)
+            return Name(before[name]) if name in before and name in changed else self.printer.signal(name)
 
         printer = replace(self.printer, signal=late)
         for name, value in self.law.next_values:
@@ -94,14 +105,12 @@ class InlineLaw:
 
     def _called(self, item: ExternalCall) -> Statement:
         given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
-        calculated = Call(f"{self._spelled(item.name)}.calculate", given)
+        calculated = Call(self._spelled(item.name).field("calculate"), given)
         targets = [self._spelled(local) for _, local, _ in item.outputs]
-        if len(targets) == 1:
-            return assign(targets[0], calculated, self.place(item))
-        return Unpack(tuple(targets), calculated, self.place(item)) if targets else run(calculated, self.place(item))
+        return unpack(targets, calculated, self.place(item))
 
-    def _spelled(self, name: str) -> str:
-        return self.printer.signal(name).flat
+    def _spelled(self, name: str) -> Code:
+        return self.printer.signal(name)
 
     def _place_of_state(self, name: str) -> str | None:
         return next((self.place(state) for state in self.class_.states if state.name == name), None)
@@ -128,19 +137,24 @@ class InlineLaw:
         return value if isinstance(value, float) else None
 
     @cached_property
+    def _known_steps(self) -> int | None:
+        """How many sub-steps a sample takes, where that is known."""
+        if self._sample is None or self.law.step is None:
+            return None if self._sample is None else 1
+        return ceil(round(self._sample * _SECOND) / self.law.step)
+
+    @cached_property
     def _steps(self) -> Code:
         """How many sub-steps a sample takes."""
-        if self._sample is None:
-            return Atom(self.names.fresh(f"{self.law.law}_steps"))
-        assert self.law.step is not None
-        return Atom(str(ceil(round(self._sample * _SECOND) / self.law.step)))
+        known = self._known_steps
+        return Name(self.names.fresh(f"{self.law.law}_steps")) if known is None else Constant(str(known))
 
     @cached_property
     def _sub_step(self) -> SubStep:
         if self._sample is None:
             made = (self.names.fresh(f"{self.law.law}_{part}") for part in ("h", "half", "sixth"))
-            return SubStep(*map(Atom, made))
-        h = self._sample if self.law.step is None else self._sample / int(self._steps.flat)
+            return SubStep(*map(Name, made))
+        h = self._sample / (self._known_steps or 1)
         return SubStep(real(h), real(h / 2), real(h / 6))
 
     def _integrated(self, moved: list[Statement]) -> Iterable[Statement]:
@@ -161,13 +175,13 @@ class InlineLaw:
             place=self.place,
             step=self._sub_step,
         )
-        if self.law.step is None or self._steps.flat == "1":
+        if self.law.step is None or self._known_steps == 1:
             yield from inline.statements()
         else:
-            yield Block(Line("for _ in ", call("range", self._steps), ":"), tuple(inline.statements()))
+            yield For("_", counted_to(self._steps), tuple(inline.statements()))
         for name, beside in local.items():
-            yield refused_unless_finite(beside, self.printer.imports)
-            moved.append(assign(self._spelled(name), Atom(beside)))
+            yield refused_unless_finite(Name(beside), self.printer.imports)
+            moved.append(assign(self._spelled(name), Name(beside)))
 
 
 def reset_statements(
@@ -178,7 +192,7 @@ def reset_statements(
     for name in names:
         state = states.get(name)
         if state is not None:
-            yield from assigned(printer.signal(name).flat, printer, state.initial, place(state))
+            yield from assigned(printer.signal(name), printer, state.initial, place(state))
 
 
 def external_calls(action: object) -> list[ExternalCall]:

@@ -14,9 +14,9 @@ from typing import Literal
 from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.statements import assigned
-from cspdiag.codegen.python.text.code import PRODUCT, SUM, Atom, Code, infix
+from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name, infix
 from cspdiag.codegen.python.text.names import Names
-from cspdiag.codegen.python.text.statements import Line, Statement, assign
+from cspdiag.codegen.python.text.statements import Statement, assign, change
 from cspdiag.codegen.shared.equations import needed, signals, uses_time
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
@@ -66,7 +66,7 @@ class InlineIntegration:
         for stage in range(stages):
             yield from self._stage(stage, slopes)
         for state, *k in zip(self.states, *slopes, strict=True):
-            yield Line(f"{self.local(state)} += ", self._advance(k))
+            yield change(self.local(state), "+=", self._advance(k))
 
     def _stage(self, stage: int, slopes: Sequence[Sequence[str]]) -> Iterable[Statement]:
         fraction = (None, self.step.half, self.step.half, self.step.whole)[stage]
@@ -75,18 +75,18 @@ class InlineIntegration:
             at.update(self._between)
             for name, slope in zip(self.states, slopes[stage - 1], strict=True):
                 if name in self._between:
-                    moved = infix("*", PRODUCT, fraction, Atom(slope))
-                    yield assign(at[name], infix("+", SUM, Atom(self.local(name)), moved))
+                    moved = infix("*", PRODUCT, fraction, Name(slope))
+                    yield assign(at[name], infix("+", SUM, Name(self.local(name)), moved))
         outer = self.printer.signal
 
         def signal(name: str) -> Code:
             local = at.get(name) or self._locals.get(name)
-            return outer(name) if local is None else Atom(local)
+            return outer(name) if local is None else Name(local)
 
-        time = Atom("t") if fraction is None else infix("+", SUM, Atom("t"), fraction)
+        time = Name("t") if fraction is None else infix("+", SUM, Name("t"), fraction)
         printer = replace(self.printer, signal=signal, time=time)
         for equation in self._needed:
-            yield from assigned(self._locals[equation.name], printer, equation.value, self.place(equation))
+            yield from assigned(Name(self._locals[equation.name]), printer, equation.value, self.place(equation))
         for name, slope in zip(self.states, slopes[stage], strict=True):
             yield assign(slope, printer.print(self.derivatives[name]))
 
@@ -108,8 +108,8 @@ class InlineIntegration:
 
     def _advance(self, k: Sequence[str]) -> Code:
         if len(k) == 1:
-            return infix("*", PRODUCT, self.step.whole, Atom(k[0]))
+            return infix("*", PRODUCT, self.step.whole, Name(k[0]))
         k1, k2, k3, k4 = k
-        total = infix("+", SUM, Atom(k1), infix("*", PRODUCT, Atom("2.0"), Atom(k2)))
-        total = infix("+", SUM, total, infix("*", PRODUCT, Atom("2.0"), Atom(k3)))
-        return infix("*", PRODUCT, self.step.sixth, infix("+", SUM, total, Atom(k4)))
+        total = infix("+", SUM, Name(k1), infix("*", PRODUCT, Constant("2.0"), Name(k2)))
+        total = infix("+", SUM, total, infix("*", PRODUCT, Constant("2.0"), Name(k3)))
+        return infix("*", PRODUCT, self.step.sixth, infix("+", SUM, total, Name(k4)))

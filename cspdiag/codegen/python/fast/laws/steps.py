@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.python.fast.communications import text
 from cspdiag.codegen.python.fast.laws.in_place import InlineLaw, external_calls, reset_statements
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.values import Values
-from cspdiag.codegen.python.text.statements import Block, Statement
-from cspdiag.network.ir.actions import Action, ReadInputs, RunLaw, WriteOutputs
+from cspdiag.codegen.python.text.code import Code, Constant, Name, call
+from cspdiag.codegen.python.text.literals import quoted
+from cspdiag.codegen.python.text.statements import RAISE, Block, Statement, assign, if_, run, try_
+from cspdiag.network.ir.actions import Action, End, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir.expressions import LiteralValue, ParameterValue, SignalValue
-
-_LONGEST_COMMENT = 70
 
 
 @dataclass
@@ -25,7 +24,6 @@ class LawSteps(Values):
         me, error = self.spelling["me"], self.spelling["error"]
         law = law_of(steps[0])
         part = self.spelling.part(law)
-        process = "self" if self.process == "self" else self.process
         inner: list[Statement] = []
         for step in steps:
             match step:
@@ -41,15 +39,11 @@ class LawSteps(Values):
                     raise AssertionError(f"{type(step).__name__} is no part of a step of a law")
         if not inner:
             return
-        yield text(f"{me}.process = {part}")
-        yield Block(text("try:"), tuple(inner))
-        failed = (
-            text(f"{me}.process = {process}"),
-            text(f"{part}.blame({error})"),
-            text("raise"),
-        )
-        yield Block(text(f"except Exception as {error}:"), failed)
-        yield text(f"{me}.process = {process}")
+        yield assign(me.field("process"), part)
+        yield try_(*inner)
+        back = assign(me.field("process"), self.process)
+        yield Block("except", Name("Exception"), (back, run(part.call("blame", error)), RAISE), bound=error.text)
+        yield back
 
     def _inline_law(self, law: RunLaw) -> InlineLaw:
         return InlineLaw(law, self.spelling.process, self.printer, self.spelling.names, self.place_of, self.modules)
@@ -58,18 +52,18 @@ class LawSteps(Values):
         if action.reads:
             yield self.comment(action, f"inputs of {action.law}")
         yield from self.communications.read_all(
-            [(read.source, self.spelling.signal(read.name).flat) for read in action.reads]
+            [(read.source, self.spelling.signal(read.name)) for read in action.reads]
         )
 
     def _write_outputs(self, action: WriteOutputs) -> Iterator[Statement]:
         if action.writes:
             yield self.comment(action, f"outputs of {action.law}")
-        pairs = []
+        pairs: list[tuple[End, Code]] = []
         for write in action.writes:
             if isinstance(write.value, SignalValue | LiteralValue | ParameterValue):
-                pairs.append((write.sink, self.printer.print(write.value).flat))
+                pairs.append((write.sink, self.printer.print(write.value)))
             else:
-                name = self.spelling.names.fresh(f"{action.law}_output")
+                name = Name(self.spelling.names.fresh(f"{action.law}_output"))
                 yield from assigned(name, self.printer, write.value, None)
                 pairs.append((write.sink, name))
         yield from self.communications.write_all(pairs)
@@ -79,8 +73,8 @@ class LawSteps(Values):
         external = {item.name for item in external_calls(self.spelling.process.body)}
         for name in states:
             if name in external:
-                spelled = self.spelling.signal(name).flat
-                yield Block(text(f'if hasattr({spelled}, "reset"):'), (text(f"{spelled}.reset()"),))
+                spelled = self.spelling.signal(name)
+                yield if_(call("hasattr", spelled, Constant(quoted("reset"))), run(spelled.call("reset")))
 
 
 def law_of(action: Action) -> str:

@@ -1,0 +1,34 @@
+"""Generators decide on trees: nothing looks into text that has been generated."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+CODEGEN = Path(__file__).parents[2] / "cspdiag" / "codegen"
+
+
+def containing(language: str, pattern: str) -> set[str]:
+    """The modules of a language, apart from those that print its trees, in which a pattern is found."""
+    paths = (path.relative_to(CODEGEN / language) for path in (CODEGEN / language).rglob("*.py"))
+    found = {path.as_posix() for path in paths if re.search(pattern, (CODEGEN / language / path).read_text("utf-8"))}
+    return {path for path in found if not path.startswith("text/")}
+
+
+def test_only_the_length_of_an_expression_is_asked_for() -> None:
+    assert containing("python", r"\.flat\b") == {"fast/values.py"}
+    assert len(re.findall(r"\.flat\b", (CODEGEN / "python/fast/values.py").read_text("utf-8"))) == 1
+
+
+@pytest.mark.parametrize(
+    ("language", "parsing"),
+    [
+        # Indexes in the names of instances, and modules that people have written.
+        ("python", {"plain/instances.py", "plain/external.py"}),
+        ("c", set()),
+    ],
+)
+def test_patterns_are_for_names_and_files_of_others(language: str, parsing: set[str]) -> None:
+    assert containing(language, r"^import re$|^from re import|(?m:^import re$)") == parsing
