@@ -89,8 +89,16 @@ def check_guards(placed: Placed, report: Report) -> None:
                     _check(placed, branch, report)
             case InterruptOn():
                 _check(placed, action.branch, report)
-            case _:
+            case (
+                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
+                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop()
+                | CountedLoop() | IfElse() | CatchException() | Group()
+            ):  # fmt: skip
                 pass
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
 
 
 def _check(placed: Placed, branch: Branch[CoreAction], report: Report) -> None:

@@ -71,8 +71,14 @@ def writes(instruction: Instruction) -> Iterator[ir.Target | ir.End]:
             step: Communication | ir.Event = instruction.step
         case Take():
             step = instruction.branch.event
-        case _:
+        case (
+            Compute() | Delay() | Call() | Select() | Test() | Loop() | Turn() | Fork()
+            | Join() | Meet() | Watch() | Unwatch() | Abandon() | Resume() | Raise() | Stop()
+            | Enter() | Leave() | End()
+        ):  # fmt: skip
             return
+        case _:
+            assert_never(instruction)
     match step:
         case ir.ReadValue() | ir.InputEvent():
             yield step.target

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import zip_longest
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.network.ir.actions import AssignValue, ProcessScope
 from cspdiag.optimize.fuse.actions import opposite
@@ -102,5 +102,7 @@ def _is_ignored(happening: Happening, ignored: frozenset[str]) -> bool:
             return target.channel in ignored
         case Step(action=ProcessScope()):
             return True
-        case _:
+        case Step() | Turn():
             return False
+        case _:
+            assert_never(happening)

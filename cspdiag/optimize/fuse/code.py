@@ -8,7 +8,7 @@ the environment never wait, and count as computing.
 from __future__ import annotations
 
 from collections.abc import Container
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import record, replaced
@@ -326,8 +326,13 @@ class Code:
                 return self.computes(body)
             case Repeat(body=body, until=until):
                 return until is not None and self.computes(body)
-            case _:
+            case (
+                RunInstance() | ReadValue() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
+                | ParallelSteps() | Choice() | CatchException() | InterruptOn() | ReadInputs() | ProcessScope()
+            ):  # fmt: skip
                 return False
+            case _:
+                assert_never(action)
 
     def never_waits(self, sink: End) -> bool:
         """Whether writing to it is over at once, and nobody can have waited to read it."""

@@ -9,21 +9,36 @@ is taken, and what comes from outside, and when.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import assert_never
 
 from cspdiag.network.flow.waiting import is_always_ready
 from cspdiag.network.ir.actions import (
     AfterEvent,
+    AssignValue,
     Branch,
+    CatchException,
     Choice,
+    CountedLoop,
+    Group,
+    IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     OutputEvent,
     ParallelSteps,
+    RaiseException,
     ReadValue,
     ReadyEvent,
+    Repeat,
+    ResetInstance,
     RunInstance,
+    SequentialSteps,
     SkipEvent,
+    SkipStep,
+    StopStep,
     WaitStep,
+    WhileLoop,
+    WriteValue,
 )
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
@@ -89,8 +104,16 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
                     yield Abstraction(f"in which order samples come in `{where}` is left out", node.span)
             case InterruptOn() as interrupt if _kind(interrupt.branch, occurrence) != _EVENT:
                 yield Abstraction(f"when the interrupt in `{where}` comes is left out", node.span)
-            case _:
+            case (
+                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
+                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop()
+                | CountedLoop() | IfElse() | CatchException() | InterruptOn() | Group()
+            ):  # fmt: skip
                 pass
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(node.action)
 
 
 def _in_order(kinds: list[str]) -> bool:
@@ -155,8 +178,16 @@ def _times_in(root: Node, occurrence: Occurrence) -> set[str]:
                 found |= {_kind(interrupt.branch, occurrence)} & {_TIMED, _SAMPLED}
             case RunInstance():
                 found |= _times_of(node.action.instance, occurrence)
-            case _:
+            case (
+                ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | ResetInstance()
+                | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop() | CountedLoop()
+                | IfElse() | CatchException() | Group()
+            ):  # fmt: skip
                 pass
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(node.action)
     return found
 
 

@@ -8,6 +8,7 @@ runs one after the other are its modes (align, move, home).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import assert_never
 
 from cspdiag.base.record import record
 from cspdiag.network.ir import actions as act
@@ -46,8 +47,16 @@ def _branches(body: act.Action) -> tuple[act.Action, ...]:
             return _branches(inner)
         case act.CatchException(body=inner) | act.InterruptOn(body=inner) | act.Repeat(body=inner):
             return _branches(inner)
-        case _:
+        case (
+            act.RunInstance() | act.ReadValue() | act.WriteValue() | act.AssignValue() | act.SkipStep()
+            | act.StopStep() | act.WaitStep() | act.ResetInstance() | act.RaiseException() | act.SequentialSteps()
+            | act.Choice() | act.WhileLoop() | act.CountedLoop() | act.IfElse() | act.Group()
+        ):  # fmt: skip
             return (body,)
+        case act.OptimizedStep():
+            raise AssertionError("made by the optimizer, later")
+        case _:
+            assert_never(body)
 
 
 def _is_parallel(step: act.Action) -> bool:

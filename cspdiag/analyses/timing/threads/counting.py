@@ -22,6 +22,7 @@ from cspdiag.network.ir.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     ParallelSteps,
     ProcessScope,
     RaiseException,
@@ -148,8 +149,15 @@ class Counting:
                         raise _TooManyRoundsError
                     values = self._after(path, body, values, left)
                 return values
-            case _:
+            case (
+                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
+                | ResetInstance() | RaiseException() | ParallelSteps() | Choice() | CatchException() | InterruptOn()
+            ):  # fmt: skip
                 return without(values, action)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
 
     def _through(self, path: str, loop: Repeat | WhileLoop, values: Values, left: list[int]) -> Values:
         """What is known after a loop of which every condition is known; otherwise what it leaves alone."""

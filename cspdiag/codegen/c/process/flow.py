@@ -2,18 +2,35 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.network.ir.actions import (
     Action,
+    AssignValue,
     CatchException,
     Choice,
     CountedLoop,
     Group,
     IfElse,
+    InterruptOn,
+    ParallelSteps,
     ProcessScope,
     RaiseException,
+    ReadInputs,
+    ReadValue,
     Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
     SequentialSteps,
+    SkipStep,
     StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
 )
 
 
@@ -32,5 +49,11 @@ def ends(action: Action) -> bool:
             return ends(action.body) or ends(action.handler)
         case CountedLoop(body=body) | Group(body=body) | ProcessScope(body=body):
             return ends(body)
-        case _:
+        case (
+            RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | WaitStep() | ResetInstance()
+            | ParallelSteps() | Repeat() | WhileLoop() | InterruptOn() | ReadInputs() | WriteOutputs() | RunLaw()
+            | ResetStates() | ReportCommunication()
+        ):  # fmt: skip
             return True
+        case _:
+            assert_never(action)
