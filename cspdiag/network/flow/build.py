@@ -11,7 +11,6 @@ from cspdiag.network.flow.code import (
     Communicate,
     Compute,
     Delay,
-    End,
     Enter,
     Fork,
     Instruction,
@@ -19,6 +18,7 @@ from cspdiag.network.flow.code import (
     Leave,
     Loop,
     Meet,
+    ProcessEnd,
     Raise,
     Resume,
     Select,
@@ -64,7 +64,7 @@ def flow_of(body: Action) -> Code:
     """The instructions of a composition."""
     builder = _Builder()
     builder.action(body)
-    builder.add(End(span=body.span))
+    builder.add(ProcessEnd(span=body.span))
     return builder.code
 
 

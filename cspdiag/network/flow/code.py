@@ -175,7 +175,7 @@ class Leave(Placed):
     step: ProcessScope
 
 
-class End(Placed):
+class ProcessEnd(Placed):
     """The process has ended."""
 
 
@@ -200,13 +200,13 @@ Instruction: TypeAlias = (
     | Stop
     | Enter
     | Leave
-    | End
+    | ProcessEnd
 )
 
 
 @node
 class Code:
-    """The instructions of a process, the first one its entry and the last one its ``End``, with their edges
+    """The instructions of a process, the first one its entry and the last one its ``ProcessEnd``, with their edges
     as indexes.
     """
 

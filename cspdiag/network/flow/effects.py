@@ -12,7 +12,6 @@ from cspdiag.network.flow.code import (
     Communication,
     Compute,
     Delay,
-    End,
     Enter,
     Fork,
     Instruction,
@@ -20,6 +19,7 @@ from cspdiag.network.flow.code import (
     Leave,
     Loop,
     Meet,
+    ProcessEnd,
     Raise,
     Resume,
     Select,
@@ -54,7 +54,7 @@ def reads(instruction: Instruction) -> Iterator[VariableValue | ir.End]:
             yield from _of_communication(instruction.branch.event)
         case (
             Call() | Select() | Loop() | Turn() | Fork() | Join() | Meet() | Watch() | Unwatch() | Abandon()
-            | Resume() | Raise() | Stop() | Enter() | Leave() | End()
+            | Resume() | Raise() | Stop() | Enter() | Leave() | ProcessEnd()
         ):  # fmt: skip
             return
         case _:
@@ -74,7 +74,7 @@ def writes(instruction: Instruction) -> Iterator[ir.Target | ir.End]:
         case (
             Compute() | Delay() | Call() | Select() | Test() | Loop() | Turn() | Fork()
             | Join() | Meet() | Watch() | Unwatch() | Abandon() | Resume() | Raise() | Stop()
-            | Enter() | Leave() | End()
+            | Enter() | Leave() | ProcessEnd()
         ):  # fmt: skip
             return
         case _:
