@@ -9,15 +9,30 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from typing import assert_never
 
 from cspdiag.network.flow.code import (
+    Abandon,
+    Call,
     Communicate,
     Compute,
     Delay,
+    Enter,
+    Fork,
     Instruction,
+    Join,
+    Leave,
+    Loop,
+    Meet,
+    ProcessEnd,
+    Raise,
+    Resume,
     Select,
+    Stop,
     Take,
     Test,
+    Turn,
+    Unwatch,
     Watch,
 )
 from cspdiag.network.flow.raised import exceptions_of
@@ -123,8 +138,13 @@ class Facts:
                 return self._of_read(end, one) | self._fault
             case Compute(step=AssignValue()) | Communicate() | Delay() | Test() | Select() | Watch(step=InterruptOn()):
                 return self._fault
-            case _:
+            case (
+                Compute() | Call() | Take() | Loop() | Turn() | Fork() | Join() | Meet() | Watch() | Unwatch()
+                | Abandon() | Resume() | Raise() | Stop() | Enter() | Leave() | ProcessEnd()
+            ):  # fmt: skip
                 return frozenset()
+            case _:
+                assert_never(instruction)
 
     @property
     def _fault(self) -> frozenset[str]:
