@@ -301,8 +301,10 @@ class ProcessInstance:
                 yield from self._write(event.sink, event.value)
             case act.AfterEvent():
                 yield Wait(self.value(event.duration))
-            case _:
+            case act.ReadyEvent() | act.SkipEvent():
                 return
+            case _:
+                assert_never(event)
 
     def _catching(self, action: act.CatchException) -> Steps:
         caught = False

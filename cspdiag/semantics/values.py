@@ -7,7 +7,18 @@ import struct
 from collections.abc import Callable, Mapping
 from typing import Any, assert_never
 
-from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
 from cspdiag.network.ir import expressions as ex
 
 Names = Callable[[str], Any]
@@ -89,8 +100,10 @@ def fitting(kind: Type, value: Any) -> Any:
             low, high = -(2**63), 2**63 - 1
         case RealType():
             return _binary32(float(value)) if kind.bits == 32 else float(value)
-        case _:
+        case BoolType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType():
             return value
+        case _:
+            assert_never(kind)
     if not low <= value <= high:
         raise FaultError(f"{value} is no value of {kind}")
     return value

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import assert_never
 
 from cspdiag.draw.communication.tooltips import WORDS
 from cspdiag.draw.differences.change import Part, Parts
 from cspdiag.draw.elements import texts
-from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, FlowKind, ParentPort, Store
+from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, FlowKind, ParentPort, Sink, Store, Value
 from cspdiag.model.constants.durations import duration
 from cspdiag.syntax import ast
 
@@ -104,8 +105,10 @@ def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[
                 initial = f" = {vertex.initial}" if vertex.initial else ""
                 subject = "channel" if vertex.form == "channel" else "variable"
                 parts[subject, vertex.key] = Part(f"{vertex.key} : {vertex.type}{initial}", aspects, vertex.key, place)
-            case _:
+            case Box() | Value() | Sink():
                 pass
+            case _:
+                assert_never(vertex)
     for arrow in diagram.arrows:
         if not arrow.by_composition:
             parts["connection", arrow.key] = _arrow_part(arrow)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import assert_never
 
 from cspdiag.base.record import record, replaced
 from cspdiag.draw.differences.change import Change, compare
@@ -267,8 +268,10 @@ def _header(definition: ast.Definition) -> str:
             return f"{definition.name.text} = {texts.written(definition.value)}"
         case ast.TypeAliasDefinition():
             return f"{definition.name.text} = {texts.written(definition.type)}"
-        case _:
+        case ast.EnumDefinition() | ast.StructDefinition() | ast.ExceptionDefinition():
             return definition.name.text
+        case _:
+            assert_never(definition)
 
 
 def _assertion(item: ast.Assertion) -> str:

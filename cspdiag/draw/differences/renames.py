@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from typing import TypeVar
+from typing import TypeVar, assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, End, ParentPort, Sink, Store, Value, Vertex
@@ -48,8 +48,10 @@ def _signature(vertex: Vertex) -> Hashable:
             return (vertex.direction, vertex.type, vertex.size, vertex.period, vertex.default, vertex.safe)
         case Store():
             return (vertex.form, vertex.type, vertex.initial, vertex.asked, vertex.capacity)
-        case _:
+        case Value() | Sink():
             return vertex.key
+        case _:
+            assert_never(vertex)
 
 
 def _surroundings(diagram: CommunicationDiagram, key: str, kept: set[str]) -> frozenset[tuple[str, str]]:

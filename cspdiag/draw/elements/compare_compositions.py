@@ -141,8 +141,10 @@ def _subject(element: Part) -> str:
             return "replication"
         case NamedGroup():
             return "group"
-        case _:
+        case Activity() | Guarded() | Choice() | Watched() | Inside():
             return "process"
+        case _:
+            assert_never(element)
 
 
 @dataclass
@@ -330,5 +332,7 @@ def _source(element: Part) -> str:
             return f"{own_text(element)} then {_source(element.process)}"
         case Activity() | Guard() | Condition():
             return own_text(element)
-        case _:
+        case Chain() | Guarded() | Loop() | Choice() | Watched() | Replication() | NamedGroup() | Inside():
             return written_span(element.spans[0]) if element.spans else own_text(element)
+        case _:
+            assert_never(element)

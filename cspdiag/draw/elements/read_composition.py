@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, TypeAlias, TypeGuard
+from typing import Literal, TypeAlias, TypeGuard, assert_never
 
 from cspdiag.draw.elements.composition import (
     Activity,
@@ -118,8 +118,13 @@ class _Reader:
                     label=node.label.text,
                     process=self.composition(node.process, f"{key}.1"),
                 )
-            case _:
+            case (
+                ast.Run() | ast.Read() | ast.Write() | ast.Assign() | ast.Skip() | ast.Stop() | ast.Wait()
+                | ast.Reset() | ast.Raise()
+            ):  # fmt: skip
                 return self._activity(node, key)
+            case _:
+                assert_never(node)
 
     def _chain(
         self,

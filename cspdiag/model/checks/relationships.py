@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import assert_never
 
 from cspdiag.base import Label, Report
 from cspdiag.model.diagnostics.ports import DifferentEnds, WrongSink, WrongSource
@@ -36,8 +37,10 @@ def _check_all(
                 if has_directions:
                     _check_directions(program, item, report)
                 _check_types(program, item, report)
-            case _:
+            case ast.Instance() | ast.Variable() | ast.Channel():
                 pass
+            case _:
+                assert_never(item)
 
 
 def _check_directions(program: Program, connection: ast.Connection, report: Report) -> None:

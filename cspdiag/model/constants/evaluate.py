@@ -11,7 +11,7 @@ from cspdiag.model.constants import arithmetic
 from cspdiag.model.constants.arithmetic import OutOfRangeError, UndefinedError
 from cspdiag.model.constants.values import parse_value
 from cspdiag.model.diagnostics.constants import ConstantDivision, ConstantOverflow, IndexOutOfRange, NumberTooLarge
-from cspdiag.model.program import BuiltinSymbol, EnumLiteralSymbol, Program, Value
+from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Program, Value
 from cspdiag.model.symbols import CONVERSIONS
 from cspdiag.model.types import (
     IntType,
@@ -137,8 +137,15 @@ class _Evaluator:
                 return self.values.get(symbol)
             case BuiltinSymbol(name="pi"):
                 return math.pi
-            case _:
+            case (
+                ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition() | ast.ExceptionDefinition()
+                | ast.ProcessDefinition() | ast.SubmodelDefinition() | ast.DriverDefinition()
+                | ast.EnvironmentDefinition() | ast.Variable() | ast.Channel() | ast.Instance() | ast.Let()
+                | ast.State() | PortSymbol() | EndLabelSymbol() | EnumLiteralSymbol() | BuiltinSymbol() | None
+            ):  # fmt: skip
                 return None
+            case _:
+                assert_never(symbol)
 
     def _member(self, expression: ast.Member) -> Value | None:
         member = self.program.members.get(expression)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 from cspdiag.base import Diagnostic, Span
 from cspdiag.base.record import node
@@ -131,9 +131,14 @@ def adapt(context: Context, expression: ast.Expression, found: Type, wanted: Typ
         case ast.Conditional():
             fits = _adapt_all(context, (expression.then, expression.otherwise), wanted)
             whole = wanted
-        case _:
+        case (
+            ast.Number() | ast.Boolean() | ast.Text() | ast.Name() | ast.Member() | ast.Index() | ast.Unary()
+            | ast.Binary() | ast.Call() | ast.ArrayValue()
+        ):  # fmt: skip
             fits = False
             whole = wanted
+        case _:
+            assert_never(expression)
     if fits:
         context.program.types[expression] = whole
         return True
@@ -223,8 +228,13 @@ def retype(context: Context, expression: ast.Expression, wanted: Type) -> None:
                 pending += (part.left, part.right)
             case ast.Conditional():
                 pending += (part.then, part.otherwise)
-            case _:
+            case (
+                ast.Number() | ast.Duration() | ast.Boolean() | ast.Text() | ast.Name() | ast.Member() | ast.Index()
+                | ast.Call() | ast.ArrayValue()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(part)
 
 
 def default_number(context: Context, expression: ast.Expression, found: Type) -> Type:

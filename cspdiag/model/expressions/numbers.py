@@ -16,7 +16,7 @@ from cspdiag.model.expressions.coercion import Purpose, require
 from cspdiag.model.expressions.members import array_of_ports, index, member
 from cspdiag.model.expressions.operators import binary, unary, unified
 from cspdiag.model.expressions.type_names import unit_of
-from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, PortSymbol, Symbol
+from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import (
     BOOL,
@@ -188,9 +188,15 @@ class Typer:
                 return self._builtin(node, symbol)
             case ast.Variable() | ast.Let() | ast.State() | EndLabelSymbol() | PortSymbol() | ast.Channel():
                 return self._signal(node, symbol)
-            case _:
+            case (
+                ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition() | ast.ExceptionDefinition()
+                | ast.ProcessDefinition() | ast.SubmodelDefinition() | ast.DriverDefinition()
+                | ast.EnvironmentDefinition() | ast.Instance() | EnumLiteralSymbol()
+            ):  # fmt: skip
                 self._refuse_kind(node, symbol, None)
                 return UNKNOWN
+            case _:
+                assert_never(symbol)
 
     def _signal(
         self, node: ast.Name, symbol: ast.Variable | ast.Let | ast.State | EndLabelSymbol | PortSymbol | ast.Channel

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.base import Report
 from cspdiag.base.graphs import is_circular, strong_components
 from cspdiag.model.context import Context, Surroundings
@@ -35,8 +37,10 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
                 typer.constant(item.initial, found, _purpose("state", item.name, item.type))
             case ast.Instance():
                 resolve_instance(typer, item, (ast.SubmodelDefinition,), "a submodel")
-            case _:
+            case ast.Let() | ast.Next() | ast.Derivative() | ast.Equation():
                 pass
+            case _:
+                assert_never(item)
     _resolve_lets(typer, [item for item in definition.items if isinstance(item, ast.Let)])
     for item in definition.items:
         match item:
@@ -52,8 +56,10 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
                 typer.require(item.value, wanted, _state_purpose(f"`next {item.name.text}`", state))
             case ast.Derivative():
                 _resolve_derivative(typer, item)
-            case _:
+            case ast.Let() | ast.State() | ast.Instance():
                 pass
+            case _:
+                assert_never(item)
 
 
 def _defined_names(definition: ast.SubmodelDefinition) -> set[str]:
@@ -65,8 +71,10 @@ def _defined_names(definition: ast.SubmodelDefinition) -> set[str]:
                 names.add(target.name.text)
             case ast.Next() | ast.Derivative():
                 names.add(item.name.text)
-            case _:
+            case ast.Let() | ast.State() | ast.Equation() | ast.Instance():
                 pass
+            case _:
+                assert_never(item)
     return names
 
 

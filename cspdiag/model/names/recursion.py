@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.base.graphs import is_circular, shortest_circle, strong_components
 from cspdiag.model.context import Context
 from cspdiag.model.diagnostics.names import Recursion
@@ -22,8 +24,13 @@ def instances_of(definition: ast.Definition) -> list[ast.Instance]:
             pending = list(definition.items)
         case ast.EnvironmentDefinition():
             pending = list(definition.declarations)
-        case _:
+        case (
+            ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
+            | ast.ExceptionDefinition() | ast.DriverDefinition()
+        ):  # fmt: skip
             pass
+        case _:
+            assert_never(definition)
     while pending:
         item = pending.pop()
         if isinstance(item, ast.Instance):

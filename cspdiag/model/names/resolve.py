@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import assert_never
 
 from cspdiag.base import Report
 from cspdiag.model.context import Context, Surroundings
@@ -46,8 +47,13 @@ def resolve(trees: Sequence[ast.SourceTree], overrides: Mapping[str, Value], rep
                 resolve_submodel(context, definition)
             case ast.EnvironmentDefinition():
                 _resolve_environment(context, definition)
-            case _:
+            case (
+                ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
+                | ast.ExceptionDefinition() | ast.DriverDefinition()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(definition)
     refuse_recursion(context)
     for assertion in program.assertions:
         resolve_assertion(context, assertion)

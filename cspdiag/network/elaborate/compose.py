@@ -228,11 +228,17 @@ class _Composer:
                 yield from self._branch_of(
                     part.process, values, prioritized, lambda body: Group(span=span, label=label, body=wrap(body))
                 )
-            case _:
+            case (
+                ast.Run() | ast.Read() | ast.Write() | ast.Assign() | ast.Skip() | ast.Stop() | ast.Wait()
+                | ast.Reset() | ast.Raise() | ast.Sequence() | ast.Parallel() | ast.Alternative() | ast.Mu()
+                | ast.While() | ast.If() | ast.Catch() | ast.Interrupt() | ast.Replicated()
+            ):  # fmt: skip
                 communicates = isinstance(part, ast.Read | ast.Write)
                 self.report.add(UnguardedBranch(span=part.span, communicates=communicates))
                 self.action(part, values)
                 self.shape.incomplete = True
+            case _:
+                assert_never(part)
 
     def _branch(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import node
@@ -76,8 +76,10 @@ class _Connector:
                 case ast.RepeatedDeclarations():
                     for index, inner in enumerate(self._repeated(item, values)):
                         self.declare(item.declarations, (*prefix, index), inner)
-                case _:
+                case ast.Instance() | ast.Connection():
                     pass
+                case _:
+                    assert_never(item)
 
     def relate(self, declarations: Iterable[ast.Declaration], values: Values) -> None:
         """Labels of relationships may be used before they stand in the text, but only by the composition."""
@@ -88,8 +90,10 @@ class _Connector:
                 case ast.RepeatedDeclarations():
                     for inner in self._repeated(item, values):
                         self.relate(item.declarations, inner)
-                case _:
+                case ast.Instance() | ast.Variable() | ast.Channel():
                     pass
+                case _:
+                    assert_never(item)
 
     def complete(self) -> None:
         """Inputs left alone take their default; any other port left alone is an error."""

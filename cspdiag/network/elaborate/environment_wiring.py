@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import assert_never
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import node, record
@@ -108,8 +109,10 @@ class _Drawing:
                 case ast.Variable() | ast.Channel():
                     what = "a variable" if isinstance(item, ast.Variable) else "a channel"
                     self.report.add(NotInEnvironment(item.name.span, what))
-                case _:
+                case ast.RepeatedDeclarations():
                     pass
+                case _:
+                    assert_never(item)
         for connection, values in connections:
             self._connect(connection, values)
         self._refuse_shared()

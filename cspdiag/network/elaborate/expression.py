@@ -13,7 +13,7 @@ from typing import assert_never, get_args
 from cspdiag.base import Span
 from cspdiag.base.record import node, replaced
 from cspdiag.model.constants.arithmetic import single
-from cspdiag.model.program import BuiltinSymbol, EnumLiteralSymbol, Program
+from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Program
 from cspdiag.model.types import (
     BOOL,
     TEXT,
@@ -150,8 +150,16 @@ class _Lowering:
             case _ if isinstance(symbol, ast.Node) and symbol in self.context.values:
                 declared = self.program.types.get(symbol, wanted)
                 return LiteralValue(type=declared, value=self.context.values[symbol], span=span)
-            case _:
+            case (
+                ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition() | ast.ExceptionDefinition()
+                | ast.ProcessDefinition() | ast.SubmodelDefinition() | ast.DriverDefinition()
+                | ast.EnvironmentDefinition() | ast.Parameter() | ast.Variable() | ast.Channel() | ast.Instance()
+                | ast.Let() | ast.State() | ast.Replicator() | PortSymbol() | EndLabelSymbol() | BuiltinSymbol()
+                | None
+            ):  # fmt: skip
                 return _unknown(span)
+            case _:
+                assert_never(symbol)
 
     def member(self, expression: ast.Member, wanted: Type) -> Expression:
         found = self.context.lower_name(expression)

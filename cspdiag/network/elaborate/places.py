@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import node
-from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
+from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Value
 from cspdiag.network.diagnostics.arrays import IndexMissing, IndexOutOfRange
 from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.shapes import ChannelShape, InstanceShape, Key, PortElement, PortShape, Shape, element_name
@@ -103,8 +103,15 @@ class Places:
             case ast.Variable() | ast.Channel() | EndLabelSymbol():
                 channel = self.channel(reference, symbol, values)
                 found = ([channel], False) if channel is not None else None
-            case _:
+            case (
+                ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
+                | ast.ExceptionDefinition() | ast.ProcessDefinition() | ast.SubmodelDefinition()
+                | ast.DriverDefinition() | ast.EnvironmentDefinition() | ast.Parameter() | ast.Instance() | ast.Let()
+                | ast.State() | ast.Replicator() | EnumLiteralSymbol() | BuiltinSymbol() | None
+            ):  # fmt: skip
                 pass  # Nothing of the diagram: what is wrong with it was reported where it was bound.
+            case _:
+                assert_never(symbol)
         if found is None:
             self._excuse(reference)
         return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import assert_never
 
 from cspdiag.base import Report
 from cspdiag.base.record import node, record, replaced
@@ -225,6 +226,11 @@ def _uses(program: Program) -> tuple[dict[ast.SubmodelDefinition, None], set[obj
             case ast.SubmodelDefinition():
                 items = (item for item in definition.items if isinstance(item, ast.Instance))
                 elsewhere.update(program.bindings.get(item.definition) for item in items)
-            case _:
+            case (
+                ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
+                | ast.ExceptionDefinition() | ast.DriverDefinition()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(definition)
     return in_processes, elsewhere

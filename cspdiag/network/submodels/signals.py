@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import assert_never
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import node
 from cspdiag.model.constants.evaluate import evaluate
-from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope, Value
+from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Program, Scope, Value
 from cspdiag.model.types import ArrayType, RealType, TimeType, Type
 from cspdiag.network.diagnostics.arrays import IndexOutOfRange
 from cspdiag.network.diagnostics.submodels import TimeOutsideEnvironment
@@ -176,8 +177,15 @@ class SubmodelSignals:
                 if not self.surroundings.environment:
                     self.report.add(TimeOutsideEnvironment(use.span, self.definition.name.text))
                 return PresentTime(type=SECONDS, span=use.span)
-            case _:
+            case (
+                ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
+                | ast.ExceptionDefinition() | ast.ProcessDefinition() | ast.SubmodelDefinition()
+                | ast.DriverDefinition() | ast.EnvironmentDefinition() | ast.Variable() | ast.Channel()
+                | ast.Instance() | ast.Replicator() | EndLabelSymbol() | EnumLiteralSymbol() | BuiltinSymbol() | None
+            ):  # fmt: skip
                 return None
+            case _:
+                assert_never(symbol)
 
     def _parameter(self, parameter: ast.Parameter, use: ast.Node) -> Expression:
         argument = self.parameters.get(parameter)

@@ -29,8 +29,14 @@ class CompositionFormatter(ExpressionFormatter):
                 end = first.span.start
             case ast.Catch(process=first) | ast.Interrupt(process=first):
                 end = first.span.start
-            case _:
+            case (
+                ast.Run() | ast.Read() | ast.Write() | ast.Assign() | ast.Skip() | ast.Stop() | ast.Wait()
+                | ast.Reset() | ast.Raise() | ast.Sequence() | ast.Parallel() | ast.Alternative() | ast.Guarded()
+                | ast.Mu() | ast.While() | ast.If() | ast.Replicated() | ast.Labelled()
+            ):  # fmt: skip
                 end = node.span.end
+            case _:
+                assert_never(node)
         pairs = self.writer.parentheses_before(end)
         self.enclosed(pairs, lambda separator: self._bare_composition(node, separator), before)
 
@@ -67,8 +73,13 @@ class CompositionFormatter(ExpressionFormatter):
                 self._chain(processes, before)
             case ast.Alternative(branches=branches):
                 self._chain(branches, before)
-            case _:
+            case (
+                ast.Guarded() | ast.Mu() | ast.While() | ast.If() | ast.Catch() | ast.Interrupt() | ast.Replicated()
+                | ast.Labelled()
+            ):  # fmt: skip
                 self._form(node, before)
+            case _:
+                assert_never(node)
 
     def _form(
         self,

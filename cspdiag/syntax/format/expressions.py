@@ -36,8 +36,13 @@ class ExpressionFormatter:
         match node:
             case ast.Binary(left=first) | ast.Member(value=first) | ast.Index(value=first):
                 pairs = self.writer.parentheses_before(first.span.start)
-            case _:
+            case (
+                ast.Number() | ast.Duration() | ast.Boolean() | ast.Text() | ast.Name() | ast.Unary()
+                | ast.Conditional() | ast.Call() | ast.ArrayValue()
+            ):  # fmt: skip
                 pairs = self.writer.parentheses_before(node.span.end)
+            case _:
+                assert_never(node)
         self.enclosed(pairs, lambda separator: self._bare(node, separator), before)
 
     def enclosed(self, pairs: int, write: Callable[[Separator], None], before: Separator) -> None:

@@ -3,24 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import assert_never
 
 from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.network.ir.actions import (
     Action,
+    AfterEvent,
+    AssignValue,
     CatchException,
     ChannelEnd,
     Choice,
     CountedLoop,
     Event,
     Group,
+    IfElse,
     InputEvent,
+    InterruptOn,
+    OptimizedStep,
+    OutputEvent,
+    ParallelSteps,
     PortEnd,
+    RaiseException,
     ReadValue,
     ReadyEvent,
     Repeat,
+    ResetInstance,
     RunInstance,
     SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
     WaitStep,
+    WhileLoop,
+    WriteValue,
 )
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 
@@ -49,8 +64,15 @@ class Beginnings:
                 return self.waits_first(path, body)
             case RunInstance(instance=name):
                 return self._runs(path, name)
-            case _:
+            case (
+                WriteValue() | AssignValue() | SkipStep() | StopStep() | ResetInstance() | RaiseException()
+                | ParallelSteps() | WhileLoop() | IfElse() | InterruptOn()
+            ):  # fmt: skip
                 return False
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
 
     def _reads(self, path: str, action: ReadValue | Event) -> bool:
         match action:
@@ -58,8 +80,10 @@ class Beginnings:
                 return bool(self._ends.reading(path, source, 0, action))
             case ReadValue(source=source, target=target) | InputEvent(source=source, target=target):
                 return not target.indexes and bool(self._ends.reading(path, source, 0, action))
-            case _:
+            case OutputEvent() | AfterEvent() | SkipEvent():
                 return False
+            case _:
+                assert_never(action)
 
     def _runs(self, path: str, name: str) -> bool:
         entry = self._class_of[f"{path}.{name}"]

@@ -312,8 +312,10 @@ class Printer:
                 code = call("fmod", left, right)
             case "/" if divisor_may_be_zero(expression):
                 code = call("csp_divide", left, right)
-            case _:
+            case "+" | "-" | "*" | "/" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
                 return infix(operator, _ARITHMETIC[operator], left, right)
+            case _:
+                assert_never(operator)
         return cast("float", code) if expression.type == replaced(expression.type, bits=32) else code
 
     def _whole_operation(self, expression: BinaryOperation, left: Code, right: Code) -> Code:

@@ -86,8 +86,10 @@ def known_result(expression: Expression) -> int | None:
         case "/" | "%" if right != 0:
             quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
             value = quotient if expression.operator == "/" else left - quotient * right
-        case _:
+        case "/" | "%" | "^" | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
             return None
+        case _:
+            assert_never(expression.operator)
     return value if expression.type.minimum <= value <= expression.type.maximum else None
 
 

@@ -219,8 +219,13 @@ def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
                 yield from _leaves(operand, f" {operator} ")
         case Prefix():
             yield from _leaves(code.operand, before + code.text)
-        case _:
+        case (
+            Atom() | Call() | Postfix() | Conditional() | Parenthesized() | Items() | Entry() | Comprehension()
+            | Starred() | Named()
+        ):  # fmt: skip
             yield before, code
+        case _:
+            assert_never(code)
 
 
 def _listed(code: Items) -> Document:

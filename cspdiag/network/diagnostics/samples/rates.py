@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
@@ -117,9 +117,11 @@ class SamplesMissed(Diagnostic):
                 does = f"two turns of the loop can together {self._wait} and take {taken}"
             case "some turn":
                 does = f"a turn of the loop can {self._wait} and takes {taken}"
-            case _:
+            case "two reads" | "two reads and a turn" | "every turn" | "every turn, at most":
                 most = "at most " if self.extent == "every turn, at most" else ""
                 does = f"each turn of the loop {self.meanwhile} and takes {most}{taken}"
+            case _:
+                assert_never(self.extent)
         return f"{does} of {every}: {self._missed}"
 
     @property
