@@ -35,12 +35,13 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	for property in deadlock livelock terminates schedulable refines trace; do \
 	    $(BIN)/python -m tests.oracle.hunt --property $$property --count 5000 || exit 1; done
 
-check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, sizes of folders, generated documentation
+check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, sizes of folders, silent defaults, generated documentation
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python distribution/room_sizes.py
+	$(BIN)/python distribution/silent_defaults.py
 	$(BIN)/cspdiag explain --markdown | cmp - docs/diagnostics.md
 	PYTHONPATH=. $(BIN)/python distribution/layer_picture.py --check
 

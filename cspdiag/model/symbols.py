@@ -73,5 +73,5 @@ def declared_at(symbol: Symbol) -> Span | None:
             return symbol.definition.literals[symbol.index].span
         case BuiltinSymbol():
             return None
-        case _:
+        case _:  # Everything else is declared by its name.
             return symbol.name.span

@@ -48,7 +48,7 @@ def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
             return f"a duration has no brackets: write `{number} {unit[:-1]}`" if plain else None
         case TimeType(), RealType():
             return f"`double({shown})` is this time in seconds, a double<s>"
-        case _:
+        case _:  # No function converts between other types.
             pass
     return None
 
@@ -68,7 +68,7 @@ def conversion(found: Type, wanted: Type, span: Span) -> tuple[Edit, ...]:
             return (Edit(span, f"double({text})"),)
         case IntType(), IntType() if found.bits < wanted.bits and (wanted.signed or not found.signed):
             return (Edit(span, f"{wanted}({text})"),)
-        case _:
+        case _:  # Other conversions would lose something.
             pass
     return ()
 

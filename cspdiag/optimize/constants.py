@@ -191,7 +191,7 @@ def _written(entry: ProcessClass, outputs: Outputs) -> set[str]:
                 found.add(sink.channel)
             case OutputWrite(sink=ChannelEnd() as sink):
                 found.add(sink.channel)
-            case _:
+            case _:  # Any other part of the composition writes nothing.
                 pass
     for instance in entry.instances:
         written = outputs[instance.class_name]
@@ -252,7 +252,7 @@ def _decided(item: Any) -> Any:
             return _choice(item)
         case SequentialSteps():
             return in_sequence(item.steps, item) if any(map(_opens, item.steps)) else item
-        case _:
+        case _:  # Nothing is decided in any other part.
             return item
 
 

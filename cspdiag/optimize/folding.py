@@ -94,7 +94,7 @@ def folded(expression: Expression) -> Expression:
             return _evaluated(expression)
         case BinaryOperation():
             return _without_neutral(expression)
-        case _:
+        case _:  # Its operands are not known, or it has none.
             return expression
 
 
@@ -124,7 +124,7 @@ def _without_neutral(expression: BinaryOperation) -> Expression:
             return expression.left
         case BinaryOperation(operator="+", right=LiteralValue(value=int(zero))) if _is_number(zero, 0):
             return expression.left
-        case _:
+        case _:  # No other operand is neutral.
             return expression
 
 

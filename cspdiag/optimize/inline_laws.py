@@ -109,7 +109,7 @@ class _Inlining:
                 return self.laws[name].run(action)
             case ResetInstance(instance=name) if name in self.laws:
                 return in_sequence(self.laws[name].reset(action), action)
-            case _:
+            case _:  # Any other action stays as it is.
                 return action
 
 

@@ -68,7 +68,7 @@ def _without_choice(action: Action) -> Action:
     match action:
         case Choice(branches=(Branch(condition=None) as branch,)) if not isinstance(branch.event, ReadyEvent):
             return in_sequence([*_alone(branch), branch.body], action)
-        case _:
+        case _:  # Any other action stays as it is.
             return action
 
 

@@ -31,7 +31,7 @@ def with_assignments(entry: ProcessClass) -> ProcessClass:
                 return AssignValue(span=action.span, target=action.target, value=value)
             case WriteValue(sink=ChannelEnd(channel=name)) if name in types:
                 return AssignValue(span=action.span, target=Target(name), value=action.value)
-            case _:
+            case _:  # Any other action stays as it is.
                 return action
 
     if entry.body is None or not types:

@@ -9,7 +9,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, assert_never
 
 from .kernel.durations import ms, ns, s, shown, us
 from .kernel.exceptions import described
@@ -204,5 +204,7 @@ def _ending(outcome: Outcome) -> str:
             return "ended unsuccessfully"
         case "stopped":
             return f"stopped by {name_of_signal(outcome.signal)}"
-        case _:
+        case "deadlock":
             return outcome.ended
+        case _:
+            assert_never(outcome.ended)

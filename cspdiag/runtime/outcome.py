@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Literal
+from typing import Literal, assert_never
 
 from .deadlock import DeadlockReport
 from .kernel.durations import shown
@@ -78,8 +78,10 @@ class Outcome:
                 return 0
             case "stopped":
                 return exit_code_of(self.signal)
-            case _:
+            case "deadlock" | "failed":
                 return 1
+            case _:
+                assert_never(self.ended)
 
     def raise_if_unsuccessful(self) -> None:
         """Raises what a run failed with, or Deadlock with the report."""

@@ -143,7 +143,7 @@ class ProcessInstance:
                 return media.AtOnce(self.world, "", self.value(value))
             case DiscardEnd():
                 return media.AtOnce(self.world, "")
-            case end:
+            case end:  # An end.
                 return self.medium(end)
 
     def medium(self, end: act.End) -> Medium:
@@ -361,7 +361,7 @@ def exception_name(error: RaisedError) -> str:
             return "Fault"
         case MissedSampleError():
             return "Timeout"
-        case _:
+        case _:  # Those that programs declare.
             return str(error)
 
 

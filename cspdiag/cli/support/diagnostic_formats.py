@@ -37,10 +37,12 @@ def told_diagnostics(
             from cspdiag.base.render.junit import render as render_junit
 
             return render_junit(diagnostics, files), ""
-        case _:
+        case "text":
             from cspdiag.base.render.text import render as render_text
 
             return "", render_text(diagnostics, colour=colour) if diagnostics else ""
+        case _:
+            raise AssertionError(f"diagnostics have no format {format_!r}")
 
 
 def show_findings(diagnostics: Sequence[Diagnostic], names: Sequence[str], arguments: Namespace) -> None:

@@ -63,8 +63,10 @@ def run(arguments: Namespace) -> int:
             return _emit_network(arguments)
         case "lts":
             return _emit_transitions(arguments)
-        case _:
+        case None:
             return _generate(arguments)
+        case representation:
+            raise AssertionError(f"nothing prints {representation!r}")
 
 
 def _emit_tree(arguments: Namespace) -> int:

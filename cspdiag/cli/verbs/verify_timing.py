@@ -81,7 +81,7 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
 
             show_diagnostics(built.checked.report.diagnostics, arguments.color)
             write_out("" if arguments.quiet and report.is_schedulable else printable(table(report)))
-        case _:
+        case _:  # The others are formats of answers and diagnostics.
             from cspdiag.proofs.answers.question import schedulability_of
             from cspdiag.proofs.answers.schedulable import answer_of
 

@@ -45,7 +45,7 @@ def accesses(program: Program, composition: ast.Composition) -> Iterator[Access]
                     text=texts.written(value),
                     span=item.span,
                 )
-            case _:
+            case _:  # Any other node of the composition communicates nothing.
                 pass
 
 
@@ -66,5 +66,5 @@ def _is_store(program: Program, name: ast.Name) -> bool:
             return True
         case EndLabelSymbol(ends_arrow=ends_arrow):
             return ends_arrow
-        case _:
+        case _:  # Whatever else has a name has a value, but no place in the diagram.
             return False

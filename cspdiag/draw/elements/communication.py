@@ -253,7 +253,7 @@ class _Extraction:
         match self.vertices.get(key):
             case ParentPort(kinds=kinds) | Store(form="channel", kinds=kinds):
                 return kinds
-            case _:
+            case _:  # Whatever else may be there has no kind, nor has what is missing.
                 return ()
 
     def _arrow(self, arrow: Arrow) -> None:

@@ -230,7 +230,7 @@ class _Comparison:
                 return [(old.process, new.process), *(conditions * (conditions != [(None, None)]))]
             case Watched(), Watched():
                 return [(old.process, new.process), *self._aligned(old.handlers, new.handlers)]
-            case _:
+            case _:  # Others have as many parts in both.
                 return list(zip(parts(old), parts(new), strict=True))
 
     def _aligned(self, old: Sequence[Part], new: Sequence[Part]) -> list[_Pair]:
@@ -287,7 +287,7 @@ class _Comparison:
                 same_guard = self._content(old.guard) == self._content(new.guard)
                 same_process = self._content(old.process) == self._content(new.process)
                 return 1 + 3 * same_guard + 2 * same_process
-            case _:
+            case _:  # Others of one type are alike as far as their own text is.
                 return 2 + same_text(self._own(old), own_text(new))
 
     def _changed(self, old: Part, new: Part, key: str, subject: str, before: str, after: str) -> None:

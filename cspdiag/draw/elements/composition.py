@@ -195,7 +195,7 @@ def rebuilt(element: PartT, key: str, inner: Sequence[Part]) -> PartT:
             changes["guard"], changes["process"] = inner
         case Watched():
             changes["process"], changes["handlers"] = inner[0], tuple(inner[1:])
-        case _:
+        case _:  # The others have no parts.
             pass
     return replaced(element, **changes)
 

@@ -39,7 +39,7 @@ def _check(program: Program, part: ast.Node, report: Report) -> None:
             check_duration(program, part.time, f"the {waited_for(part)}", report)
         case ast.Reset():
             _check_reset(program, part.instance, report)
-        case _:
+        case _:  # Any other node of the composition.
             pass
 
 
@@ -65,7 +65,7 @@ def _check_readable(program: Program, reference: ast.Reference, report: Report) 
             advice = f"connect it to a channel and read that: `{reference.span.text} -> name`, `name ? x`"
         case PortSymbol():
             advice = f"write it by `{reference.span.text} ! value`, or declare it as an in port"
-        case _:
+        case _:  # What has a value and is neither port nor channel.
             advice = "its value is had by its name alone, in conditions and expressions"
     kind = _kind(reference, symbol)
     refused = NotReadable(
@@ -86,7 +86,7 @@ def _check_writable(program: Program, reference: ast.Reference, report: Report) 
             advice = f"connect a channel to it and write that: `name -> {reference.span.text}`, `name ! value`"
         case PortSymbol():
             advice = f"read it by `{reference.span.text} ? x`, or declare it as an out port"
-        case _:
+        case _:  # What has a value and is neither port nor channel.
             advice = f"set it by `{reference.span.text} := value`"
     kind = _kind(reference, symbol)
     refused = NotWritable(

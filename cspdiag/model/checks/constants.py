@@ -33,7 +33,7 @@ def check_constants(program: Program, report: Report) -> None:
                 _check_number(program, part, report, negative=part in negated)
             case ast.Duration():
                 _check_duration(program, part, report)
-            case _:
+            case _:  # Any other expression.
                 pass
     _warn_of_faults(program, report)
 
@@ -76,7 +76,7 @@ def _computed_in_a_run(program: Program, part: ast.Node) -> tuple[ast.Expression
             return (part.condition,)
         case ast.Reference() if isinstance(program.bindings.get(part), ast.Variable):
             return part.indexes
-        case _:
+        case _:  # Any other node: what it computes is in one of these.
             return ()
 
 
@@ -87,7 +87,7 @@ def _is_fault(found: Diagnostic) -> bool:
             return not isinstance(found.type, RealType)
         case ConstantDivision() | IndexOutOfRange():
             return True
-        case _:
+        case _:  # Any other diagnostic.
             return False
 
 

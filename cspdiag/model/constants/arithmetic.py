@@ -100,8 +100,10 @@ def operate(operator: str, left: int | float, right: int | float, type_: Type) -
                 if right == 0:
                     raise UndefinedError("this divides by zero")
                 result = remainder(int(left), int(right)) if integers else math.fmod(left, right)
-            case _:
+            case "^":
                 result = _power(left, right)
+            case _:
+                raise AssertionError(f"`{operator}` is no operator on numbers")
     except OverflowError:
         raise OutOfRangeError("too large") from None
     return checked(result, type_)

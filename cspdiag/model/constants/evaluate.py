@@ -258,8 +258,10 @@ def _ordered(operator: str, left: Value, right: Value) -> bool | None:
             return left <= right
         case ">":
             return left > right
-        case _:
+        case ">=":
             return left >= right
+        case _:
+            raise AssertionError(f"`{operator}` orders nothing")
 
 
 def _all(values: list[Value | None]) -> tuple[Value, ...] | None:

@@ -185,7 +185,7 @@ def agrees(found: Type, wanted: Type) -> bool:
             return (found.size is None or wanted.size is None or found.size == wanted.size) and agrees(
                 found.element, wanted.element
             )
-        case _:
+        case _:  # Other pairs of types have no unit and no size.
             return found == wanted
 
 
@@ -197,7 +197,7 @@ def same(found: Type, wanted: Type) -> bool:
         case ArrayType(), ArrayType():
             sizes_agree = found.size is None or wanted.size is None or found.size == wanted.size
             return sizes_agree and same(found.element, wanted.element)
-        case _:
+        case _:  # Other pairs of types have no size.
             return found == wanted
 
 

@@ -125,8 +125,10 @@ def function(typer: ExpressionTyper, node: ast.Call) -> Type:
             return _square_root(typer, node, arguments[0])
         case "atan2":
             return _angle(typer, node, arguments)
-        case _:
+        case "exp" | "log" | "sin" | "cos" | "tan" | "asin" | "acos" | "atan":
             return _transcendental(typer, node, arguments[0])
+        case _:
+            raise AssertionError(f"`{name}` has a signature and no type")
 
 
 def _positional(typer: ExpressionTyper, node: ast.Call, signature: Signature) -> list[ast.Expression] | None:
@@ -380,7 +382,7 @@ def conversion(typer: ExpressionTyper, node: ast.Call) -> Type:
             return target
         case IntType(), RealType():
             typer.context.refuse(NotDimensionless(value.span, what=f"the argument of `{name}`", found=found), node)
-        case _:
+        case _:  # No other pair of types is converted.
             typer.context.refuse(NotConvertible(node.span, found=found, target=f"`{name}`"), node)
     return target
 

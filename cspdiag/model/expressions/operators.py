@@ -125,7 +125,7 @@ def _arithmetic(context: Context, expression: ast.Binary, left: Type, right: Typ
             return left
         case RealType(), RealType() if left.bits == right.bits:
             return _real_arithmetic(context, expression, left, right)
-        case _:
+        case _:  # No other pair of types is added or multiplied.
             _refuse_mixture(context, expression, left, right)
             return UNKNOWN
 
@@ -170,7 +170,7 @@ def _time_arithmetic(context: Context, expression: ast.Binary, left: Type, right
             if adapt(context, expression.right, right, _seconds(left)):
                 return _real_arithmetic(context, expression, left, types[expression.right])
             return None
-        case _:
+        case _:  # No other operation has a duration in it.
             return None
 
 

@@ -45,7 +45,7 @@ def builtin_type(name: str) -> Type | None:
             return TEXT
         case "int" | "int8" | "int16" | "int32" | "uint8" | "uint16" | "uint32":
             return integer_named(name)
-        case _:
+        case _:  # Any other name.
             return None
 
 

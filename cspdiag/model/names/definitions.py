@@ -64,7 +64,7 @@ def _reserved_meaning(item: ast.Definition) -> str | None:
             return "a function of the language"
         case ast.ExceptionDefinition() if name in BUILTIN_EXCEPTIONS:
             return "an exception of the language"
-        case _:
+        case _:  # What has another name, or is of a kind that the language has none of.
             return None
 
 
@@ -104,7 +104,7 @@ def _needed(context: Context, item: Settled) -> list[Settled]:
                 name = part.name.text
             case ast.Call():
                 name = part.function.text
-            case _:
+            case _:  # Any other node.
                 continue
         needed = context.program.definitions.get(name)
         if isinstance(needed, Settled):

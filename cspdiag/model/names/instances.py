@@ -76,7 +76,7 @@ def resolve_instance(typer: Typer, instance: ast.Instance, kinds: Definitions, w
             check_replicator(typer, instance.size)
             size_of(typer, instance.size.count, "the size of an array of instances")
             inner = typer.within(instance.size)
-        case size:
+        case size:  # A number of them, as an expression.
             size_of(typer, size, "the size of an array of instances")
     definition = bind_definition(typer, instance.definition, kinds, wanted)
     if not isinstance(definition, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):

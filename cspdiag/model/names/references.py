@@ -73,7 +73,7 @@ def _advice_on_kind(name: str, symbol: Symbol, wanted: str) -> str | None:
             return "its `let` is its equation"
         case ast.Parameter() | ast.Constant() if wanted in {"variable", "source", "sink"}:
             return f"it has one value for ever; declare a variable that begins with it: `var value : type = {name}`"
-        case _:
+        case _:  # Nothing can be told that would help.
             return None
 
 
@@ -113,7 +113,7 @@ def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
                     refuse_part(typer, reference, symbol, whole, wanted)
             case None:
                 pass
-            case _:
+            case _:  # Nothing else has parts that diagrams name.
                 refuse_kind(typer, reference, symbol, "instance")
     else:
         match symbol:
@@ -125,7 +125,7 @@ def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
                 ports = typer.context.program.bindings.get(symbol.definition)
                 advice = _port_advice(typer, reference, ports)
                 refuse_kind(typer, reference, symbol, wanted, advice)
-            case _:
+            case _:  # Nothing else is read, written or connected.
                 refuse_kind(typer, reference, symbol, wanted)
     typer.context.program.types[reference] = found
     return found
@@ -138,7 +138,7 @@ def _carried(typer: Typer, symbol: PortSymbol | ast.Variable | ast.Channel | End
             return array_of_ports(typer.context, symbol)
         case EndLabelSymbol():
             return symbol.type
-        case _:
+        case _:  # What is declared with its type.
             return typer.context.program.types.get(symbol, UNKNOWN)
 
 

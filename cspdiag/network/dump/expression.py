@@ -49,7 +49,7 @@ def value_text(value: Value, type_: Type) -> str:
             return f"[{', '.join(value_text(part, element) for part in value)}]"
         case RealType() if isinstance(value, int | float):
             return repr(float(value))
-        case _:
+        case _:  # Numbers, and values that do not fit their type, as they are.
             return repr(value) if not isinstance(value, str) else f'"{value}"'
 
 

@@ -47,7 +47,7 @@ def exceptions_of(
                 leaving: Exceptions = frozenset({instruction.step.exception})
             case Call():
                 leaving = of_instance(instruction.step.instance)
-            case _:
+            case _:  # Every other instruction is the business of ``of_step``.
                 leaving = of_step(instruction)
         if isinstance(instruction, Abandon):
             leaving, inside = arriving.pop(index, NO_EXCEPTIONS), caught.pop(index, frozenset())

@@ -64,6 +64,13 @@ def _parts(pattern: re.Pattern[str], target: str) -> re.Match[str] | None:
     return None if any(map(iskeyword, (*module, name))) else found
 
 
+_KINDS: dict[type[Owner], str] = {
+    ast.ProcessDefinition: "process",
+    ast.SubmodelDefinition: "submodel",
+    ast.DriverDefinition: "driver",
+}
+
+
 def check(program: Program, report: Report) -> None:
     """Report bodies in languages that cannot be called, malformed names, and drivers without a body."""
     for definition in program.definitions.values():
@@ -74,7 +81,7 @@ def check(program: Program, report: Report) -> None:
             if isinstance(definition, ast.DriverDefinition):
                 report.add(DriverWithoutBody(definition.name.span, definition.name.text))
             continue
-        kind = {ast.ProcessDefinition: "process", ast.SubmodelDefinition: "submodel"}.get(type(definition), "driver")
+        kind = _KINDS[type(definition)]
         language = external.language.text
         pattern = _TARGETS.get(language)
         if pattern is None or (kind == "driver" and language != "python"):

@@ -195,7 +195,7 @@ def _instances(definition: ast.Node) -> Iterator[tuple[ast.Instance, int]]:
             yield from _declared(block.declarations, 0)
         case ast.SubmodelDefinition():
             yield from _declared(definition.items, 0)
-        case _:
+        case _:  # Nothing else declares instances.
             pass
 
 

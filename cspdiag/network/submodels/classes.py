@@ -143,7 +143,7 @@ def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
                     if isinstance(inner, ast.SubmodelDefinition) and inner not in met:
                         met.add(inner)
                         pending.append(inner)
-                case _:
+                case _:  # Any other node of an equation.
                     pass
     return False
 

@@ -90,7 +90,7 @@ def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
             case CatchException() if not raising.may(item.body, item.exception):
                 is_whole = False
                 return item if ends_of(item.handler, waited_for) else item.body
-            case _:
+            case _:  # Any other part stays as it is.
                 return item
 
     return replaced(entry, body=rewritten(entry.body, change))
@@ -148,7 +148,7 @@ class _Raising:
                 return True
             case ReadValue(source=end) | ReadyEvent(source=end) | InputEvent(source=end) | InputRead(source=end):
                 return isinstance(end, PortEnd) and end.port in self._sampled
-            case _:
+            case _:  # Any other part of the composition.
                 return False
 
 
@@ -218,7 +218,7 @@ def _mentioned(entry: ProcessClass) -> _Mentioned:
                 found.channels.add(part.channel)
             case ParameterValue():
                 found.parameters.add(part.name)
-            case _:
+            case _:  # Any other part mentions none.
                 pass
     return found
 
@@ -242,7 +242,7 @@ def _creation(entry: ProcessClass) -> tuple[Any, ...]:
                 ends.update(part.ends)
             case Choice():
                 choices.add(part.name)
-            case _:
+            case _:  # Any other part makes none.
                 pass
     ends.update(connection.attachment for instance in entry.instances for connection in instance.connections)
     waited_for = places_waited_for(entry)
@@ -255,7 +255,7 @@ def _creation(entry: ProcessClass) -> tuple[Any, ...]:
                 return item.instance in instances
             case CreatedChoice():
                 return item.choice in choices
-            case _:
+            case _:  # The ends.
                 return item in ends
 
     return _kept(entry.creation, still_is)

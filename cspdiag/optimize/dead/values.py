@@ -42,7 +42,7 @@ def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> Proce
                 return changed(item, states=states) if states else SkipStep(span=item.span)
             case SequentialSteps() if any(isinstance(step, SkipStep) for step in item.steps):
                 return in_sequence(item.steps, item)
-            case _:
+            case _:  # Any other part stays as it is.
                 return item
 
     return replaced(
@@ -175,5 +175,5 @@ def _names(item: Any) -> Iterator[Name]:
                 yield VariableValue, part.channel
             case ChannelEnd():
                 yield VariableValue, part.channel
-            case _:
+            case _:  # Any other part has no name that is read.
                 pass

@@ -237,7 +237,7 @@ class MovedUp:
                 return replaced(part, law=self._name(law), writes=self._moved(writes))
             case RunLaw():
                 return self._law(part)
-            case _:
+            case _:  # Any other part has at most the names of values.
                 return renamed_part(part, self.prefix, self._values)
 
     def _law(self, law: RunLaw) -> RunLaw:

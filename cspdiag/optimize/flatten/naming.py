@@ -64,7 +64,7 @@ def renamed_part(
             return signals[name] if name in signals else replaced(part, name=f"{prefix}.{name}")
         case VariableValue(channel=channel):
             return replaced(part, channel=f"{prefix}.{channel}")
-        case _:
+        case _:  # Any other part has none.
             return None
 
 

@@ -209,5 +209,5 @@ def opposite(condition: Expression) -> Expression:
             return replaced(condition, operator="==")
         case UnaryOperation(operator="not"):
             return condition.operand
-        case _:
+        case _:  # Any other condition.
             return UnaryOperation(type=BOOL, span=condition.span, operator="not", operand=condition)

@@ -51,7 +51,7 @@ def _same_from(one: Part, other: Part, ignored: frozenset[str]) -> bool:
                     other_exit = (other_path.exits[other_position], other_position + 1, other_happening.time)
                     if not _same_from(exit_part, other_exit, ignored):
                         return False
-            case _:
+            case _:  # A step is no turn.
                 return False
     return True
 

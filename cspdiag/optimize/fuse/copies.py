@@ -64,7 +64,7 @@ def _after(index: int, instruction: Instruction, copies: Copies) -> Copies:
         case Compute(step=AssignValue(target=Target(channel=name, indexes=()), value=VariableValue(channel=source))):
             origin = copies.get(source, source)
             return after if origin == name else {**after, name: origin}
-        case _:
+        case _:  # Nothing else makes a copy.
             return after
 
 

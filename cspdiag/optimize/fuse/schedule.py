@@ -185,7 +185,7 @@ def counting_variables(entry: ProcessClass) -> frozenset[str]:
             case Choice():
                 for branch in part.branches:
                     asked |= _variables(branch.condition)
-            case _:
+            case _:  # Nothing else decides; what interrupts is not fused.
                 pass
     pending = set(asked)
     while pending:

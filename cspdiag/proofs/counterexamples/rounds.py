@@ -138,7 +138,7 @@ def _summed_up(steps: Sequence[Step]) -> Step:
             return first
         case 1 | -1:
             return replaced(first, value=f"{first.value} … {last.value}")
-        case _:
+        case _:  # Other differences, of all sizes.
             return replaced(first, value=f"{first.value}, {second.value} … {last.value}")
 
 

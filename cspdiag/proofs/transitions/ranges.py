@@ -157,7 +157,7 @@ def computed(operator: str, left: Cell, right: Cell, kind: Type) -> Cell | None:
         case "*":
             corners = [low * least, low * most, high * least, high * most]
             low, high = min(corners), max(corners)
-        case _:
+        case _:  # The ranges of other operations are not followed.
             return None
     if limits is None:
         return None

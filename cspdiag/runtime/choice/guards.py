@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, assert_never
 
 from ..channels.ports import AnyIn, AnyOut
 from ..channels.selector import Selector, raise_bits
@@ -89,8 +89,10 @@ def waits_of_guard(guard: Guard) -> tuple[str, Any]:
             return "to read", end
         case Output(end=end):
             return "to write", end
-        case _:
+        case After() | Skip():
             return str(guard), None
+        case _:
+            assert_never(guard)
 
 
 class _TimeOut:
@@ -166,8 +168,10 @@ class Choice:
                 return end.take
             case Ready(end=end):
                 return end.settle_input
-            case _:
+            case Output() | After() | Skip():
                 return None
+            case _:
+                assert_never(guard)
 
     def _watch(self, guard: Guard, bit: int) -> None:
         match guard:
@@ -191,7 +195,7 @@ class Choice:
                     end.unwatch_input(self.selector)
                 case Output(end=end):
                     end.unwatch_output(self.selector)
-                case _:
+                case _:  # Nobody else is told of the others.
                     pass
 
     def time_outs_passed(self, mask: int, delays: Mapping[int, int]) -> int:
@@ -235,7 +239,7 @@ class Choice:
                 end.enroll_input(self, index)
             case Output(end=end):
                 end.enroll_output(self, index)
-            case _:
+            case _:  # Nobody else is told of the others.
                 pass
 
     def end_waiting(self) -> None:
@@ -258,7 +262,7 @@ class Choice:
                     end.dismiss_input(self)
                 case Output(end=end):
                     end.dismiss_output(self)
-                case _:
+                case _:  # Nobody else is told of the others.
                     pass
 
     def wake(self) -> None:

@@ -119,5 +119,5 @@ def found_words(situation: Situation) -> str:
             return "a text in quotes"
         case "NUMBER" | "QUANTITY" | "DURATION":
             return f"the number `{situation.text}`"
-        case _:
+        case _:  # Any other token stands for itself.
             return f"`{situation.text}`"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Generator, Mapping, Sequence
 from types import ModuleType, coroutine
-from typing import Any, Protocol
+from typing import Any, Protocol, assert_never
 
 import cspdiag.runtime as runtime
 from cspdiag.runtime.channels.broadcast import Broadcast
@@ -16,7 +16,7 @@ from cspdiag.runtime.channels.channel import Channel
 from cspdiag.runtime.channels.ports import Out, T
 from cspdiag.runtime.channels.variable import Constant, Discard, Variable
 from cspdiag.runtime.choice.alternative import Alternative
-from cspdiag.runtime.choice.guards import After, Guard, Input, Output, Ready
+from cspdiag.runtime.choice.guards import After, Guard, Input, Output, Ready, Skip
 from cspdiag.runtime.choice.interrupt import interrupt
 from cspdiag.runtime.choice.together import write_all
 from cspdiag.runtime.composition import wait
@@ -122,8 +122,10 @@ def described(guard: Guard, index: int) -> tuple[int, str, str]:
             return index, "read", end.name
         case Output(end=end) if not isinstance(end, _SILENT_ENDS):
             return index, "write", end.name
-        case _:
+        case Input() | Ready() | Output() | Skip():
             return index, "skip", ""
+        case _:
+            assert_never(guard)
 
 
 def duration_of(guard: Guard) -> int:

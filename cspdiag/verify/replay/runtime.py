@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Generator, Mapping, Sequence
 from types import ModuleType, coroutine
-from typing import Any
+from typing import Any, assert_never
 
 import cspdiag.runtime as runtime
 from cspdiag.runtime.channels.any_channel import AnyChannel
@@ -17,7 +17,7 @@ from cspdiag.runtime.channels.ports import In, Out, Owner, T
 from cspdiag.runtime.channels.selector import Selector
 from cspdiag.runtime.channels.variable import Constant, Discard, Variable
 from cspdiag.runtime.choice.alternative import Alternative
-from cspdiag.runtime.choice.guards import After, Guard, Input, Output, Ready
+from cspdiag.runtime.choice.guards import After, Guard, Input, Output, Ready, Skip
 from cspdiag.runtime.choice.together import read_all, write_all
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.kernel.exceptions import Cancelled
@@ -191,8 +191,10 @@ def _option(guard: Guard, index: int, value: Any = None) -> Option:
             return Option("write", end.name, index, value=value)
         case After(duration=duration):
             return Option("after", "", index, duration)
-        case _:
+        case Skip():
             return Option("skip", "", index)
+        case _:
+            assert_never(guard)
 
 
 @coroutine

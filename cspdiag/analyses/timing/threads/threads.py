@@ -426,7 +426,7 @@ class Threads(Places):
                 return f"{path}.{step.instance}"
             case Group():
                 return f"{path}.{step.label}"
-            case _:
+            case _:  # Anything else is called after the first instance in it.
                 runs = [part for part in parts(step) if isinstance(part, RunInstance)]
                 return f"{path}.{runs[0].instance}" if runs else path
 

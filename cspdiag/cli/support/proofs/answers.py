@@ -44,7 +44,9 @@ def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: N
             from cspdiag.proofs.answers.junit import render as render_junit
 
             return render_junit(answers, arguments.file), before
-        case _:
+        case "text":
             from cspdiag.proofs.answers.text import render as render_text
 
             return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)
+        case format_:
+            raise AssertionError(f"answers have no format {format_!r}")

@@ -230,8 +230,10 @@ class _NetworkFiles:
                 found.append(run(call("csp_event_input_accept", medium, address(brought), size)))
             case "latched":
                 found.append(run(call("csp_latched_output_init", medium, number, period, value, driver)))
-            case _:
+            case "direct":
                 found.append(run(call("csp_direct_output_init", medium, number, driver)))
+            case kind:
+                raise AssertionError(f"the kernel has no {kind} ports")
         if port.direction == "out":
             name_of_port = quoted(f"{self.network.top}.{port_key(port)}")
             found.append(store(_external(name).field("name"), name_of_port))

@@ -231,6 +231,6 @@ def _law_of(steps: Sequence[Action], position: int) -> str | None:
             around: Sequence[Action] = steps[position:]
         case WriteOutputs():
             around = steps[position::-1]
-        case _:
+        case _:  # Only these two stand apart from their law.
             return None
     return next((step.law for step in around if isinstance(step, RunLaw)), None)

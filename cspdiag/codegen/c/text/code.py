@@ -340,7 +340,7 @@ def negated(condition: Code) -> Code:
             return Atom("false" if text == "true" else "true")
         case Parenthesized(operand=operand):
             return negated(operand)
-        case _:
+        case _:  # Any other expression.
             return Prefix("!", at_least(condition, UNARY))
 
 

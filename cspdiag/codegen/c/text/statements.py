@@ -281,7 +281,7 @@ def _if(statement: If, depth: int, before: str) -> Iterator[str]:
             yield f"{indent}}}"
         case (If() as inner,):
             yield from _if(inner, depth, "} else ")
-        case otherwise:
+        case otherwise:  # Statements of every kind, at least one.
             yield f"{indent}}} else {{"
             yield from lines(otherwise, depth + 1)
             yield f"{indent}}}"

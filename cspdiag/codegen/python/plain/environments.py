@@ -336,5 +336,5 @@ def _type_of(value: object) -> Type:
             return INT
         case float():
             return DOUBLE
-        case _:
+        case _:  # Settings are of these types; what is left are texts.
             return TEXT

@@ -155,7 +155,7 @@ def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
             case WriteValue() | OutputEvent():
                 for sink in items_of(part.sink, one):
                     yield sink, _copied(part.value, one)
-            case _:
+            case _:  # Any other part hands nothing on.
                 pass
     for instance in one.definition.instances:
         for connection in instance.connections:

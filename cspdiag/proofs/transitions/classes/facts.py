@@ -260,7 +260,7 @@ def _conditions(definition: ProcessClass) -> Iterator[Expression]:
                 condition = part.until if isinstance(part, Repeat) else part.condition
                 if condition is not None:
                     yield condition
-            case _:
+            case _:  # Any other part has no condition.
                 pass
 
 
@@ -281,7 +281,7 @@ def _flows(one: Class) -> Iterator[tuple[Item, set[Item]]]:
             case WriteValue() | OutputEvent():
                 for sink in items_of(part.sink, one):
                     yield sink, items_in(part.value, one)
-            case _:
+            case _:  # Any other part sets and writes nothing.
                 pass
     for instance in definition.instances:
         for connection in instance.connections:

@@ -44,6 +44,6 @@ def items_in(expression: Expression, one: Class) -> set[Item]:
                 found.add(("channel", one.name, part.channel))
             case ParameterValue():
                 found.add(("parameter", one.name, part.name))
-            case _:
+            case _:  # Any other expression; its operands are walked over, too.
                 pass
     return found
