@@ -7,7 +7,7 @@ import pytest
 from cspdiag.proofs.transitions import meetings
 from cspdiag.proofs.transitions.threads import explore
 from cspdiag.proofs.transitions.threads.explore import TransitionError
-from cspdiag.proofs.transitions.threads.follow import Follower
+from cspdiag.proofs.transitions.threads.silent.follow import Follower
 from cspdiag.proofs.transitions.threads.thread import Configuration
 from tests.proofs.transitions.building import system_of
 

@@ -37,7 +37,7 @@ from cspdiag.proofs.transitions.systems.labels import (
 from cspdiag.proofs.transitions.systems.references import Constant, Reference
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.context import Context
-from cspdiag.proofs.transitions.threads.follow import Follower
+from cspdiag.proofs.transitions.threads.silent.follow import Follower
 from cspdiag.proofs.transitions.threads.thread import Configuration, Thread, reading_end
 from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Known
 

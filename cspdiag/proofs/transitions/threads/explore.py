@@ -8,8 +8,8 @@ from cspdiag.proofs.transitions.systems.labels import Label
 from cspdiag.proofs.transitions.systems.minimal import minimized
 from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads import frames
-from cspdiag.proofs.transitions.threads.follow import Follower
 from cspdiag.proofs.transitions.threads.offers import Offers
+from cspdiag.proofs.transitions.threads.silent.follow import Follower
 from cspdiag.proofs.transitions.threads.spots import spot
 from cspdiag.proofs.transitions.threads.thread import Configuration, Restart, Role, Thread
 

@@ -17,7 +17,7 @@ from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 
 if TYPE_CHECKING:
-    from cspdiag.proofs.transitions.threads.follow import Follower
+    from cspdiag.proofs.transitions.threads.silent.follow import Follower
 
 
 Side: TypeAlias = Literal["reading", "writing"]

@@ -37,10 +37,10 @@ from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.abandoning import Abandoning, is_point
 from cspdiag.proofs.transitions.threads.communications import Missed, Move, assigning
 from cspdiag.proofs.transitions.threads.context import Context
-from cspdiag.proofs.transitions.threads.follow import Follower
 from cspdiag.proofs.transitions.threads.frames import RISK, Risk, Stack
 from cspdiag.proofs.transitions.threads.joining import LawParallels, fork_edges, join_edges
-from cspdiag.proofs.transitions.threads.law_steps import constant_output
+from cspdiag.proofs.transitions.threads.silent.follow import Follower
+from cspdiag.proofs.transitions.threads.silent.law_steps import constant_output
 from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 

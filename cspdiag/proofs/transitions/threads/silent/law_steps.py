@@ -8,9 +8,9 @@ from cspdiag.network.ir.network import Connection, SubmodelClass
 from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.systems.references import Reference
 from cspdiag.proofs.transitions.threads import frames
-from cspdiag.proofs.transitions.threads.computing import Computing
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.frames import Stack
+from cspdiag.proofs.transitions.threads.silent.computing import Computing
 from cspdiag.proofs.transitions.threads.thread import Configuration
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 

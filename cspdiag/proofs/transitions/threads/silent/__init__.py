@@ -1,0 +1,1 @@
+"""What a thread does on its own: silent steps, of which it needs no choice and nobody else sees."""
