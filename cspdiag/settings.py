@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import chain, islice
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from cspdiag.base.errors import CspdiagError
@@ -173,12 +172,13 @@ def _both_set(part: str, whole: str) -> SettingError:
 
 def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
     """The one thing that a name means; SettingError where it means nothing or several things."""
+    from cspdiag.network.lower.meant_settings import meant_constant, no_parameter_either, unknown_name
     from cspdiag.network.lower.setting_paths import steps_of
 
     constant, path = _constant(program, name)
     if path.startswith(f"{CONSTANT}."):
         if constant is None:
-            raise SettingError(f"there is no constant {name!r} ({_meant_constant(program, path[len(CONSTANT) + 1 :])})")
+            raise SettingError(f"there is no constant {name!r} ({meant_constant(program, path[len(CONSTANT) + 1 :])})")
         return _constant_target(program, constant, path.removeprefix(f"{CONSTANT}."), name)
     steps = steps_of(name)
     found = [] if steps is None else _parameters(program, steps, roots)
@@ -186,33 +186,15 @@ def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
         try:
             found.insert(0, _constant_target(program, constant, path, name))
         except SettingError as problem:
-            raise SettingError(f"{problem}{_no_parameter_either(program, steps or (), roots)}") from None
+            raise SettingError(f"{problem}{no_parameter_either(program, steps or (), roots)}") from None
     if not found:
-        raise SettingError(_unknown(program, name, roots))
+        raise SettingError(unknown_name(program, name, roots))
     if len(found) == 1:
         return found[0]
     if _is_one(found):
         return replaced(found[0], roots=tuple(root for target in found for root in target.roots))
     ways = ", ".join(target.described for target in found)
     raise SettingError(f"{name!r} means more than one thing; write the one that is meant: {ways}")
-
-
-def _no_parameter_either(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
-    """Why a name that begins like a constant means nothing in the instances and parameters that are called the same;
-    empty where none are.
-    """
-    from cspdiag.network.lower.setting_paths import Dead, parameter_at, paths_of
-
-    ways = []
-    for root in roots if steps else ():
-        end = parameter_at(program, root, steps)
-        if not isinstance(end, Dead) or not (end.depth or end.reason):
-            continue
-        owner = [step.name for step in steps[: end.depth]]
-        inside = [path[-1].name for path in paths_of(program, root) if [step.name for step in path[:-1]] == owner]
-        has = f"`{'.'.join(owner)}` has {'the parameters ' + ', '.join(inside) if inside else 'no parameters'}"
-        ways.append(f"in `{root.name.text}` {end.reason or has}")
-    return f" and no such parameter ({'; '.join(ways)})" if ways else ""
 
 
 def _is_one(found: Sequence[_Target]) -> bool:
@@ -273,139 +255,28 @@ def _leads_somewhere(program: Program, constant: ast.Constant, path: str) -> boo
 def _part(program: Program, constant: ast.Constant, path: str, name: str) -> tuple[Type, tuple[int, ...]]:
     """The type of a constant or of the part of it that is named, and the positions of that part."""
     from cspdiag.model.constants.values import NoPartError, part_of
+    from cspdiag.network.lower.meant_settings import suggested
 
     head = constant.name.text
     part = path[len(head) :]
     try:
         return part_of(program.types[constant], part)
     except NoPartError as problem:
-        near = _suggested(part[len(problem.before) :].lstrip("."), problem.fields)
+        near = suggested(part[len(problem.before) :].lstrip("."), problem.fields)
         meant = f"did you mean {head + problem.before + '.' + near!r}?" if near else problem
         raise SettingError(f"there is no constant {name!r} ({meant})") from None
 
 
 def _parameters(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> list[_Target]:
     """The parameters that a path can mean: inside each of the roots, or behind the name of one."""
-    from cspdiag.network.lower.setting_paths import parameter_at
+    from cspdiag.network.lower.setting_paths import parameter_at, paths_inside
 
     found = []
     for root in roots:
-        for inner in _inside(root, steps):
+        for inner in paths_inside(root, steps):
             end = parameter_at(program, root, inner)
             if isinstance(end, ast.Parameter):
                 path = ".".join(map(str, inner))
                 kind = program.types[end]
                 found.append(_Target(path, end, kind, roots=(root,), is_qualified=inner is not steps))
     return found
-
-
-def _inside(root: Root, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], ...]:
-    """The paths below a root that a path can be: itself, and where it begins with the root's name, the rest."""
-    return (steps, steps[1:]) if len(steps) > 1 and str(steps[0]) == root.name.text else (steps,)
-
-
-def _unknown(program: Program, name: str, roots: Sequence[Root]) -> str:
-    """What to say of a name that means nothing."""
-    from cspdiag.network.lower.setting_paths import Dead, parameter_at, steps_of
-
-    steps = steps_of(name)
-    if steps is None:
-        return f"there is no parameter {name!r} (a path is INSTANCE.PARAMETER, such as cell[0].gain)"
-    ends = (parameter_at(program, root, inner) for root in roots for inner in _inside(root, steps))
-    dead = [end for end in ends if isinstance(end, Dead)]
-    reason = max(dead, key=lambda end: (end.depth, bool(end.reason))).reason if dead else ""
-    what = "parameter" if len(steps) > 1 else "constant"
-    help_ = reason or _elsewhere(program, steps) or _meant(program, steps, roots)
-    return f"there is no {what} {name!r}{f' ({help_})' if help_ else ''}"
-
-
-def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
-    """That the path leads somewhere in an environment which was not chosen."""
-    from cspdiag.network.lower.setting_paths import parameter_at
-
-    others = (item for item in program.definitions.values() if isinstance(item, ast.EnvironmentDefinition))
-    for item in others:
-        if len(steps) > 1 and isinstance(parameter_at(program, item, steps), ast.Parameter):
-            return f"`{item.name.text}` has it, an environment that was not chosen"
-    return ""
-
-
-_MOST_NAMED = 8
-
-_MOST_PATHS = 1000
-"""A program may have more instances than anybody wants to wait for; a name that was meant is looked for among so many.
-"""
-
-
-def _meant(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
-    """What to say of a path that leads nowhere: one that was probably meant, or what paths there are."""
-    from cspdiag.network.lower.setting_paths import paths_of
-
-    known = list(islice(chain.from_iterable(paths_of(program, root) for root in roots), _MOST_PATHS))
-    names = [step.name for step in steps]
-    if len(steps) == 1 and _near_constant(program, names[0]) is not None:
-        return _meant_constant(program, names[0])
-    near_path = _near_path(steps, known)
-    if near_path is not None:
-        return f"did you mean {near_path!r}?"
-    if len(steps) == 1:
-        return _meant_constant(program, names[0])
-    inside = [path for path in known if [step.name for step in path[:-1]] == names[:-1]]
-    if inside:
-        owner = ".".join(map(str, steps[:-1]))
-        return f"{owner} has the parameters {', '.join(path[-1].name for path in inside)}"
-    where = " and ".join(f"`{root.name.text}`" for root in roots)
-    return f"INSTANCE.PARAMETER, by the path inside {where}"
-
-
-def _near_constant(program: Program, name: str) -> str | None:
-    return _suggested(name, _constants(program))
-
-
-def _meant_constant(program: Program, name: str) -> str:
-    """The constant that was probably meant, or what constants there are."""
-    near, constants = _near_constant(program, name), _constants(program)
-    if near is not None:
-        return f"did you mean {near!r}?"
-    more = ", ..." if len(constants) > _MOST_NAMED else ""
-    return f"the constants are {', '.join(constants[:_MOST_NAMED])}{more}" if constants else "there are no constants"
-
-
-def _constants(program: Program) -> list[str]:
-    return [name for name, item in program.definitions.items() if isinstance(item, ast.Constant)]
-
-
-def _near_path(steps: tuple[Step, ...], known: Sequence[tuple[Step, ...]]) -> str | None:
-    """The known path that ends as this one does, or that this one ends as, or that is spelled nearly so."""
-    names = [step.name for step in steps]
-    for path in known:
-        own = [step.name for step in path]
-        if own[-len(names) :] == names or (len(own) > 1 and names[-len(own) :] == own):
-            return _indexed(path, steps)
-    spelled: dict[str, tuple[Step, ...]] = {}
-    for path in known:
-        own = [step.name for step in path]
-        spelled.setdefault(".".join(own), path)
-        spelled.setdefault(".".join(own[-len(names) :]), path)
-    near = _suggested(".".join(names), spelled)
-    return None if near is None else _indexed(spelled[near], steps)
-
-
-def _indexed(path: tuple[Step, ...], steps: tuple[Step, ...]) -> str:
-    """A path, with the indexes of another that ends as it does where these are numbers."""
-    from cspdiag.network.lower.setting_paths import Step
-
-    def indexed() -> Iterator[Step]:
-        written = dict(zip(reversed(range(len(path))), reversed(steps), strict=False))
-        for number, step in enumerate(path):
-            own = written.get(number)
-            fits = own is not None and len(own.indexes) == len(step.indexes) and all(map(str.isdecimal, own.indexes))
-            yield Step(step.name, own.indexes) if own is not None and fits else step
-
-    return ".".join(map(str, indexed()))
-
-
-def _suggested(name: str, known: Iterable[str]) -> str | None:
-    from cspdiag.base.spelling import Speller
-
-    return Speller().nearest(name, known)

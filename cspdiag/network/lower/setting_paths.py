@@ -205,3 +205,8 @@ def _declared(items: Iterable[ast.Node], depth: int) -> Iterator[tuple[ast.Insta
             yield item, depth + (item.size is not None)
         elif isinstance(item, ast.RepeatedDeclarations):
             yield from _declared(item.declarations, depth + 1)
+
+
+def paths_inside(root: Root, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], ...]:
+    """The paths below a root that a path can be: itself, and where it begins with the root's name, the rest."""
+    return (steps, steps[1:]) if len(steps) > 1 and str(steps[0]) == root.name.text else (steps,)
