@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
     from cspdiag.model.program import Program, Value
     from cspdiag.model.types import Type
-    from cspdiag.network.lower.setting_paths import Root, Step
+    from cspdiag.network.lower.setting_paths import PathStep, Root
 
 
 class SettingError(CspdiagError, ValueError):
@@ -267,7 +267,7 @@ def _part(program: Program, constant: ast.Constant, path: str, name: str) -> tup
         raise SettingError(f"there is no constant {name!r} ({meant})") from None
 
 
-def _parameters(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> list[_Target]:
+def _parameters(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> list[_Target]:
     """The parameters that a path can mean: inside each of the roots, or behind the name of one."""
     from cspdiag.network.lower.setting_paths import parameter_at, paths_inside
 

@@ -15,7 +15,7 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.sat.solver import MISSING
 from cspdiag.proofs.search.candidates import MOST_STATES, refute_by_candidate
 from cspdiag.proofs.structure.pairs import Structure
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
@@ -36,7 +36,7 @@ itself.
 STATES_OF_EXAMINATION = 1000
 """So many states are looked at from a candidate that invariants may still exclude."""
 
-Engine: TypeAlias = Callable[[Question, Limits], Verdict]
+Engine: TypeAlias = Callable[[StuckQuestion, Limits], Verdict]
 
 
 def prove_deadlock_free(
@@ -45,7 +45,7 @@ def prove_deadlock_free(
     """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves
     work where it is known.
     """
-    return _prove(Question(system, together=True, known=structure or Structure(system, limits)), limits, methods)
+    return _prove(StuckQuestion(system, together=True, known=structure or Structure(system, limits)), limits, methods)
 
 
 def prove_knot_free(
@@ -54,10 +54,10 @@ def prove_knot_free(
     """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them;
     ``structure`` as for deadlock.
     """
-    return _prove(Question(system, together=False, known=structure or Structure(system, limits)), limits, methods)
+    return _prove(StuckQuestion(system, together=False, known=structure or Structure(system, limits)), limits, methods)
 
 
-def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) -> Verdict:
+def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | None) -> Verdict:
     methods = chosen or METHODS
     unknown: list[Unknown] = []
     for at, method in enumerate(methods):
@@ -79,7 +79,7 @@ def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) 
     return _together(unknown)
 
 
-def _asked(method: Method, question: Question, limits: Limits) -> Verdict:
+def _asked(method: Method, question: StuckQuestion, limits: Limits) -> Verdict:
     """What a method answers; also what all methods need to know of the system takes its time."""
     try:
         return _ENGINES[method](question, limits)
@@ -94,7 +94,7 @@ def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
     return verdict
 
 
-def _searched_briefly(question: Question, limits: Limits) -> Verdict:
+def _searched_briefly(question: StuckQuestion, limits: Limits) -> Verdict:
     """What a search says that ends before the solver for invariants would have started."""
     brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory, time.process_time)
     if question.structure.fails and not question.together:
@@ -102,7 +102,7 @@ def _searched_briefly(question: Question, limits: Limits) -> Verdict:
     return _by_stubborn_sets(question, brief)
 
 
-def _followed(question: Question, verdict: Unknown, limits: Limits, most_states: int) -> Verdict:
+def _followed(question: StuckQuestion, verdict: Unknown, limits: Limits, most_states: int) -> Verdict:
     """The verdict, or a refutation that its candidate leads to."""
     if verdict.candidate is None:
         return verdict
@@ -121,7 +121,7 @@ def _together(unknown: Sequence[Unknown]) -> Unknown:
     return replaced(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
 
 
-def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
+def _shortened(question: StuckQuestion, verdict: Verdict, limits: Limits) -> Verdict:
     """A refutation with a shorter trace, if one is found quickly; a proof as it is."""
     if not isinstance(verdict, Refuted) or verdict.method == "breadth-first" or len(verdict.trace) < 2:
         return verdict
@@ -135,19 +135,19 @@ def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
     return verdict
 
 
-def _by_rules(question: Question, limits: Limits) -> Verdict:
+def _by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.rules.deadlock import by_rules
 
     return by_rules(question, limits)
 
 
-def _by_sat(question: Question, limits: Limits) -> Verdict:
+def _by_sat(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.sat.deadlock import by_sat
 
     return by_sat(question, limits)
 
 
-def _by_invariants(question: Question, limits: Limits) -> Verdict:
+def _by_invariants(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.sat.invariants.prove import by_invariants
 
     def examine(candidate: Sequence[int], stuck: Sequence[int]) -> Refuted | None:
@@ -156,7 +156,7 @@ def _by_invariants(question: Question, limits: Limits) -> Verdict:
     return by_invariants(question, limits, examine)
 
 
-def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
+def _by_stubborn_sets(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.search import stubborn
 
     if question.structure.fails and not question.together:
@@ -166,14 +166,14 @@ def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
     return search(question.system, limits)
 
 
-def _by_minimization(question: Question, limits: Limits) -> Verdict:
+def _by_minimization(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.reduce import minimization
 
     search = minimization.deadlock_free if question.together else minimization.knot_free
     return search(question.system, limits)
 
 
-def _by_breadth_first(question: Question, limits: Limits) -> Verdict:
+def _by_breadth_first(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.search import breadth_first
 
     search = breadth_first.deadlock_free if question.together else breadth_first.knot_free

@@ -7,9 +7,9 @@ import pytest
 from cspdiag.codegen.shared.document import (
     LINE,
     SOFT,
-    Choice,
     Document,
     Fill,
+    FirstThatFits,
     Flat,
     Group,
     Nest,
@@ -23,7 +23,7 @@ CALL: Document = ("f(", Nest(2, Fill(listed(["alpha", "beta", "gamma"]))), ")")
 BLOCK: Document = Group(("{", Nest(2, (SOFT, joined(LINE, listed(["a = 1", "b = 2"])))), SOFT, "}"))
 
 
-@pytest.mark.parametrize("document", [CALL, BLOCK, Choice((CALL, BLOCK))])
+@pytest.mark.parametrize("document", [CALL, BLOCK, FirstThatFits((CALL, BLOCK))])
 def test_what_fits_is_on_one_line(document: Document) -> None:
     assert render(document, 80) == [flat(document)]
 
@@ -55,7 +55,7 @@ def test_an_outer_group_is_broken_before_an_inner_one() -> None:
 
 def test_the_first_layout_is_taken_of_which_every_line_fits() -> None:
     below: Document = Nest(2, (LINE, Flat("value")))
-    document = Choice((("x = ", Flat("value")), ("x =", below), "never"))
+    document = FirstThatFits((("x = ", Flat("value")), ("x =", below), "never"))
     assert render((document, ";"), 10) == ["x = value;"]
     assert render((document, ";"), 9) == ["x =", "  value;"]
     assert render((document, ";"), 7) == ["never;"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.proofs.rules.deadlock import by_rules
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
 from tests.proofs.systems import known, naive
@@ -14,7 +14,7 @@ from tests.proofs.systems.random_networks import FORMS, Form, plain_knot, random
 
 
 def ruled(system: System, *, together: bool) -> Verdict:
-    return by_rules(Question(system, together), Limits())
+    return by_rules(StuckQuestion(system, together), Limits())
 
 
 @pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])

@@ -47,7 +47,7 @@ class AnalysedLoop:
 
 
 @record
-class Refusal:
+class LawWithoutMargins:
     """A law that has no margins, why, and the place of what stands in the way."""
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -63,7 +63,7 @@ class LoopReport:
 
     environment: str
     loops: tuple[AnalysedLoop, ...]
-    refusals: tuple[Refusal, ...]
+    refusals: tuple[LawWithoutMargins, ...]
 
 
 def analyse_loops(
@@ -78,7 +78,7 @@ def analyse_loops(
     """
     places = list(_points(network, environment, point))
     found: list[AnalysedLoop] = []
-    refusals: list[Refusal] = []
+    refusals: list[LawWithoutMargins] = []
     first = places[0][1]
     for path in first.classes:
         if path not in first.periods or path not in first.structure.ways:
@@ -88,7 +88,7 @@ def analyse_loops(
         try:
             found += _of_law(places, path)
         except NotLinearError as problem:
-            refusals.append(Refusal(path, problem.reason, problem.span))
+            refusals.append(LawWithoutMargins(path, problem.reason, problem.span))
     return LoopReport(environment.name, tuple(found), tuple(refusals))
 
 

@@ -60,7 +60,7 @@ class Fill:
 
 
 @record
-class Choice:
+class FirstThatFits:
     """The first of several layouts of one text of which every line fits; the last if none does."""
 
     layouts: tuple[Document, ...]
@@ -83,7 +83,7 @@ class Flat:
         return flat(self.content)
 
 
-Document: TypeAlias = "str | tuple[Document, ...] | Line | Nest | Group | Fill | Choice | Flat"
+Document: TypeAlias = "str | tuple[Document, ...] | Line | Nest | Group | Fill | FirstThatFits | Flat"
 
 LINE = Line()
 SOFT = Line("")
@@ -163,7 +163,7 @@ class _Layout:
                         line += flat(document)
                     else:
                         stack.append((depth, True, self._first(parts, depth, before + len(line), stack, following)))
-                case Choice(layouts=layouts):
+                case FirstThatFits(layouts=layouts):
                     if not broken:
                         line += flat(layouts[0])
                     else:
@@ -185,7 +185,9 @@ class _Layout:
         stays = is_one_line and column + len(text) + 1 + len(flat(rest[0])) + ahead <= self.width
         return (Group(head), " " if stays else LINE, Fill(tuple(rest)))
 
-    def _chosen(self, choice: Choice, depth: int, column: int, stack: Sequence[_Item], following: int) -> Document:
+    def _chosen(
+        self, choice: FirstThatFits, depth: int, column: int, stack: Sequence[_Item], following: int
+    ) -> Document:
         *preferred, last = choice.layouts
         for layout in preferred:
             if self._all_fit(layout, depth, column, self._ahead(stack, following)):
@@ -233,6 +235,6 @@ def _until_line(document: Document, broken: bool) -> tuple[int, bool]:
             return _until_line(content, broken)
         case Fill(items=items):
             return _until_line(joined(LINE, items), broken)
-        case Choice(layouts=layouts):
+        case FirstThatFits(layouts=layouts):
             return _until_line(layouts[-1], broken)
     assert_never(document)

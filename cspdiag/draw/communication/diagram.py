@@ -18,7 +18,16 @@ from cspdiag.draw.communication.tooltips import (
     port_tooltip,
     store_tooltip,
 )
-from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
+from cspdiag.draw.elements.diagram import (
+    Arrow,
+    Box,
+    CommunicationDiagram,
+    ParentPort,
+    Sink,
+    Store,
+    Vertex,
+    WrittenValue,
+)
 from cspdiag.draw.elements.marks import WHOLE, Mark, Marks
 from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import lay_out
@@ -136,7 +145,7 @@ class _Drawing:
                 return Group(
                     vertex.form, (*shapes, self._centred(name, place)), name, _with_note(store_tooltip(vertex), mark)
                 )
-            case Value():
+            case WrittenValue():
                 return Group("value", (self._beside(name, place, Anchor.END, mark),), name, _with_note("", mark))
             case Sink():
                 return Group("sink", symbols.sink(place, mark), name, _with_note("discarded", mark))
@@ -225,10 +234,10 @@ class _Drawing:
             return None
         half = badge_width(mark) / 2
         if vertex is not None and place is not None:
-            if not isinstance(vertex, ParentPort | Value):
+            if not isinstance(vertex, ParentPort | WrittenValue):
                 return badge(mark, self._free(_corners(place, half), half))
             away = TEXT_MARGIN + self.made.captions[name].text_width + BADGE_GAP + half
-            is_left = isinstance(vertex, Value) or vertex.direction == "in"
+            is_left = isinstance(vertex, WrittenValue) or vertex.direction == "in"
             return badge(mark, Point(place.right - away if is_left else place.x + away, place.centre.y))
         label = self.layout.labels.get(f"{name}#label")
         if label is not None and self.made.captions[f"{name}#label"].mark is not None:

@@ -17,8 +17,8 @@ from cspdiag.draw.elements.diagram import (
     ParentPort,
     Sink,
     Store,
-    Value,
     Vertex,
+    WrittenValue,
 )
 from cspdiag.draw.elements.marks import Mark, Marks
 from cspdiag.draw.hiding import Hidden
@@ -169,7 +169,7 @@ class _Level:
             case Store():
                 caption = self._store_caption(vertex)
                 return self._small(name, caption, caption.width + 2 * STORE_GAP, STORE_HEIGHT, Layer.ANY, is_used)
-            case Value():
+            case WrittenValue():
                 text = (TextRun(vertex.text, Face.MONO, Ink.FAINT),)
                 caption = Caption((text,), PORT_SIZE, self._badged(name))
                 return self._small(
@@ -235,7 +235,7 @@ class _Level:
     def _goes_with_value(self, arrow: Arrow) -> bool:
         """Whether an arrow belongs to an expression that has a badge of its own."""
         ends = [self._id(end.element) for end in (*arrow.sources, *arrow.sinks)]
-        return any(end in self.marks and isinstance(self.made.vertices.get(end), Value) for end in ends)
+        return any(end in self.marks and isinstance(self.made.vertices.get(end), WrittenValue) for end in ends)
 
     def _end(self, end: End, side: str) -> str:
         if end.element in self.at_border:

@@ -14,7 +14,7 @@ Action: TypeAlias = Literal["added", "removed", "changed", "renamed"]
 
 
 @record
-class Part:
+class DefinitionPart:
     """Something that a definition consists of: what it is called, what is said about it by aspect (``type``,
     ``period``), and where.
 
@@ -27,7 +27,7 @@ class Part:
     span: Span | None = None
 
 
-Parts: TypeAlias = "dict[tuple[str, str], Part]"
+Parts: TypeAlias = "dict[tuple[str, str], DefinitionPart]"
 """By subject (``port``, ``instance``) and name."""
 
 

@@ -6,9 +6,18 @@ from collections.abc import Iterable, Mapping
 from typing import assert_never
 
 from cspdiag.draw.communication.tooltips import WORDS
-from cspdiag.draw.differences.change import Part, Parts
+from cspdiag.draw.differences.change import DefinitionPart, Parts
 from cspdiag.draw.elements import texts
-from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, FlowKind, ParentPort, Sink, Store, Value
+from cspdiag.draw.elements.diagram import (
+    Arrow,
+    Box,
+    CommunicationDiagram,
+    FlowKind,
+    ParentPort,
+    Sink,
+    Store,
+    WrittenValue,
+)
 from cspdiag.model.constants.durations import duration
 from cspdiag.syntax import ast
 
@@ -91,21 +100,23 @@ def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[
                 aspects = _port_aspects(vertex, own)
                 text = f"{vertex.direction} {vertex.key}{vertex.size or ''} : {vertex.type}"
                 text += f" @ {vertex.period}" if vertex.period else ""
-                parts["port", vertex.key] = Part(text, aspects, vertex.key, place)
+                parts["port", vertex.key] = DefinitionPart(text, aspects, vertex.key, place)
             case Box() if vertex.key != diagram.environment_of:
                 arguments = _by_parameter(vertex, parameters.get(vertex.definition, ()))
                 aspects = {"definition": vertex.definition, "size": vertex.size or "", **arguments}
                 size = f"[{vertex.size}]" if vertex.size else ""
                 written = f"({', '.join(vertex.arguments)})" if vertex.arguments else ""
                 text = f"{vertex.key}{size} : {vertex.definition}{written}"
-                parts["instance", vertex.key] = Part(text, aspects, vertex.key, place)
+                parts["instance", vertex.key] = DefinitionPart(text, aspects, vertex.key, place)
             case Store():
                 asked = " ".join(part for part in (vertex.asked, vertex.capacity) if part)
                 aspects = {"type": vertex.type, "initial value": vertex.initial or "", "kind": asked}
                 initial = f" = {vertex.initial}" if vertex.initial else ""
                 subject = "channel" if vertex.form == "channel" else "variable"
-                parts[subject, vertex.key] = Part(f"{vertex.key} : {vertex.type}{initial}", aspects, vertex.key, place)
-            case Box() | Value() | Sink():
+                parts[subject, vertex.key] = DefinitionPart(
+                    f"{vertex.key} : {vertex.type}{initial}", aspects, vertex.key, place
+                )
+            case Box() | WrittenValue() | Sink():
                 pass
             case _:
                 assert_never(vertex)
@@ -115,7 +126,7 @@ def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[
     return parts
 
 
-def _arrow_part(arrow: Arrow) -> Part:
+def _arrow_part(arrow: Arrow) -> DefinitionPart:
     sources, sinks = (", ".join(_end(str(end)) for end in ends) for ends in (arrow.sources, arrow.sinks))
     asked = " ".join(part for part in (arrow.asked, arrow.capacity) if part)
     medium = f"{arrow.label or ''}{f' : {arrow.type}' if arrow.type else ''}{f' {asked}' if asked else ''}".strip()
@@ -130,7 +141,7 @@ def _arrow_part(arrow: Arrow) -> Part:
         "inferred kind": _words(arrow.kinds) if not asked else "",
         "replicator": repeated,
     }
-    return Part(text, aspects, arrow.key, arrow.spans[0] if arrow.spans else None)
+    return DefinitionPart(text, aspects, arrow.key, arrow.spans[0] if arrow.spans else None)
 
 
 def _end(name: str) -> str:
@@ -174,7 +185,7 @@ def _body(external: ast.External | None) -> str:
 
 
 def _add(parts: Parts, subject: str, name: str, item: ast.Node, aspects: Mapping[str, str | None]) -> None:
-    parts[subject, name] = Part(
+    parts[subject, name] = DefinitionPart(
         texts.written(item), {key: value or "" for key, value in aspects.items()}, "", item.span
     )
 
@@ -197,7 +208,7 @@ def _add_ports(parts: Parts, ports: Iterable[ast.Ports]) -> None:
             }
             text = f"{item.direction} {texts.written(port)} : {texts.written(item.type)}"
             kept = {key: value or "" for key, value in aspects.items()}
-            parts["port", port.name.text] = Part(text, kept, "", port.span)
+            parts["port", port.name.text] = DefinitionPart(text, kept, "", port.span)
 
 
 def _add_items(parts: Parts, items: Iterable[ast.SubmodelItem]) -> None:

@@ -6,7 +6,17 @@ from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import TypeVar, assert_never
 
 from cspdiag.base.record import replaced
-from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, End, ParentPort, Sink, Store, Value, Vertex
+from cspdiag.draw.elements.diagram import (
+    Arrow,
+    Box,
+    CommunicationDiagram,
+    End,
+    ParentPort,
+    Sink,
+    Store,
+    Vertex,
+    WrittenValue,
+)
 
 T = TypeVar("T")
 
@@ -25,8 +35,12 @@ def vertex_renames(before: CommunicationDiagram, after: CommunicationDiagram) ->
     all.
     """
     kept = {vertex.key for vertex in before.vertices} & {vertex.key for vertex in after.vertices}
-    gone = [vertex for vertex in before.vertices if vertex.key not in kept and not isinstance(vertex, Sink | Value)]
-    come = [vertex for vertex in after.vertices if vertex.key not in kept and not isinstance(vertex, Sink | Value)]
+    gone = [
+        vertex for vertex in before.vertices if vertex.key not in kept and not isinstance(vertex, Sink | WrittenValue)
+    ]
+    come = [
+        vertex for vertex in after.vertices if vertex.key not in kept and not isinstance(vertex, Sink | WrittenValue)
+    ]
     surroundings = {id(vertex): _surroundings(before, vertex.key, kept) for vertex in gone}
     surroundings |= {id(vertex): _surroundings(after, vertex.key, kept) for vertex in come}
     return {
@@ -48,7 +62,7 @@ def _signature(vertex: Vertex) -> Hashable:
             return (vertex.direction, vertex.type, vertex.size, vertex.period, vertex.default, vertex.safe)
         case Store():
             return (vertex.form, vertex.type, vertex.initial, vertex.asked, vertex.capacity)
-        case Value() | Sink():
+        case WrittenValue() | Sink():
             return vertex.key
         case _:
             assert_never(vertex)

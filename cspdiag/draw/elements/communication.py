@@ -18,8 +18,8 @@ from cspdiag.draw.elements.diagram import (
     ParentPort,
     Sink,
     Store,
-    Value,
     Vertex,
+    WrittenValue,
 )
 from cspdiag.draw.elements.facts import NOTHING, Facts, Flow
 from cspdiag.model.program import Program
@@ -232,7 +232,7 @@ class _Extraction:
             self._by_composition(stores[0], access.channel, access)
             return
         key = f"{access.channel} ! {access.text}"
-        self.vertices.setdefault(key, Value(key=key, text=access.text, spans=(access.span,)))
+        self.vertices.setdefault(key, WrittenValue(key=key, text=access.text, spans=(access.span,)))
         for store in stores:
             self._by_composition(store, key, access)
         self._by_composition(key, access.channel, access)

@@ -100,7 +100,7 @@ class Store(Element):
 
 
 @record(kw_only=True)
-class Value(Element):
+class WrittenValue(Element):
     """An expression that the process itself writes: ``control ! 0<V>``."""
 
     text: str
@@ -111,7 +111,7 @@ class Sink(Element):
     """``_``: takes everything."""
 
 
-Vertex: TypeAlias = Box | ParentPort | Store | Value | Sink
+Vertex: TypeAlias = Box | ParentPort | Store | WrittenValue | Sink
 
 
 @record

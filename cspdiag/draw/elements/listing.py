@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
-from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
+from cspdiag.draw.elements.diagram import (
+    Arrow,
+    Box,
+    CommunicationDiagram,
+    ParentPort,
+    Sink,
+    Store,
+    Vertex,
+    WrittenValue,
+)
 from cspdiag.model.constants.durations import duration
 
 
@@ -50,7 +59,7 @@ def _vertex(vertex: Vertex) -> Iterator[str]:
             asked = f" {vertex.asked}" if vertex.asked else ""
             capacity = f" {vertex.capacity}" if vertex.capacity else ""
             yield f"{vertex.form} {vertex.key} : {vertex.type}{initial}{asked}{capacity}{_kinds(vertex.kinds)}"
-        case Value():
+        case WrittenValue():
             yield f"value {vertex.text}"
         case Sink():
             yield f"sink of {vertex.key}"

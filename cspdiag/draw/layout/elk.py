@@ -11,7 +11,7 @@ from cspdiag.draw.layout import engine, sizes
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layout, LayoutError, Route, Side
 from cspdiag.draw.layout.hierarchy import Hierarchy
 from cspdiag.draw.layout.joined import joined
-from cspdiag.draw.layout.question import LABEL_GAP, Json, Question, question, whole, without_text_order, wrapped
+from cspdiag.draw.layout.question import LABEL_GAP, ElkGraph, Json, question, whole, without_text_order, wrapped
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 WIDEST = 2400.0
@@ -50,7 +50,7 @@ class _Places:
     edges: list[Json] = field(default_factory=list)
 
 
-def _answer(asked: Question, placed: Json) -> Layout:
+def _answer(asked: ElkGraph, placed: Json) -> Layout:
     places = _Places()
     _collect(placed, places)
     hierarchy = asked.hierarchy
@@ -138,7 +138,7 @@ def _label_place(label: Label, room: Rectangle) -> Rectangle:
     return Rectangle(room.centre.x - label.width / 2, room.bottom - label.height, label.width, label.height)
 
 
-def _route(asked: Question, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
+def _route(asked: ElkGraph, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
     """Names the ends of the lines by where they are: the ends of an edge are different places."""
     joint = asked.joints.get(edge.id)
     inner = {places.ports[joint.entry], places.ports[joint.exit]} if joint else set()
@@ -149,7 +149,7 @@ def _route(asked: Question, edge: Edge, lines: list[list[Point]], places: _Place
     return joined(lines, sources, targets)
 
 
-def _nearest(asked: Question, ends: tuple[str, ...], point: Point, places: _Places) -> str:
+def _nearest(asked: ElkGraph, ends: tuple[str, ...], point: Point, places: _Places) -> str:
     def distance(end: str) -> float:
         if end in places.ports:
             place = places.ports[end]

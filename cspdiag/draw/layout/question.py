@@ -69,7 +69,7 @@ class Joint:
 
 
 @dataclass
-class Question:
+class ElkGraph:
     """A graph in ELK's format, and what is what in it."""
 
     graph: Graph
@@ -90,9 +90,9 @@ class Question:
         return self.graph.direction is Direction.DOWN
 
 
-def question(graph: Graph) -> Question:
+def question(graph: Graph) -> ElkGraph:
     """What ELK is asked about a graph. Raises ValueError for a graph that is not one."""
-    made = Question(graph, hierarchy(graph))
+    made = ElkGraph(graph, hierarchy(graph))
     made.top = [_node(made, node) for node in graph.nodes]
     for edge in made.hierarchy.edges:
         _add_edge(made, edge)
@@ -100,7 +100,7 @@ def question(graph: Graph) -> Question:
     return made
 
 
-def _options(asked: Question) -> dict[str, str]:
+def _options(asked: ElkGraph) -> dict[str, str]:
     graph = asked.graph
     return _OPTIONS | {
         **TEXT_ORDER,
@@ -111,7 +111,7 @@ def _options(asked: Question) -> dict[str, str]:
     }
 
 
-def without_text_order(asked: Question) -> Json:
+def without_text_order(asked: ElkGraph) -> Json:
     """The whole in ELK's format, without what ELK may fail on."""
     for options in (asked.options, *(node["layoutOptions"] for node in asked.nodes.values())):
         for option in (*TEXT_ORDER, "elk.layered.considerModelOrder.strategy"):
@@ -119,24 +119,24 @@ def without_text_order(asked: Question) -> Json:
     return whole(asked)
 
 
-def wrapped(asked: Question) -> Json:
+def wrapped(asked: ElkGraph) -> Json:
     """The whole in ELK's format, to be broken into rows."""
     asked.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
     return whole(asked)
 
 
-def whole(asked: Question) -> Json:
+def whole(asked: ElkGraph) -> Json:
     """The whole in ELK's format."""
     return {"id": "", "layoutOptions": asked.options, "children": asked.top, "edges": asked.edges}
 
 
-def _thoroughness(question: Question) -> int:
+def _thoroughness(question: ElkGraph) -> int:
     """How often ELK looks for fewer crossings; in a large graph each time takes long and gains little."""
     parts = len(question.hierarchy.nodes) + len(question.hierarchy.edges)
     return max(1, min(7, 300 // (parts + 1)))
 
 
-def _node(question: Question, node: Node) -> Json:
+def _node(question: ElkGraph, node: Node) -> Json:
     width, height = sizes.least_size(node)
     top = sizes.title_height(node)
     options = {
@@ -167,7 +167,7 @@ def _node(question: Question, node: Node) -> Json:
     return made
 
 
-def _layer(question: Question, node: Node) -> Layer:
+def _layer(question: ElkGraph, node: Node) -> Layer:
     """The layer a node asked for; a node with lines to its wrong side cannot have it."""
     own = {node.id, *(port.id for port in node.ports)}
     edges = question.hierarchy.edges
@@ -198,7 +198,7 @@ def _ports(node: Node) -> list[Json]:
     return ports
 
 
-def _add_edge(question: Question, edge: Edge) -> None:
+def _add_edge(question: ElkGraph, edge: Edge) -> None:
     if len(edge.sources) == len(edge.targets) == 1:
         _add_part(question, edge, edge.sources[0], edge.targets[0], edge.label)
     elif edge.label is None and 1 in (len(edge.sources), len(edge.targets)):
@@ -215,7 +215,7 @@ def _add_edge(question: Question, edge: Edge) -> None:
             _add_part(question, edge, joint.exit, _end(question, edge, target, leaves=False))
 
 
-def _add_part(question: Question, edge: Edge, source: str, target: str, label: Label | None = None) -> None:
+def _add_part(question: ElkGraph, edge: Edge, source: str, target: str, label: Label | None = None) -> None:
     name = f"{edge.id}#{len(question.parts)}"
     question.parts[name] = edge.id
     made: Json = {"id": name, "sources": [source], "targets": [target]}
@@ -239,7 +239,7 @@ def _add_part(question: Question, edge: Edge, source: str, target: str, label: L
     siblings.append(made)
 
 
-def _end(question: Question, edge: Edge, end: str, *, leaves: bool) -> str:
+def _end(question: ElkGraph, edge: Edge, end: str, *, leaves: bool) -> str:
     """The port where a line of several ends meets a node; made where the edge names the node itself."""
     if end in question.hierarchy.ports:
         return end
@@ -252,7 +252,7 @@ def _end(question: Question, edge: Edge, end: str, *, leaves: bool) -> str:
     return name
 
 
-def _add_joint(question: Question, edge: Edge) -> Joint:
+def _add_joint(question: ElkGraph, edge: Edge) -> Joint:
     joint = Joint(f"{edge.id}&", f"{edge.id}&<", f"{edge.id}&>")
     width = sizes.even(edge.label.width) if edge.label else 0
     height = label_height(edge.label) if edge.label else 0

@@ -69,7 +69,7 @@ class UnconnectedInputs(Diagnostic):
 
 
 @record
-class StepNotPositive(Diagnostic):
+class EnvironmentStepNotPositive(Diagnostic):
     code = "E0808"
     title = "a step that is not positive"
 

@@ -60,7 +60,7 @@ class TimeOutsideEnvironment(Diagnostic):
 
 
 @record
-class StepNotPositive(Diagnostic):
+class IntegrationStepNotPositive(Diagnostic):
     code = "E0459"
     title = "a step that is not positive"
 

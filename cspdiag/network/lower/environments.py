@@ -10,8 +10,8 @@ from cspdiag.base import Report
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Scope, Value
 from cspdiag.network.diagnostics.environments import (
+    EnvironmentStepNotPositive,
     IncompleteEnvironment,
-    StepNotPositive,
     UnconnectedInputs,
     UnknownMissPolicy,
 )
@@ -133,7 +133,7 @@ def _step(
         if isinstance(step, int) and step > 0:
             return step
         if isinstance(step, int):
-            report.add(StepNotPositive(definition.step.span))
+            report.add(EnvironmentStepNotPositive(definition.step.span))
     return math.gcd(*(port.period for port in ports if port.period)) or MILLISECOND
 
 

@@ -7,7 +7,7 @@ from itertools import chain, islice
 
 from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program
-from cspdiag.network.lower.setting_paths import Dead, Root, Step, parameter_at, paths_inside, paths_of, steps_of
+from cspdiag.network.lower.setting_paths import Dead, PathStep, Root, parameter_at, paths_inside, paths_of, steps_of
 from cspdiag.syntax import ast
 
 _MOST_NAMED = 8
@@ -17,7 +17,7 @@ _MOST_PATHS = 1000
 """
 
 
-def no_parameter_either(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
+def no_parameter_either(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> str:
     """Why a name that begins like a constant means nothing in the instances and parameters that are called the same;
     empty where none are.
     """
@@ -46,7 +46,7 @@ def unknown_name(program: Program, name: str, roots: Sequence[Root]) -> str:
     return f"there is no {what} {name!r}{f' ({help_})' if help_ else ''}"
 
 
-def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
+def _elsewhere(program: Program, steps: tuple[PathStep, ...]) -> str:
     """That the path leads somewhere in an environment which was not chosen."""
     others = (item for item in program.definitions.values() if isinstance(item, ast.EnvironmentDefinition))
     for item in others:
@@ -55,7 +55,7 @@ def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
     return ""
 
 
-def _meant(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
+def _meant(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> str:
     """What to say of a path that leads nowhere: one that was probably meant, or what paths there are."""
     known = list(islice(chain.from_iterable(paths_of(program, root) for root in roots), _MOST_PATHS))
     names = [step.name for step in steps]
@@ -91,14 +91,14 @@ def _constants(program: Program) -> list[str]:
     return [name for name, item in program.definitions.items() if isinstance(item, ast.Constant)]
 
 
-def _near_path(steps: tuple[Step, ...], known: Sequence[tuple[Step, ...]]) -> str | None:
+def _near_path(steps: tuple[PathStep, ...], known: Sequence[tuple[PathStep, ...]]) -> str | None:
     """The known path that ends as this one does, or that this one ends as, or that is spelled nearly so."""
     names = [step.name for step in steps]
     for path in known:
         own = [step.name for step in path]
         if own[-len(names) :] == names or (len(own) > 1 and names[-len(own) :] == own):
             return _indexed(path, steps)
-    spelled: dict[str, tuple[Step, ...]] = {}
+    spelled: dict[str, tuple[PathStep, ...]] = {}
     for path in known:
         own = [step.name for step in path]
         spelled.setdefault(".".join(own), path)
@@ -107,15 +107,15 @@ def _near_path(steps: tuple[Step, ...], known: Sequence[tuple[Step, ...]]) -> st
     return None if near is None else _indexed(spelled[near], steps)
 
 
-def _indexed(path: tuple[Step, ...], steps: tuple[Step, ...]) -> str:
+def _indexed(path: tuple[PathStep, ...], steps: tuple[PathStep, ...]) -> str:
     """A path, with the indexes of another that ends as it does where these are numbers."""
 
-    def indexed() -> Iterator[Step]:
+    def indexed() -> Iterator[PathStep]:
         written = dict(zip(reversed(range(len(path))), reversed(steps), strict=False))
         for number, step in enumerate(path):
             own = written.get(number)
             fits = own is not None and len(own.indexes) == len(step.indexes) and all(map(str.isdecimal, own.indexes))
-            yield Step(step.name, own.indexes) if own is not None and fits else step
+            yield PathStep(step.name, own.indexes) if own is not None and fits else step
 
     return ".".join(map(str, indexed()))
 

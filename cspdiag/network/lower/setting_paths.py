@@ -49,7 +49,7 @@ class NoSuchElementError(LookupError):
 
 
 @record
-class Step:
+class PathStep:
     """A name on a path, with its indexes as written: ``cell[0][1]``."""
 
     name: str
@@ -67,13 +67,13 @@ class Dead:
     reason: str = ""
 
 
-def steps_of(path: str) -> tuple[Step, ...] | None:
+def steps_of(path: str) -> tuple[PathStep, ...] | None:
     """The steps of a path, numbers as one writes them; None for what is no path at all."""
     found = [_STEP.fullmatch(part.strip()) for part in path.split(".")]
     if not all(found):
         return None
     return tuple(
-        Step(name=match["name"], indexes=tuple(map(_plain, re.findall(r"\[([^\]]*)\]", match["indexes"]))))
+        PathStep(name=match["name"], indexes=tuple(map(_plain, re.findall(r"\[([^\]]*)\]", match["indexes"]))))
         for match in found
         if match is not None
     )
@@ -84,7 +84,7 @@ def _plain(index: str) -> str:
     return str(int(index)) if index.isascii() and index.isdecimal() and len(index) < 20 else index
 
 
-def parameter_at(program: Program, root: Root, steps: tuple[Step, ...]) -> ast.Parameter | Dead:
+def parameter_at(program: Program, root: Root, steps: tuple[PathStep, ...]) -> ast.Parameter | Dead:
     """The parameter at the end of a path from a root, or where the path ends before."""
     definition: ast.Node = root
     for depth, step in enumerate(steps[:-1]):
@@ -110,7 +110,7 @@ def parameter_at(program: Program, root: Root, steps: tuple[Step, ...]) -> ast.P
     return parameter
 
 
-def _other_kind(program: Program, definition: ast.Node, steps: tuple[Step, ...]) -> str:
+def _other_kind(program: Program, definition: ast.Node, steps: tuple[PathStep, ...]) -> str:
     """That a path ends at something which is no parameter, and what can be set there; empty where it is
     nothing known.
     """
@@ -144,7 +144,7 @@ def refuse_missing(program: Program, root: Root, paths: Iterable[str], instances
         for depth in range(1, len(steps)):
             instance = ".".join(map(str, steps[:depth]))
             if instance not in known:
-                array = ".".join(map(str, (*steps[: depth - 1], Step(steps[depth - 1].name, ()))))
+                array = ".".join(map(str, (*steps[: depth - 1], PathStep(steps[depth - 1].name, ()))))
                 elements = [name for name in known if name.startswith(f"{array}[") and "." not in name[len(array) :]]
                 has = f"{elements[0]} to {elements[-1]}" if len(elements) > 1 else (elements or ["no element"])[0]
                 raise NoSuchElementError(root, path, array, has)
@@ -156,11 +156,11 @@ def _own_parameter(definition: ast.Node, name: str) -> ast.Parameter | None:
     return next((parameter for parameter in definition.parameters if parameter.name.text == name), None)
 
 
-def _wrong_indexes(steps: tuple[Step, ...], depth: int, dimensions: int) -> str:
+def _wrong_indexes(steps: tuple[PathStep, ...], depth: int, dimensions: int) -> str:
     step = steps[depth]
     if len(step.indexes) == dimensions and all(index.isascii() and index.isdecimal() for index in step.indexes):
         return ""
-    right = Step(step.name, ("0",) * dimensions)
+    right = PathStep(step.name, ("0",) * dimensions)
     whole = ".".join(map(str, (*steps[:depth], right, *steps[depth + 1 :])))
     if not dimensions:
         return f"{step.name!r} is one instance and no array: {whole!r}"
@@ -171,19 +171,19 @@ def _wrong_indexes(steps: tuple[Step, ...], depth: int, dimensions: int) -> str:
     return f"the elements of {step.name!r} are numbered: {whole!r}"
 
 
-def paths_of(program: Program, root: Root) -> Iterator[tuple[Step, ...]]:
+def paths_of(program: Program, root: Root) -> Iterator[tuple[PathStep, ...]]:
     """Paths to all parameters of instances, the outermost instances first; of an array to those of its
     first element.
     """
-    pending: deque[tuple[tuple[Step, ...], ast.Node]] = deque([((), root)])
+    pending: deque[tuple[tuple[PathStep, ...], ast.Node]] = deque([((), root)])
     while pending:
         prefix, definition = pending.popleft()
         if isinstance(definition, _Parametrized):
-            yield from ((*prefix, Step(parameter.name.text, ())) for parameter in definition.parameters)
+            yield from ((*prefix, PathStep(parameter.name.text, ())) for parameter in definition.parameters)
         for instance, dimensions in _instances(definition):
             found = program.definitions.get(instance.definition.text)
             if isinstance(found, _Parametrized):
-                pending.append(((*prefix, Step(instance.name.text, ("0",) * dimensions)), found))
+                pending.append(((*prefix, PathStep(instance.name.text, ("0",) * dimensions)), found))
 
 
 def _instances(definition: ast.Node) -> Iterator[tuple[ast.Instance, int]]:
@@ -207,6 +207,6 @@ def _declared(items: Iterable[ast.Node], depth: int) -> Iterator[tuple[ast.Insta
             yield from _declared(item.declarations, depth + 1)
 
 
-def paths_inside(root: Root, steps: tuple[Step, ...]) -> tuple[tuple[Step, ...], ...]:
+def paths_inside(root: Root, steps: tuple[PathStep, ...]) -> tuple[tuple[PathStep, ...], ...]:
     """The paths below a root that a path can be: itself, and where it begins with the root's name, the rest."""
     return (steps, steps[1:]) if len(steps) > 1 and str(steps[0]) == root.name.text else (steps,)

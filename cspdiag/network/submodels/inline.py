@@ -10,7 +10,7 @@ from cspdiag.model.diagnostics.equations import MissingEquation, UnconnectedInpu
 from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN, ArrayType, Type, UnknownType
 from cspdiag.network.diagnostics.operators import UnknownMethod
-from cspdiag.network.diagnostics.submodels import StepNotPositive, TooManyEquations
+from cspdiag.network.diagnostics.submodels import IntegrationStepNotPositive, TooManyEquations
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
@@ -124,7 +124,7 @@ class Inlining(SubmodelSignals):
         if definition.step is not None:
             step = self.draft.value_of(self.constant(definition.step))
             if isinstance(step, int) and step <= 0:
-                self.report.add(StepNotPositive(definition.step.span))
+                self.report.add(IntegrationStepNotPositive(definition.step.span))
             elif isinstance(step, int):
                 self.draft.steps.append(step)
 

@@ -59,7 +59,7 @@ OF_EVERY_PROGRAM = frozenset({"Fault", "Timeout"})
 """The exceptions that a program need not declare."""
 
 
-class Composition:
+class CompositionCheck:
     """The composition of a process class; each method gives, in words, what is wrong with a part of it."""
 
     def __init__(self, process: ProcessClass, exceptions: frozenset[str]) -> None:

@@ -32,7 +32,7 @@ from cspdiag.optimize.fuse.rolling import rolled
 from cspdiag.optimize.fuse.schedule import Path
 
 
-class Composition:
+class PathWriter:
     """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs
     besides.
 

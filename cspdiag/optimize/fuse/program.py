@@ -41,7 +41,7 @@ from cspdiag.network.ir.actions import Step as ActionStep
 from cspdiag.network.ir.network import CreatedChoice, Network, Port, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.dead.steps import remove_dead_parts
-from cspdiag.optimize.fuse.actions import Composition
+from cspdiag.optimize.fuse.actions import PathWriter
 from cspdiag.optimize.fuse.catch import refuse_seen_cancellation
 from cspdiag.optimize.fuse.check import same_schedule
 from cspdiag.optimize.fuse.code import NotStaticError
@@ -133,7 +133,7 @@ def _single(entry: ProcessClass, path: Path, *, together: bool, closing: bool) -
     if isinstance(path.outcome, Loops) and any(position > path.outcome.position for position in followed):
         path = with_loop_begun(path)
     names = {channel.name for channel in entry.channels}
-    composition = Composition(path, entry.body, names, followed, closing=closing)
+    composition = PathWriter(path, entry.body, names, followed, closing=closing)
     guarded = {(e.port, e.index or 0) for ends in followed.values() for e in ends if isinstance(e, PortEnd)}
     single = replaced(
         entry,

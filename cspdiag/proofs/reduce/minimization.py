@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from cspdiag.proofs.reduce.knots_as_deadlocks import knots_as_deadlocks
-from cspdiag.proofs.reduce.parallel_machines import MOST_STATES, Part
+from cspdiag.proofs.reduce.parallel_machines import MOST_STATES, MachineInSystem
 from cspdiag.proofs.reduce.reduction import Reduction
 from cspdiag.proofs.search import breadth_first, stubborn
 from cspdiag.proofs.transitions.systems.system import System
@@ -58,7 +58,7 @@ def _decide(
     return Unknown("minimization", "some processes can be stuck, but the search for a trace to it reached a limit")
 
 
-def _stands_still(parts: list[Part]) -> bool:
+def _stands_still(parts: list[MachineInSystem]) -> bool:
     """Whether all parts, which have nothing in common, can stand still at once, with a process that has not ended."""
     ways = [
         {ended for ended, edges in zip(part.machine.ended, part.machine.edges, strict=True) if not edges}

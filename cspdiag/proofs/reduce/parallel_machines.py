@@ -27,14 +27,14 @@ Renamed: TypeAlias = dict[int, int]
 
 
 @record
-class Part:
+class MachineInSystem:
     """A machine, and which event of the system each of its events is, also of those that it never offers."""
 
     machine: Machine
     events: tuple[int, ...]
 
 
-def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[int]) -> Part:
+def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[int]) -> MachineInSystem:
     """A component that is party to the events of an alphabet; those that are hidden are internal."""
     numbers = {component.initial: 0}
     pending = [component.initial]
@@ -52,7 +52,7 @@ def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[in
     for event in sorted(set(alphabet).difference(hidden)):
         events.setdefault(event, len(events))
     ended = tuple(not component.process or state in component.terminal for state in pending)
-    return Part(Machine(tuple(edges), ended), tuple(events))
+    return MachineInSystem(Machine(tuple(edges), ended), tuple(events))
 
 
 def without_the_restless(machine: Machine) -> Machine:
@@ -103,14 +103,14 @@ class Pairs:
         self._minimal: dict[int, Machine] = {}
         self._made: dict[tuple[int, int, tuple[tuple[int, int], ...], frozenset[int]], Machine] = {}
 
-    def minimal(self, part: Part) -> Part:
+    def minimal(self, part: MachineInSystem) -> MachineInSystem:
         """The smallest equivalent part."""
         machine = self._same(part.machine)
         if id(machine) not in self._minimal:
             self._minimal[id(machine)] = self._smallest(machine)
-        return Part(self._minimal[id(machine)], part.events)
+        return MachineInSystem(self._minimal[id(machine)], part.events)
 
-    def together(self, one: Part, other: Part, hidden: Collection[int]) -> Part:
+    def together(self, one: MachineInSystem, other: MachineInSystem, hidden: Collection[int]) -> MachineInSystem:
         """Both in parallel, made minimal; the hidden events become internal. Raises LimitError and TooLargeError."""
         place = {event: at for at, event in enumerate(one.events)}
         joints = tuple((place[event], at) for at, event in enumerate(other.events) if event in place)
@@ -125,7 +125,7 @@ class Pairs:
             its = {at: final.get(number[event], INTERNAL) for at, event in enumerate(other.events)}
             product = _product(one.machine, other.machine, joints, mine, its, self._limits)
             self._made[key] = self._smallest(product)
-        return Part(self._made[key], tuple(events[at] for at in kept))
+        return MachineInSystem(self._made[key], tuple(events[at] for at in kept))
 
     def _smallest(self, machine: Machine) -> Machine:
         if self._only_deadlocks:

@@ -11,7 +11,7 @@ from heapq import heapify, heappop, heappush
 from math import prod
 
 from cspdiag.base.record import replaced
-from cspdiag.proofs.reduce.parallel_machines import Pairs, Part, TooLargeError, part_of
+from cspdiag.proofs.reduce.parallel_machines import MachineInSystem, Pairs, TooLargeError, part_of
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 from cspdiag.proofs.verdict import Limits
 
@@ -52,7 +52,7 @@ def is_large(system: System) -> bool:
     return prod(len(component.edges) for component in system.components) > _WORTH_WHILE
 
 
-def _component(part: Part, at: int, number: dict[int, int]) -> Component:
+def _component(part: MachineInSystem, at: int, number: dict[int, int]) -> Component:
     edges = tuple(
         tuple((INTERNAL if event == INTERNAL else number[part.events[event]], target) for event, target in offered)
         for offered in part.machine.edges
@@ -96,7 +96,7 @@ class Reduction:
             self._queue.append(self._ranked(one, other))
         heapify(self._queue)
 
-    def remaining(self) -> Iterator[Part]:
+    def remaining(self) -> Iterator[MachineInSystem]:
         """The parts that are left when no two have an event in common, or are worth putting together. Raises
         LimitError.
         """

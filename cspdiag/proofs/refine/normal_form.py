@@ -22,7 +22,7 @@ _BYTES_PER_STATE = 400
 
 
 @record
-class Node:
+class NormalNode:
     """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is
     not allowed. ``offered`` are all labels that may come next.
     """
@@ -34,7 +34,7 @@ class Node:
 
 def normal_form(
     specification: System, labels: dict[int, Label], asked: Collection[Label], limits: Limits
-) -> tuple[Node, ...]:
+) -> tuple[NormalNode, ...]:
     """The automaton; its first node is the initial one. Raises LimitError.
 
     ``labels`` are those of the specification's events, ``asked`` those of the process.
@@ -60,7 +60,7 @@ def normal_form(
         if any(END in offered for offered in resting):
             after[END] = numbers[states]
         nodes.append(
-            Node(after, smallest(resting), frozenset(label for state in states for label in walk.offers(state)))
+            NormalNode(after, smallest(resting), frozenset(label for state in states for label in walk.offers(state)))
         )
     return tuple(nodes)
 

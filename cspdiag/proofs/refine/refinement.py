@@ -17,7 +17,7 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.properties.livelock import livelock_free
 from cspdiag.proofs.reduce.reduction import is_large, seen_from_outside
 from cspdiag.proofs.refine.labels import END, Label, Labels, is_open
-from cspdiag.proofs.refine.normal_form import Node, normal_form
+from cspdiag.proofs.refine.normal_form import NormalNode, normal_form
 from cspdiag.proofs.refine.words import done_too_much, ended_too_soon, refused_too_much
 from cspdiag.proofs.search.breadth_first import Exploration, explore, trace_to
 from cspdiag.proofs.search.packed_conditions import Deadlocks
@@ -88,7 +88,7 @@ def _up_to_missed_samples(system: System) -> System:
     return replaced(system, components=components)
 
 
-def _undecided(nodes: tuple[Node, ...], labels: Labels) -> str | None:
+def _undecided(nodes: tuple[NormalNode, ...], labels: Labels) -> str | None:
     """Why it is not known what the specification allows: where it writes one of several values that it has read, those
     that stand for each do not tell which.
 
@@ -149,7 +149,7 @@ def _caveat(specification: System, limits: Limits, failures: bool) -> str:
 
 def _searched(
     system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
-) -> tuple[Exploration, dict[int, Label], tuple[Node, ...]]:
+) -> tuple[Exploration, dict[int, Label], tuple[NormalNode, ...]]:
     """All states of the system followed by the specification, the labels of its events, and the specification's normal
     form. Raises LimitError.
     """
@@ -162,7 +162,7 @@ def _searched(
     return explore(packing, limits, _Violations(packing, seen, nodes, failures=failures)), seen, nodes
 
 
-def _followed(system: System, seen: dict[int, Label], nodes: tuple[Node, ...]) -> System:
+def _followed(system: System, seen: dict[int, Label], nodes: tuple[NormalNode, ...]) -> System:
     """The system with the specification as its last component, whose last state means that something was done
     too much.
     """
@@ -179,7 +179,9 @@ def _followed(system: System, seen: dict[int, Label], nodes: tuple[Node, ...]) -
 class _Violations:
     """States in which the process has done, or refuses, what the specification does not."""
 
-    def __init__(self, packing: Packing, seen: dict[int, Label], nodes: tuple[Node, ...], *, failures: bool) -> None:
+    def __init__(
+        self, packing: Packing, seen: dict[int, Label], nodes: tuple[NormalNode, ...], *, failures: bool
+    ) -> None:
         self._seen = seen
         self._nodes = nodes
         self._failures = failures
@@ -233,7 +235,7 @@ class _Violations:
             hits[stable] |= (node == number) & ~fine
 
 
-def _violation(search: Exploration, seen: dict[int, Label], nodes: tuple[Node, ...], system: System) -> Refuted:
+def _violation(search: Exploration, seen: dict[int, Label], nodes: tuple[NormalNode, ...], system: System) -> Refuted:
     assert search.found is not None
     trace = trace_to(search, search.found)
     last = search.state(search.found)
@@ -248,7 +250,7 @@ def _violation(search: Exploration, seen: dict[int, Label], nodes: tuple[Node, .
 
 
 def _refusal(
-    packing: Packing, number: int, search: Exploration, seen: dict[int, Label], node: Node, system: System
+    packing: Packing, number: int, search: Exploration, seen: dict[int, Label], node: NormalNode, system: System
 ) -> str:
     here = search.table.states(number, number + 1)
     offers = {seen[step.event] for step in packing.steps if step.event in seen and step.enabled(here)[0]}

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from cspdiag.proofs.sat.encoding import Encoding
 from cspdiag.proofs.sat.solver import MISSING, Clause, Solver, SolverTimeoutError, find_solver
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 SMALL = 60
@@ -25,7 +25,7 @@ MOST_REFINEMENTS = 2000
 MOST_TRAPS = 100
 """Candidates that are excluded by traps alone; where so many do not suffice, invariants are needed."""
 
-Refinement: TypeAlias = Callable[[Question, Encoding, Sequence[int]], list[Clause]]
+Refinement: TypeAlias = Callable[[StuckQuestion, Encoding, Sequence[int]], list[Clause]]
 """Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
 
 Beginning: TypeAlias = Callable[[Encoding], list[Clause]]
@@ -38,7 +38,7 @@ FIRST_EXAMINATION = 4
 """After so many candidates that traps do not exclude one is examined, then after twice as many, and so on."""
 
 
-def by_sat(question: Question, limits: Limits) -> Proved | Unknown:
+def by_sat(question: StuckQuestion, limits: Limits) -> Proved | Unknown:
     """Prove the property by SAT and traps, or give the candidate that is left."""
     verdict = refine(question, limits, [exclude_by_trap], "sat", most=MOST_TRAPS)
     assert not isinstance(verdict, Refuted), "nobody examines candidates"
@@ -46,7 +46,7 @@ def by_sat(question: Question, limits: Limits) -> Proved | Unknown:
 
 
 def refine(
-    question: Question,
+    question: StuckQuestion,
     limits: Limits,
     refinements: Sequence[Refinement],
     method: Method,
@@ -83,7 +83,7 @@ def refine(
 class _Exclusion:
     """Candidates excluded one by one; ``used`` says how often each refinement has done so."""
 
-    question: Question
+    question: StuckQuestion
     limits: Limits
     encoding: Encoding
     solver: Solver
@@ -170,7 +170,7 @@ def _reason(traps: int, invariants: int) -> str:
     )
 
 
-def exclude_by_trap(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
+def exclude_by_trap(question: StuckQuestion, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
     """The clause of the largest trap that a candidate leaves empty, if there is one."""
     trap = question.traps.avoiding(candidate)
     if trap is None:

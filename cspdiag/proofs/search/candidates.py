@@ -12,10 +12,10 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from itertools import product
 
-from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.search.traces import causes, end_of
 from cspdiag.proofs.structure.pairs import Shape
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move, Refuted
 
@@ -33,7 +33,7 @@ FAR = 1 << 30
 
 
 def refute_by_candidate(
-    question: Question,
+    question: StuckQuestion,
     candidate: Sequence[int],
     stuck: Sequence[int],
     limits: Limits,
@@ -58,7 +58,7 @@ def refute_by_candidate(
         pass
     if trace is None:
         return None
-    offers, end = Offers(question.system), end_of(question.system.initial, trace)
+    offers, end = OffersByState(question.system), end_of(question.system.initial, trace)
     if question.together:
         return Refuted(method, tuple(trace), offers.waiting(end))
     members = offers.knot(end)
@@ -72,10 +72,10 @@ def refute_by_candidate(
 class _Search:
     """Distances to a candidate, and the steps of the system."""
 
-    def __init__(self, question: Question, candidate: Sequence[int], stuck: Sequence[int]) -> None:
+    def __init__(self, question: StuckQuestion, candidate: Sequence[int], stuck: Sequence[int]) -> None:
         self.question, self.stuck = question, tuple(stuck)
         self.structure, self.system = question.structure, question.system
-        self.offers = Offers(question.system)
+        self.offers = OffersByState(question.system)
         known: dict[tuple[int, int], list[int]] = {}
         self.distances: list[list[int] | None] = [None] * len(candidate)
         for component in self.stuck:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cspdiag.proofs.search.packing import Field, Flags, Indices, Packing, Words
-from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import Limits
 
@@ -16,7 +16,7 @@ class Deadlocks:
     """States in which nothing is possible although a process has not ended."""
 
     def __init__(self, packing: Packing) -> None:
-        self._offers = Offers(packing.system)
+        self._offers = OffersByState(packing.system)
         self._unended = [
             (field, _table(field, [state not in component.terminal for state in range(len(component.edges))]))
             for field, component in zip(packing.fields, packing.system.components, strict=True)
@@ -49,7 +49,7 @@ class Knots:
     def __init__(self, packing: Packing, limits: Limits) -> None:
         system = packing.system
         self._limits = limits
-        self._offers = Offers(system)
+        self._offers = OffersByState(system)
         self._fields = packing.fields
         alone = {at for at, event in enumerate(system.events) if len(event.parties) < 2} | {INTERNAL}
         self._may_be_stuck = []

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from cspdiag.base.graphs import final_components
 from cspdiag.proofs.search.closed_sets import ClosedSets
-from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.search.traces import causes
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
@@ -56,7 +56,7 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which nothing is possible and a process has not ended."""
     graph = _Graph([system.initial], {system.initial: 0}, [None])
     try:
-        sets, offers = ClosedSets(system, limits), Offers(system)
+        sets, offers = ClosedSets(system, limits), OffersByState(system)
         for number in _follow(graph, sets, limits):
             if graph.after[number]:
                 continue
@@ -82,7 +82,7 @@ def knot_free(system: System, limits: Limits) -> Verdict:
         )
     graph = _Graph([system.initial], {system.initial: 0}, [None])
     try:
-        sets, offers = ClosedSets(system, limits), Offers(system)
+        sets, offers = ClosedSets(system, limits), OffersByState(system)
         while True:
             for _ in _follow(graph, sets, limits):
                 pass
@@ -140,7 +140,7 @@ def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
     return True
 
 
-def _knot(graph: _Graph, offers: Offers, number: int) -> Refuted:
+def _knot(graph: _Graph, offers: OffersByState, number: int) -> Refuted:
     """The knot of this state, where it first appears on the way, with the moves that bring it about."""
     stuck = offers.knot(graph.states[number])
     while (parent := graph.parents[number]) is not None and offers.knot(graph.states[parent[0]]):

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 
 
-class Offers:
+class OffersByState:
     """What the components of a system offer, by state, for looking into many global states."""
 
     def __init__(self, system: System) -> None:

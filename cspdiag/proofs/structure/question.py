@@ -12,7 +12,7 @@ from cspdiag.proofs.transitions.systems.system import System
 
 
 @record
-class Question:
+class StuckQuestion:
     """Whether a system is free from deadlock (``together``: all components wait), or from knots. ``structure`` may be
     given if it is known.
     """

@@ -31,7 +31,7 @@ from cspdiag.proofs.transitions.threads.alarms import bindings, side_of
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 from cspdiag.proofs.transitions.threads.thread import resolve
 from cspdiag.proofs.transitions.threads.threads import Strand, Strands
-from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Given, Known, Unknown
+from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Given, Known, UnknownValue
 
 Use: TypeAlias = tuple[Strand, OnMedium]
 """What a thread does on a medium."""
@@ -303,7 +303,7 @@ def _text(value: Known, kind: Any) -> str | None:
             return None if value == ANY else str(value)
         case float():
             return value_text(value + 0.0, kind)
-        case Unknown():
+        case UnknownValue():
             return None
         case int() | str() | tuple():
             return value_text(value, kind)

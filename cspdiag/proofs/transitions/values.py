@@ -48,7 +48,7 @@ from cspdiag.proofs.transitions.ranges import Range, computed
 from cspdiag.proofs.transitions.ranges import compared as compared_ranges
 
 
-class Unknown:
+class UnknownValue:
     """The type of ``UNKNOWN``."""
 
     __slots__ = ()
@@ -57,7 +57,7 @@ class Unknown:
         return "?"
 
 
-UNKNOWN: Final = Unknown()
+UNKNOWN: Final = UnknownValue()
 
 
 @record(order=True)
@@ -74,7 +74,7 @@ class Given:
 
 GIVEN: Final = (Given("one"), Given("another"))
 ANY: Final = Given("any")
-Known: TypeAlias = "Value | Range | Given | Unknown"
+Known: TypeAlias = "Value | Range | Given | UnknownValue"
 """A value, the range in which it is, that it was handed on, or that it is not known."""
 
 Variables: TypeAlias = Callable[[str], Known]
@@ -201,11 +201,11 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def _is_exact(value: Known) -> bool:
-    return not isinstance(value, Unknown | Range | Given)
+    return not isinstance(value, UnknownValue | Range | Given)
 
 
 def _is_opaque(value: Known) -> bool:
-    return isinstance(value, Unknown | Given)
+    return isinstance(value, UnknownValue | Given)
 
 
 def _ranged(found: Known | None) -> Known:
@@ -229,7 +229,7 @@ def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> 
     if not 0 <= index < len(whole):
         raise EvaluationFault(f"there is no element {index}")
     inner = replaced_element(whole[index], indexes[1:], value)
-    return UNKNOWN if isinstance(inner, Unknown | Range | Given) else (*whole[:index], inner, *whole[index + 1 :])
+    return UNKNOWN if isinstance(inner, UnknownValue | Range | Given) else (*whole[:index], inner, *whole[index + 1 :])
 
 
 def values_of_type(kind: Type) -> tuple[Value, ...] | None:

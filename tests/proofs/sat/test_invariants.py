@@ -14,7 +14,7 @@ from cspdiag.proofs.sat.invariants.problem import problem_of
 from cspdiag.proofs.sat.invariants.process import WeightsProcess
 from cspdiag.proofs.sat.invariants.prove import by_invariants
 from cspdiag.proofs.structure.pairs import Structure
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import Limits, Proved, Unknown
 from tests.proofs.systems import known, naive
 from tests.proofs.systems.known import counted_meals, table_with_butler
@@ -25,7 +25,7 @@ pytest.importorskip("pysat")
 
 @pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])
 def test_a_butler_who_keeps_one_seat_empty_is_understood(together: bool) -> None:
-    question = Question(table_with_butler(5, 4), together)
+    question = StuckQuestion(table_with_butler(5, 4), together)
     assert isinstance(by_sat(question, Limits()), Unknown), "pairs and traps do not count"
     verdict = by_invariants(question, Limits())
     assert isinstance(verdict, Proved)
@@ -33,11 +33,13 @@ def test_a_butler_who_keeps_one_seat_empty_is_understood(together: bool) -> None
 
 
 def test_beside_a_loop_that_never_waits_there_is_no_deadlock() -> None:
-    assert isinstance(by_invariants(Question(known.beside_a_loop(table_with_butler(3, 3)), True), Limits()), Proved)
+    assert isinstance(
+        by_invariants(StuckQuestion(known.beside_a_loop(table_with_butler(3, 3)), True), Limits()), Proved
+    )
 
 
 def test_a_butler_who_admits_everybody_proves_nothing() -> None:
-    verdict = by_invariants(Question(table_with_butler(4, 4), together=True), Limits())
+    verdict = by_invariants(StuckQuestion(table_with_butler(4, 4), together=True), Limits())
     assert isinstance(verdict, Unknown)
     assert verdict.candidate is not None
 
@@ -48,7 +50,7 @@ def test_a_large_table_needs_no_more_than_the_invariants_that_hold_with_equality
 ) -> None:
     monkeypatch.setattr(WeightsProcess, "weights", lambda *_: pytest.fail("the solver for weights was asked"))
     for system in (table_with_butler(40, 39), counted_meals(60)):
-        question = Question(system, together)
+        question = StuckQuestion(system, together)
         assert isinstance(by_sat(question, Limits()), Unknown), "pairs and traps do not count"
         assert isinstance(by_invariants(question, Limits()), Proved)
 
@@ -58,8 +60,8 @@ def test_invariants_with_equality_serve_where_the_system_is_too_large_for_the_so
 ) -> None:
     monkeypatch.setattr(invariants, "LARGEST_PROBLEM", 10)
     monkeypatch.setattr(WeightsProcess, "weights", lambda *_: pytest.fail("the solver for weights was asked"))
-    assert isinstance(by_invariants(Question(table_with_butler(8, 7), together=True), Limits()), Proved)
-    verdict = by_invariants(Question(table_with_butler(8, 8), together=True), Limits())
+    assert isinstance(by_invariants(StuckQuestion(table_with_butler(8, 7), together=True), Limits()), Proved)
+    verdict = by_invariants(StuckQuestion(table_with_butler(8, 8), together=True), Limits())
     assert isinstance(verdict, Unknown)
     assert verdict.candidate is not None
 
@@ -131,5 +133,5 @@ def test_the_solver_has_no_more_memory_than_the_limit_says() -> None:
 
 
 def test_the_time_limit_makes_the_answer_unknown() -> None:
-    verdict = by_invariants(Question(table_with_butler(5, 4), together=True), Limits(seconds=0.0))
+    verdict = by_invariants(StuckQuestion(table_with_butler(5, 4), together=True), Limits(seconds=0.0))
     assert isinstance(verdict, Unknown)

@@ -6,7 +6,7 @@ import pytest
 
 from cspdiag.proofs.sat import solver as sat_solver
 from cspdiag.proofs.sat.deadlock import by_sat
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits, Proved, Unknown
 from tests.proofs.systems import known
@@ -16,7 +16,7 @@ pytest.importorskip("pysat")
 
 
 def proof(system: System, *, together: bool) -> Proved | Unknown:
-    return by_sat(Question(system, together), Limits())
+    return by_sat(StuckQuestion(system, together), Limits())
 
 
 @pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])
@@ -88,6 +88,6 @@ def test_without_a_solver_the_answer_says_what_to_install(monkeypatch: pytest.Mo
 
 
 def test_the_time_limit_is_kept() -> None:
-    verdict = by_sat(Question(known.milner(200), False), Limits(seconds=0.0))
+    verdict = by_sat(StuckQuestion(known.milner(200), False), Limits(seconds=0.0))
     assert isinstance(verdict, Unknown)
     assert "time limit" in verdict.reason

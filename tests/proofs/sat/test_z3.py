@@ -15,7 +15,7 @@ import pytest
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.sat.deadlock import by_sat
 from cspdiag.proofs.sat.solver import SolverTimeoutError, find_solver
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.proofs.systems import known, naive
 from tests.proofs.systems.random_networks import random_network, truth
@@ -149,7 +149,7 @@ def test_when_its_time_is_up_it_says_so() -> None:
 @pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])
 def test_systems_known_to_be_free_are_proved(together: bool) -> None:
     for system in (known.philosophers(4, left_handed=1), known.milner(4), known.token_ring(4)):
-        assert isinstance(by_sat(Question(system, together), Limits()), Proved)
+        assert isinstance(by_sat(StuckQuestion(system, together), Limits()), Proved)
 
 
 def test_a_table_is_refuted_and_a_counting_one_proved() -> None:
@@ -166,7 +166,7 @@ def test_random_networks_are_proved_only_if_they_are_free() -> None:
         facts = truth(system)
         assert facts is not None
         for together, fails in ((True, facts.deadlock), (False, facts.knot)):
-            answer = by_sat(Question(system, together), Limits())
+            answer = by_sat(StuckQuestion(system, together), Limits())
             assert isinstance(answer, Unknown) or not fails, seed
             answers.add((type(answer), fails))
     assert answers >= {(Proved, False), (Unknown, True)}

@@ -6,7 +6,7 @@ import pytest
 
 from cspdiag.base.record import replaced
 from cspdiag.proofs.search import stubborn
-from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.proofs.systems import known
@@ -54,7 +54,7 @@ def test_a_knot_is_found_beside_a_loop_and_its_trace_has_no_move_of_the_loop(nam
     assert isinstance(stubborn.deadlock_free(system, Limits()), Proved)
     verdict = stubborn.knot_free(system, Limits())
     assert isinstance(verdict, Refuted)
-    assert Offers(system).knot(replay(system, verdict.trace)) == verdict.stuck
+    assert OffersByState(system).knot(replay(system, verdict.trace)) == verdict.stuck
     loop = {len(system.components) - 2, len(system.components) - 1}
     assert loop.isdisjoint(party for move in verdict.trace for party, _ in move.moves)
 

@@ -10,7 +10,7 @@ from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.demands import Demands
 from cspdiag.analyses.timing.flow.jobs import cycles
 from cspdiag.analyses.timing.flow.meeting import may_get_stuck
-from cspdiag.analyses.timing.flow.paths import End, Path
+from cspdiag.analyses.timing.flow.paths import ChannelSide, Path
 from cspdiag.analyses.timing.flow.surroundings import Contention
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
@@ -76,7 +76,7 @@ class Partners:
             for offer in one.thread.places[wait].offers
         )
 
-    def _add(self, found: Together, who: Behaviour, end: End, count: int, fewest: int) -> None:
+    def _add(self, found: Together, who: Behaviour, end: ChannelSide, count: int, fewest: int) -> None:
         """``who`` waits for a communication on a side of a channel, up to ``count`` times in a sample, ``fewest`` at
         least.
         """
@@ -119,7 +119,7 @@ class Partners:
             == both
         )
 
-    def _is_bounded(self, partner: Behaviour, end: End, times: int) -> bool:
+    def _is_bounded(self, partner: Behaviour, end: ChannelSide, times: int) -> bool:
         """Whether the partner comes to the channel as soon as it has done its work, wherever it waits. ``times`` it is
         wanted in each sample, 0 where that varies.
         """
@@ -146,7 +146,7 @@ class Partners:
             return self._refuse(channel, writes, f"{name} may go on with others and never come back to it")
         return True
 
-    def _has_asked(self, server: Behaviour, end: End) -> bool:
+    def _has_asked(self, server: Behaviour, end: ChannelSide) -> bool:
         """Whether the loop waits for the answer of a server that it has just asked, which gives none but that next."""
         channel, writes = end
         asked = [
@@ -159,7 +159,7 @@ class Partners:
             server.thread.places[wait].offers_end(channel, writes) for job in asked for wait in job.path.stops
         )
 
-    def _is_in_step(self, partner: Behaviour, wait: int, end: End, times: int) -> bool:
+    def _is_in_step(self, partner: Behaviour, wait: int, end: ChannelSide, times: int) -> bool:
         """Whether the partner follows the same samples, and communicates as often in each of them."""
         place = partner.thread.places[wait]
         if not self.period or self.period not in place.certain_periods():

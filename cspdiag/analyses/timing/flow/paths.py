@@ -9,7 +9,7 @@ from cspdiag.analyses.timing.flow.books import Books
 from cspdiag.analyses.timing.threads.graph import Offer
 from cspdiag.base.record import record
 
-End = tuple[str, bool]
+ChannelSide = tuple[str, bool]
 """A side of a channel: its path, and whether it is that of the writer."""
 Node = tuple[int, Books]
 """A wait, by its place, and the books with which a thread waits there."""
@@ -34,9 +34,9 @@ class Path:
     switches: int = 0
     delays: int = 0
     delayed: int = 0
-    meets: dict[End, int] = field(default_factory=dict)
-    fewest: dict[End, int] = field(default_factory=dict)
-    gives: dict[End, int] = field(default_factory=dict)
+    meets: dict[ChannelSide, int] = field(default_factory=dict)
+    fewest: dict[ChannelSide, int] = field(default_factory=dict)
+    gives: dict[ChannelSide, int] = field(default_factory=dict)
     nodes: frozenset[Node] = frozenset()
     keeps: frozenset[int] = frozenset()
     heaviest: tuple[int, str] = (0, "")
@@ -82,7 +82,7 @@ def either(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) -> Path:
     """
     found = Path()
     least: list[int] = []
-    fewest: list[dict[End, int]] = []
+    fewest: list[dict[ChannelSide, int]] = []
     for after, delay, switches, offer, waits in paths:
         found.is_only = after.is_only and not least
         least.append(after.least)
@@ -109,10 +109,10 @@ def either(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) -> Path:
     return found
 
 
-def _most(found: dict[End, int], after: dict[End, int], met: End | None) -> None:
+def _most(found: dict[ChannelSide, int], after: dict[ChannelSide, int], met: ChannelSide | None) -> None:
     for end, count in _with_one(after, met).items():
         found[end] = max(found.get(end, 0), count)
 
 
-def _with_one(counts: dict[End, int], met: End | None) -> dict[End, int]:
+def _with_one(counts: dict[ChannelSide, int], met: ChannelSide | None) -> dict[ChannelSide, int]:
     return counts if met is None else counts | {met: counts.get(met, 0) + 1}

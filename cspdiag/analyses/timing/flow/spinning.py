@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.analyses.timing.flow.paths import End
+from cspdiag.analyses.timing.flow.paths import ChannelSide
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.graph import Circle, Offer, Place, Thread
 from cspdiag.base.graphs import strong_components
@@ -29,10 +29,10 @@ class Spinning:
         """One for each channel on which some threads may communicate without end, and for each loop that may compute
         without end.
         """
-        supplied: dict[End, set[int]] | None = None
+        supplied: dict[ChannelSide, set[int]] | None = None
         while True:
             rounds = {k: list(self._rounds(k, supplied)) for k in range(len(self._threads))}
-            found: dict[End, set[int]] = {}
+            found: dict[ChannelSide, set[int]] = {}
             for number, ways in rounds.items():
                 for place, offers in ways:
                     for end in (*(offer.end for offer in offers), *((net, True) for net in place.gives)):
@@ -53,7 +53,7 @@ class Spinning:
                     spinning.setdefault(offer.channel, Refusal(place.path, reason, place.span, advice))
         return [*spinning.values(), *self._endless(supplied)]
 
-    def _endless(self, supplied: dict[End, set[int]]) -> Iterator[Refusal]:
+    def _endless(self, supplied: dict[ChannelSide, set[int]]) -> Iterator[Refusal]:
         """The loops that may go round for ever without waiting or communicating."""
         for number, thread in enumerate(self._threads):
             for circle in thread.circles:
@@ -69,7 +69,7 @@ class Spinning:
                     )
                     yield Refusal(place.path, reason, place.span, advice)
 
-    def _goes_round_silently(self, number: int, circle: Circle, supplied: dict[End, set[int]]) -> bool:
+    def _goes_round_silently(self, number: int, circle: Circle, supplied: dict[ChannelSide, set[int]]) -> bool:
         """Whether a round of a loop may go by without waiting or communicating."""
         reached, pending = {circle.again}, [circle.again]
         while pending:
@@ -81,7 +81,7 @@ class Spinning:
                     pending.append(target)
         return False
 
-    def _rounds(self, number: int, supplied: dict[End, set[int]] | None) -> Iterator[tuple[Place, list[Offer]]]:
+    def _rounds(self, number: int, supplied: dict[ChannelSide, set[int]] | None) -> Iterator[tuple[Place, list[Offer]]]:
         """The places of a thread at which it communicates on a way back that takes no time."""
         thread = self._threads[number]
         edges = {k: self._at_once(number, k, supplied) for k in range(len(thread.places))}
@@ -94,7 +94,9 @@ class Spinning:
                 if is_round and (offers or thread.places[k].gives):
                     yield thread.places[k], offers
 
-    def _at_once(self, number: int, at: int, supplied: dict[End, set[int]] | None) -> list[tuple[int, Offer | None]]:
+    def _at_once(
+        self, number: int, at: int, supplied: dict[ChannelSide, set[int]] | None
+    ) -> list[tuple[int, Offer | None]]:
         """Where a thread may go on from a place while no time passes, and by which communication."""
         thread = self._threads[number]
         place = thread.places[at]

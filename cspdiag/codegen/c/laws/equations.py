@@ -19,14 +19,14 @@ Check = Callable[[str], list[Plain]]
 
 
 @record
-class Variable:
+class LocalVariable:
     """A local variable that a statement defines."""
 
     type_name: str
     name: str
 
 
-Target = Code | Variable
+Target = Code | LocalVariable
 
 
 @record
@@ -74,7 +74,7 @@ class EquationWriter:
 
 def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
     """The statement that gives a variable its value."""
-    if isinstance(target, Variable):
+    if isinstance(target, LocalVariable):
         return define(target.type_name, target.name, value, remark)
     return store(target, value, remark)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check, EquationWriter, Target, Variable, noted_at
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, noted_at
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.text.code import PRODUCT, Code, call, cast, code, infix
@@ -122,7 +122,7 @@ class _Run:
 
     def _target(self, name: str) -> Target:
         if name in self.local:
-            return Variable(f"const {self._type_name(name)}", self.local[name])
+            return LocalVariable(f"const {self._type_name(name)}", self.local[name])
         return self.printer.signal(name)
 
     def _unread(self) -> frozenset[str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, Variable
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable
 from cspdiag.codegen.c.text.code import (
     PRODUCT,
     SUM,
@@ -102,13 +102,13 @@ class Integration:
         equations: list[Equation] = list(needed(self.equations, signals((self.derivatives,))))
         kinds = {equation.name: equation.type for equation in self.equations}
         body = writer.equations(
-            equations, lambda name: Variable(f"const {printer.types.type_name(kinds[name])}", self.local(name))
+            equations, lambda name: LocalVariable(f"const {printer.types.type_name(kinds[name])}", self.local(name))
         )
         by_state = dict(self.derivatives)
         # As everywhere, what has no place of its own is told at that of the statement before.
         place = writer.place(equations[-1]) if equations else ""
         if not self.several:
-            body += writer.assign(Variable("const double", "slope"), by_state[self.states[0]], None, place)
+            body += writer.assign(LocalVariable("const double", "slope"), by_state[self.states[0]], None, place)
             body.append(give("slope"))
         else:
             body.append(define(f"struct {self.name}", "slopes"))

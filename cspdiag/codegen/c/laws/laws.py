@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, Target, Variable, noted_at
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, noted_at
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.text.code import PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
@@ -243,7 +243,7 @@ class LawFiles:
         for constant in constants:
             member = self.members[constant.name]
             kind = f"const {self.types.type_name(constant.type)}"
-            target: Target = Variable(kind, member) if constant.name in local else own(member)
+            target: Target = LocalVariable(kind, member) if constant.name in local else own(member)
             found += writer.assign(target, constant.value, self._place(constant))
         if self._sub_steps:
             sample, steps = code(self.members["sample"]), own(_STEPS)
@@ -327,9 +327,9 @@ class LawFiles:
             found.append(give("true"))
         return [self._function("bool" if self.faulty else "void", "calculate", found or [run("(void)self")])]
 
-    def _variable(self, name: str, *, fixed: bool = True) -> Variable:
+    def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
         kind = self.types.type_name(self.kinds[name])
-        return Variable(f"const {kind}" if fixed else kind, self.members[name])
+        return LocalVariable(f"const {kind}" if fixed else kind, self.members[name])
 
     def _integrated(self, printer: Printer, place: str) -> list[Statement]:
         step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, Target, Variable, noted_at
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, noted_at
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.network.external_ports import is_event, port_groups, port_key
@@ -275,9 +275,9 @@ class EnvironmentFiles:
             late |= set(self._integration.held) & changed
         return [state.name for state in system.states if state.name in late and not state.continuous]
 
-    def _variable(self, name: str, *, fixed: bool = True) -> Variable:
+    def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
         kind = self.types.type_name(self._kinds[name])
-        return Variable(f"const {kind}" if fixed else kind, self._members[name])
+        return LocalVariable(f"const {kind}" if fixed else kind, self._members[name])
 
     def _integrated(self, system: SubmodelClass, printer: Printer, place: str | None) -> list[Statement]:
         elapsed = infix("-", SUM, code("now"), _plant("now"))

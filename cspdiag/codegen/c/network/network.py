@@ -10,7 +10,7 @@ from cspdiag.codegen.c.network.network_names import names_file
 from cspdiag.codegen.c.process.leaves import ports_header
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.port_layout import PortLayout
-from cspdiag.codegen.c.process.processes import Facts, ProcessFiles, process_files
+from cspdiag.codegen.c.process.processes import NetworkFacts, ProcessFiles, process_files
 from cspdiag.codegen.c.process.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, code, ignored, unsigned
 from cspdiag.codegen.c.text.documents import comment
@@ -48,7 +48,7 @@ _KINDS = {
 
 def network_files(network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:
     """The pairs of files of all process classes, `network.h`, `network.c`, `network_names.c` and `csp_config.h`."""
-    facts = Facts(Levels(network), Unwritten(network))
+    facts = NetworkFacts(Levels(network), Unwritten(network))
     files: dict[str, str] = {}
     described: dict[str, ProcessFiles] = {}
     for class_ in network.classes:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from cspdiag.codegen.c.process.flow import ends
-from cspdiag.codegen.c.process.members import Member
+from cspdiag.codegen.c.process.members import StructMember
 from cspdiag.codegen.c.process.plain_steps import finite_checked, hand_over, mark_written, put, size_of, take
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, infix, own, unsigned
@@ -80,13 +80,13 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     return [writer.remark(step), *enabling, waited, *chosen]
 
 
-def _fields(count: int, timers: int) -> list[Member]:
+def _fields(count: int, timers: int) -> list[StructMember]:
     """The members of an alternative with so many guards."""
-    found = [Member("csp_alternative alternative"), Member(f"csp_guard guards[{count}]")]
+    found = [StructMember("csp_alternative alternative"), StructMember(f"csp_guard guards[{count}]")]
     if timers:
-        found.append(Member(f"csp_timer time_outs[{timers}]"))
+        found.append(StructMember(f"csp_timer time_outs[{timers}]"))
     if count > WORD // 2:
-        found.append(Member(f"csp_word words[2U * CSP_WORDS({count}U)]"))
+        found.append(StructMember(f"csp_word words[2U * CSP_WORDS({count}U)]"))
     return found
 
 
@@ -116,7 +116,7 @@ def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:
 
 def _kept(writer: Writer, name: str, end: Spelling) -> Code:
     member = writer.members.names.fresh(name)
-    writer.members.work.append(Member(f"{writer.members.types.type_name(end.type)} {member}"))
+    writer.members.work.append(StructMember(f"{writer.members.types.type_name(end.type)} {member}"))
     return own(member)
 
 

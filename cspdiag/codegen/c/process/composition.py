@@ -16,7 +16,7 @@ from cspdiag.codegen.c.process.laws_in_processes import (
     run_inlined_law,
     write_outputs,
 )
-from cspdiag.codegen.c.process.members import Member
+from cspdiag.codegen.c.process.members import StructMember
 from cspdiag.codegen.c.process.parallels import parallel
 from cspdiag.codegen.c.process.plain_steps import assign_value, discard, read_value, stop, wait, write_value
 from cspdiag.codegen.c.process.scopes import group, report, scope
@@ -75,7 +75,7 @@ def exception_number(names: PackageNames, exception: str) -> str:
     return _OF_THE_KERNEL.get(exception) or names.exceptions[exception]
 
 
-class Composition(Writer):
+class CompositionWriter(Writer):
     """Writes the step functions of one process class."""
 
     def statements(self, action: Action) -> list[Statement]:
@@ -196,7 +196,7 @@ class Composition(Writer):
         if not body or not ends(action.body):
             return body
         name = self.members.names.fresh("turn")
-        self.members.work.append(Member(f"uint32_t {name}"))
+        self.members.work.append(StructMember(f"uint32_t {name}"))
         turn = own(name)
         return [Block(tuple(body), f"for ({turn} = 0U; {turn} < {action.turns}U; {turn}++)")]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.leaves import KINDS
-from cspdiag.codegen.c.process.members import Member, Members
+from cspdiag.codegen.c.process.members import Members, StructMember
 from cspdiag.codegen.c.process.outlines import Outlines
 from cspdiag.codegen.c.process.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.writer import Writer
@@ -262,7 +262,7 @@ class _Initialization:
             match connection.attachment:
                 case ConstantEnd(value=value):
                     kept = self.members.names[f"{instance.name} {name} constant"]
-                    self.members.work.append(Member(f"{self.writer.members.types.type_name(port.type)} {kept}"))
+                    self.members.work.append(StructMember(f"{self.writer.members.types.type_name(port.type)} {kept}"))
                     found.append(store(own(kept), self._printed(value)))
                     at: Code = address(own(kept))
                 case DiscardEnd():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.codegen.c.process.alternatives import guard_call, make_guard, prepare, taken
-from cspdiag.codegen.c.process.members import Member
+from cspdiag.codegen.c.process.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import address, call, cast, own
 from cspdiag.codegen.c.text.names import identifier
@@ -19,7 +19,7 @@ def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
     body = writer.branch(step.body)
     name = step.body.instance if isinstance(step.body, RunInstance) else branch_name(step.body)
     member = writer.members.names.fresh(writer.prefixed(f"interrupt_{identifier(name)}"))
-    writer.members.work.append(Member(f"csp_interrupt {member}"))
+    writer.members.work.append(StructMember(f"csp_interrupt {member}"))
     whole = own(member)
     alternative = address(whole.field("alternative"))
     offset = cast("uint32_t", call("offsetof", f"struct {writer.struct}", body))

@@ -44,7 +44,7 @@ T = TypeVar("T", LocalChannel, InstanceOf)
 
 
 @record
-class Member:
+class StructMember:
     """A member of the struct: its declaration without the semicolon, and what is said of it."""
 
     declaration: str
@@ -59,8 +59,8 @@ class Members:
     network: Network
     types: CTypes
     unwritten: Unwritten
-    work: list[Member] = field(default_factory=list)
-    structs: dict[str, list[Member]] = field(default_factory=dict)
+    work: list[StructMember] = field(default_factory=list)
+    structs: dict[str, list[StructMember]] = field(default_factory=dict)
     """Members that are structs: what an alternative consists of."""
     made_choices: dict[str, list[Statement]] = field(default_factory=dict)
     """How the alternatives are made, by name."""
@@ -266,9 +266,9 @@ class Members:
 
     # Declarations
 
-    def port_members(self) -> list[Member]:
+    def port_members(self) -> list[StructMember]:
         """The members of the struct in which a process is given its ports."""
-        found: list[Member] = []
+        found: list[StructMember] = []
         for port in self.process.ports:
             whole = port.size is not None and self._uniform[port.name]
             for index in elements(port)[:1] if whole else elements(port):
@@ -276,32 +276,32 @@ class Members:
                 type_ = port_type(access, self.types.type_name(port.type), writes=port.direction == "out")
                 if type_ is not None:
                     name = f"{self.names[port.name]}[{port.size}]" if whole else self.layout.member(port, index)
-                    found.append(Member(f"{type_}{name}"))
+                    found.append(StructMember(f"{type_}{name}"))
             found += self._flag_pointers(port, elements(port))
         return found
 
-    def declared(self) -> list[Member]:
+    def declared(self) -> list[StructMember]:
         """The members for parameters, ports, channels and instances, in this order."""
-        process, found = self.process, [Member("csp_process process")]
+        process, found = self.process, [StructMember("csp_process process")]
         types = {item.name: item.type for item in process.parameters}
         if self.has_samples:
-            found.append(Member("csp_ends samples"))
-        found += [Member(f"csp_ends {name}") for name in self._samples.values()]
+            found.append(StructMember("csp_ends samples"))
+        found += [StructMember(f"csp_ends {name}") for name in self._samples.values()]
         docs = {item.name: item.doc for item in (*process.parameters, *process.ports)}
         for name in self.stored_parameters():
-            found.append(Member(f"{self.types.type_name(types[name])} {self.parameters[name]}", docs[name]))
+            found.append(StructMember(f"{self.types.type_name(types[name])} {self.parameters[name]}", docs[name]))
         found += self._port_declarations()
         found += self._channel_declarations()
         found += self._signal_declarations()
         found += self._instance_declarations()
         return found
 
-    def _signal_declarations(self) -> Iterator[Member]:
+    def _signal_declarations(self) -> Iterator[StructMember]:
         docs = {item.name: item.doc for item in (*self.process.constants, *self.process.states)}
         for name, member in self.signal_members.items():
-            yield Member(f"{self.types.type_name(self.signal_types[name])} {member}", docs.get(name))
+            yield StructMember(f"{self.types.type_name(self.signal_types[name])} {member}", docs.get(name))
 
-    def _port_declarations(self) -> Iterator[Member]:
+    def _port_declarations(self) -> Iterator[StructMember]:
         done: set[str] = set()
         for port, index in self.used_ports():
             access = access_of_medium(port.media[index or 0])
@@ -313,18 +313,18 @@ class Members:
                 name = f"{self.names[port.name]}[{port.size}]"
             if type_ is not None and name not in done:
                 done.add(name)
-                yield Member(f"{type_}{name}", port.doc)
+                yield StructMember(f"{type_}{name}", port.doc)
             yield from self._flag_pointers(port, [index])
         yield from self._end_declarations()
 
-    def _flag_pointers(self, port: Port, indexes: Sequence[int | None]) -> list[Member]:
+    def _flag_pointers(self, port: Port, indexes: Sequence[int | None]) -> list[StructMember]:
         """Pointers to what tells whether the variables behind a port were written."""
         constant = "const " if port.direction == "in" else ""
         flagged = [i for i in indexes if self.unwritten.has_port(self.process.name, port.name, i)]
         names = (self.layout.written(port, index) for index in flagged)
-        return [Member(f"{constant}csp_written *{name}") for name in names]
+        return [StructMember(f"{constant}csp_written *{name}") for name in names]
 
-    def _end_declarations(self) -> Iterator[Member]:
+    def _end_declarations(self) -> Iterator[StructMember]:
         done: set[str] = set()
         for end in self.created:
             access = self.access(end)
@@ -340,10 +340,10 @@ class Members:
                 continue
             done.add(base)
             if access == "event":
-                yield Member(f"csp_event_end *{base}{size}", doc)
-                yield Member(f"csp_event_end {self._latch(base)}{size}", "if it has one of its own")
+                yield StructMember(f"csp_event_end *{base}{size}", doc)
+                yield StructMember(f"csp_event_end {self._latch(base)}{size}", "if it has one of its own")
             else:
-                yield Member(f"{READING_ENDS[access]} {base}{size}", doc)
+                yield StructMember(f"{READING_ENDS[access]} {base}{size}", doc)
 
     def _latch(self, base: str) -> str:
         return self.names[f"{base} latch"]
@@ -355,15 +355,15 @@ class Members:
             return self.layout.element(self._latch(base), self.ports[end.port], end.index)
         return code(self._latch(f"{base}_{end.index}"))
 
-    def _channel_declarations(self) -> Iterator[Member]:
+    def _channel_declarations(self) -> Iterator[StructMember]:
         for channel, count in self._grouped(self.process.channels):
             name, access = self._plain[channel.name], access_of_channel(channel)
             type_name = self.types.type_name(channel.type)
-            yield Member(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
+            yield StructMember(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
             if channel.name in self.unwritten.variables[self.process.name]:
-                yield Member(f"csp_written {self.names[f'{name} written']}{count}")
+                yield StructMember(f"csp_written {self.names[f'{name} written']}{count}")
             if access == "buffer":
-                yield Member(f"{type_name} {self._storage(channel.name)}{count}[{channel.capacity}]")
+                yield StructMember(f"{type_name} {self._storage(channel.name)}{count}[{channel.capacity}]")
 
     def _storage(self, channel: str) -> str:
         return self.names[f"{self._plain[channel]} values"]
@@ -372,10 +372,10 @@ class Members:
         """The member for the values in a buffer."""
         return self._element(self._storage(channel), channel)
 
-    def _instance_declarations(self) -> Iterator[Member]:
+    def _instance_declarations(self) -> Iterator[StructMember]:
         for instance, count in self._grouped(self.process.instances):
             struct = self.types.names.classes[instance.class_name]
-            yield Member(f"struct {struct} {self._plain[instance.name]}{count}", instance.doc)
+            yield StructMember(f"struct {struct} {self._plain[instance.name]}{count}", instance.doc)
 
     def _grouped(self, items: Sequence[T]) -> Iterator[tuple[T, str]]:
         done: set[str] = set()

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.process.composition import Composition
+from cspdiag.codegen.c.process.composition import CompositionWriter
 from cspdiag.codegen.c.process.initialization import initialization
 from cspdiag.codegen.c.process.leaves import leaf_header
 from cspdiag.codegen.c.process.levels import Levels
-from cspdiag.codegen.c.process.members import Member, Members
+from cspdiag.codegen.c.process.members import Members, StructMember
 from cspdiag.codegen.c.process.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import code
 from cspdiag.codegen.c.text.documents import comment, wrapped
@@ -30,7 +30,7 @@ from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 
 
 @record
-class Facts:
+class NetworkFacts:
     """What is known of the whole network."""
 
     levels: Levels
@@ -54,7 +54,7 @@ class ProcessFiles:
 
 
 def process_files(
-    process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: Facts
+    process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: NetworkFacts
 ) -> ProcessFiles:
     """The files of a process class that is not written by hand."""
     writer = _Writer(process, network, names, types, facts)
@@ -66,14 +66,16 @@ def process_files(
 
 class _Writer:
     def __init__(
-        self, process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: Facts
+        self, process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: NetworkFacts
     ) -> None:
         self.process = process
         self.names = names
         self.struct = names.classes[process.name]
         self.members = Members(process, network, types, facts.unwritten)
         self.types = types
-        self.composition = Composition(self.members, self.members.running_printer, names, facts.levels, self.struct)
+        self.composition = CompositionWriter(
+            self.members, self.members.running_printer, names, facts.levels, self.struct
+        )
         self.initial = initialization(self.composition)
         self.place = names.place(process.span.file, process.span.line)
 
@@ -134,7 +136,7 @@ class _Writer:
         return "\n".join([*rows, *lines([Function(*head(self.members, self.struct), tuple(self.initial))]), ""])
 
 
-def _fields(members: Sequence[Member]) -> list[Statement]:
+def _fields(members: Sequence[StructMember]) -> list[Statement]:
     """Members with their remarks above them."""
     found: list[Statement] = []
     for member in members:

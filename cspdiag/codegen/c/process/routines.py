@@ -43,7 +43,7 @@ class Handler:
 
 
 @record
-class Place:
+class WaitingState:
     """A state of a step function: what it waits for there, the member with the object, and the line of the program."""
 
     state: str
@@ -70,7 +70,7 @@ class Routine:
     where: str
     member: str | None
     states: Names
-    places: list[Place] = field(default_factory=list)
+    places: list[WaitingState] = field(default_factory=list)
     body: list[Statement] = field(default_factory=list)
     progress: bool = False
     condition: bool = False
@@ -87,7 +87,7 @@ class Routine:
         """Where the handler begins."""
         found: list[Statement] = []
         if handler.needed:
-            self.places.append(Place(handler.state, "NOTHING", handler, where))
+            self.places.append(WaitingState(handler.state, "NOTHING", handler, where))
             found.append(State(handler.state))
         if handler.reached:
             found.append(Label(handler.label))
@@ -116,7 +116,7 @@ class Routine:
     def _offset(self, member: Code) -> Code:
         return call("offsetof", f"struct {self.struct}", member)
 
-    def _entry(self, place: Place) -> Aggregate:
+    def _entry(self, place: WaitingState) -> Aggregate:
         parts: list[tuple[str, Code]] = [(".waiting", code(f"CSP_AT_{place.waiting}"))]
         if place.indirect:
             parts.append((".indirect", code("true")))

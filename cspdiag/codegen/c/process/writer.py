@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.levels import Levels
-from cspdiag.codegen.c.process.members import Member, Members
-from cspdiag.codegen.c.process.routines import Handler, Place, Routine, Waiting
+from cspdiag.codegen.c.process.members import Members, StructMember
+from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
 from cspdiag.codegen.c.text.code import Code, address, call, code, own
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
@@ -78,7 +78,7 @@ class Writer:
         definitions.
         """
         self._singles: dict[tuple[str, str], str] = {}
-        self._slots: dict[tuple[str, str], list[Member]] = {}
+        self._slots: dict[tuple[str, str], list[StructMember]] = {}
         self._offers: dict[str, int] = {}
         self._routine("", None, process.body)
 
@@ -138,7 +138,7 @@ class Writer:
             return self.members.member(action.instance).field("process")
         wanted = self.prefixed(hint or branch_name(action))
         member = self.members.names.fresh(wanted if wanted == "branch" else f"{wanted} branch")
-        self.members.work.append(Member(f"csp_process {member}"))
+        self.members.work.append(StructMember(f"csp_process {member}"))
         name = self._routine(identifier(snake_case(wanted)), member, action).name
         number = own("process").field("party").field("number")
         self.initial.append(run(call("csp_process_init", address(own(member)), f"&{name}_class", number)))
@@ -171,7 +171,9 @@ class Writer:
         """A state in which the process waits, and which fails to the present handler."""
         self.handler.needed = True
         name = self.states.fresh(snake_case(self.prefixed(state)).upper())
-        self.current.places.append(Place(name, waiting, self.handler, self.where(step), member, indirect, self.inner))
+        self.current.places.append(
+            WaitingState(name, waiting, self.handler, self.where(step), member, indirect, self.inner)
+        )
         return name
 
     def wait(self, first: Code, again: Code, state: str) -> Wait:
@@ -191,7 +193,7 @@ class Writer:
         key = (name, self.current.name)
         if key not in self._singles:
             member = self._singles[key] = self.members.names.fresh(self._of_routine(name))
-            self.members.work.append(Member(f"{type_} {member}"))
+            self.members.work.append(StructMember(f"{type_} {member}"))
         return self._singles[key]
 
     def _of_routine(self, name: str) -> str:
@@ -219,7 +221,7 @@ class Writer:
         wanted, count = identifier(name), 1
         type_name = self.members.types.type_name(type_)
         while True:
-            member = Member(f"{type_name} {wanted}")
+            member = StructMember(f"{type_name} {wanted}")
             other = next((m for m in self._slots[key] if m.declaration.rpartition(" ")[2] == wanted), None)
             if other is None:
                 self._slots[key].append(member)
@@ -228,7 +230,7 @@ class Writer:
             count += 1
             wanted = f"{identifier(name)}_{count}"
 
-    def unions(self) -> list[tuple[str, Sequence[Member]]]:
+    def unions(self) -> list[tuple[str, Sequence[StructMember]]]:
         """The values that are kept while a step function waits, by the name of the union."""
         return [(self._singles[key], members) for key, members in self._slots.items()]
 

@@ -13,9 +13,9 @@ from cspdiag.base.record import record
 from cspdiag.codegen.shared.document import (
     LINE,
     SOFT,
-    Choice,
     Document,
     Fill,
+    FirstThatFits,
     Flat,
     Group,
     Nest,
@@ -150,7 +150,7 @@ class Call(Code):
         begins_with_operators = isinstance(self.arguments[0], Chain | Conditional)
         last = (SOFT, inside) if begins_with_operators else inside
         layouts = (Nest(STEP, whole), Nest(STEP, (SOFT, whole)), Nest(STEP, last))
-        return (self.function, "(", Choice(tuple((layout, ")") for layout in layouts)))
+        return (self.function, "(", FirstThatFits(tuple((layout, ")") for layout in layouts)))
 
 
 @record
@@ -255,7 +255,7 @@ class Aggregate(Code):
 
 def assigned(head: Document, value: Document) -> Document:
     """``head value``: on one line, else all of the value on the next, else broken inside the value."""
-    return Choice(
+    return FirstThatFits(
         (
             (head, " ", Flat(value)),
             (head, Nest(STEP, (LINE, Flat(value)))),

@@ -21,7 +21,7 @@ from cspdiag.proofs.sat.invariants.encoding import excluding, sum_clauses
 from cspdiag.proofs.sat.invariants.problem import Problem, Weights, problem_of
 from cspdiag.proofs.sat.invariants.process import WeightsProcess
 from cspdiag.proofs.sat.solver import Clause
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000
@@ -31,7 +31,7 @@ DENOMINATORS = (1, 2, 6, 12, 60, 2520)
 """Weights are rounded to fractions with denominators up to each of these in turn."""
 
 
-def by_invariants(question: Question, limits: Limits, examine: Examination | None = None) -> Verdict:
+def by_invariants(question: StuckQuestion, limits: Limits, examine: Examination | None = None) -> Verdict:
     """Prove the property by SAT, traps and invariants, or give the candidate that is left.
 
     ``examine`` may find a refutation from a candidate before all are excluded. Invariants that were found for another
@@ -51,7 +51,7 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
 
     with WeightsProcess(problem, limits) as process:
 
-        def exclude(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
+        def exclude(question: StuckQuestion, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
             weights = _exact(problem, process.weights(candidate), candidate)
             if weights is None:
                 return []

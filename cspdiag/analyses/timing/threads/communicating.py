@@ -11,7 +11,7 @@ from cspdiag.network.ir.actions import Action, ChannelEnd, InputEvent, OutputEve
 from cspdiag.network.ir.network import Connection, ProcessClass, SubmodelClass
 
 
-class Passing(Places):
+class Communicating(Places):
     """Makes the places of what reads, computes and writes."""
 
     def written_by_hand(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
