@@ -21,6 +21,7 @@ from cspdiag.model.types import (
 )
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.network.ir.zero import zero
 
 if TYPE_CHECKING:
     import numpy
@@ -143,7 +144,7 @@ def _equations(law: SubmodelClass, evaluation: Linearization) -> None:
                     equation.span,
                 )
         # What does not answer to states and inputs is constant for them, whatever it is.
-        evaluation.signals |= {local: _zero(kind) for _, local, kind in equation.outputs}
+        evaluation.signals |= {local: zero(kind) for _, local, kind in equation.outputs}
 
 
 def _following(law: SubmodelClass, evaluation: Linearization, layout: _Layout) -> dict[str, Any]:
@@ -174,7 +175,7 @@ class _Layout:
             if port.direction == "in":
                 names = [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]
                 for name in names:
-                    starts[name] = point.get(name, _zero(port.type))
+                    starts[name] = point.get(name, zero(port.type))
                     self.inputs += [(name, way) for way, _ in _numbers(starts[name], port.type)]
         order = {leaf: k for k, leaf in enumerate((*self.discrete, *self.continuous, *self.inputs))}
         self.evaluation = Linearization(parameters, len(order), time)
@@ -234,20 +235,6 @@ def _has_numbers(kind: Type) -> bool:
             return any(_has_numbers(inner) for _, inner in kind.fields)
         case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
             return False
-        case _:
-            assert_never(kind)
-
-
-def _zero(kind: Type) -> Any:
-    match kind:
-        case RealType():
-            return 0.0
-        case ArrayType():
-            return tuple(_zero(kind.element) for _ in range(kind.size or 0))
-        case StructType():
-            return tuple(_zero(inner) for _, inner in kind.fields)
-        case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
-            return False if type(kind).__name__ == "BoolType" else 0
         case _:
             assert_never(kind)
 

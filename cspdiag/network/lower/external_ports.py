@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-from typing import assert_never
-
 from cspdiag.base import Report
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program, Value
-from cspdiag.model.types import (
-    ArrayType,
-    BoolType,
-    EnumType,
-    IntType,
-    RealType,
-    StructType,
-    TextType,
-    TimeType,
-    Type,
-    UnknownType,
-)
 from cspdiag.network.infer.kinds import Asked
 from cspdiag.network.ir.network import ChannelKind, ExternalPort
+from cspdiag.network.ir.zero import zero
 from cspdiag.network.shapes import AskedKind, Key, PortShape, Shape
 from cspdiag.syntax import ast
 
@@ -60,24 +47,3 @@ def _external(
 
 def _kind(asked: dict[str, AskedKind]) -> ChannelKind:
     return "broadcast" if "broadcast" in asked else "any" if "any" in asked else "sync"
-
-
-def zero(type_: Type) -> Value:
-    """Zero, false, the first literal of an enum, and the same in every field and element."""
-    match type_:
-        case BoolType():
-            return False
-        case IntType() | TimeType() | EnumType():
-            return 0
-        case RealType():
-            return 0.0
-        case StructType():
-            return tuple(zero(kind) for _, kind in type_.fields)
-        case ArrayType():
-            return (zero(type_.element),) * (type_.size or 0)
-        case TextType():
-            return ""
-        case UnknownType():
-            return 0
-        case _:
-            assert_never(type_)

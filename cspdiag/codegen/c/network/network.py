@@ -31,6 +31,7 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.codegen.c.text.types import CTypes, duration
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
+from cspdiag.network.ir.zero import zero
 
 _STRUCTS = {
     "sampled": "csp_sampled_input",
@@ -186,7 +187,7 @@ class _NetworkFiles:
         return lines([*found, Blank()]) if found else []
 
     def _safe(self, port: ExternalPort) -> Value:
-        return self.types.zero(port.type) if port.safe is None else port.safe
+        return zero(port.type) if port.safe is None else port.safe
 
     def _table(self, members: Names) -> list[str]:
         entries = tuple((None, self._port(port, members[port_key(port)])) for port in self.network.external_ports)

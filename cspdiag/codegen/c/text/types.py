@@ -82,23 +82,6 @@ class CTypes:
         """The member for a field of a struct."""
         return identifier(name)
 
-    def zero(self, type_: Type) -> Value:
-        """The zero of a type."""
-        match type_:
-            case BoolType():
-                return False
-            case IntType() | TimeType() | EnumType():
-                return 0
-            case RealType():
-                return 0.0
-            case StructType():
-                return tuple(self.zero(field) for _, field in type_.fields)
-            case ArrayType():
-                return tuple(self.zero(type_.element) for _ in range(type_.size or 0))
-            case TextType() | UnknownType():
-                raise ValueError(f"{type_} has no zero in C")
-        assert_never(type_)
-
     def literal(self, value: Value, type_: Type, span: Span | None = None) -> Code:
         """A value as an expression; numbers keep the spelling that they have at ``span``."""
         match type_:

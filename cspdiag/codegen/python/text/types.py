@@ -110,26 +110,6 @@ def accepted(type_: Type, imports: Imports) -> Code:
     assert_never(type_)
 
 
-def zero(type_: Type) -> Value:
-    """The zero of a type: what an output that is not told otherwise releases to."""
-    match type_:
-        case BoolType():
-            return False
-        case IntType() | TimeType() | EnumType():
-            return 0
-        case RealType():
-            return 0.0
-        case TextType():
-            return ""
-        case StructType():
-            return tuple(zero(field) for _, field in type_.fields)
-        case ArrayType():
-            return tuple(zero(type_.element) for _ in range(type_.size or 0))
-        case UnknownType():
-            raise ValueError("a type that was reported cannot be generated")
-    assert_never(type_)
-
-
 def literal(value: Value, type_: Type, imports: Imports, span: Span | None = None) -> Code:
     """A value as an expert would write it; numbers keep the spelling that they have at ``span``."""
     match type_:
