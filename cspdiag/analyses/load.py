@@ -73,7 +73,7 @@ class _Loads:
                 return self._sequence(path, action.steps)
             case ParallelSteps():
                 return sum(self._action(path, step) for step in action.steps)
-            case _:
+            case _:  # Of the parts of anything else one runs at a time.
                 return max((self._action(path, inner) for inner in actions_inside(action)), default=0.0)
 
     def _sequence(self, path: str, steps: tuple[CoreAction, ...]) -> float:

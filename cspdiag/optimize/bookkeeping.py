@@ -12,19 +12,38 @@ have a higher priority than.
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.waiting import only_computes
 from cspdiag.network.ir.actions import (
     Action,
+    AssignValue,
     CatchException,
     Choice,
     CountedLoop,
     Group,
+    IfElse,
+    InterruptOn,
     ParallelSteps,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
     Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
     SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
     WhileLoop,
+    WriteOutputs,
+    WriteValue,
 )
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.optimize.changes import changed, mapped, rebuilt, with_inner_actions
@@ -74,5 +93,11 @@ def _without_priorities(action: Action) -> Action:
             return changed(action, body=_without_priorities(action.body))
         case CatchException():
             return changed(action, body=_without_priorities(action.body), handler=_without_priorities(action.handler))
-        case _:
+        case (
+            RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
+            | ResetInstance() | RaiseException() | ParallelSteps() | Choice() | IfElse() | InterruptOn()
+            | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication()
+        ):  # fmt: skip
             return action
+        case _:
+            assert_never(action)

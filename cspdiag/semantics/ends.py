@@ -24,7 +24,7 @@ def ends_read(action: act.Action) -> Iterator[act.End]:
         case act.InterruptOn():
             yield from ends_read(action.body)
             yield from _ends_of_branch(action.branch)
-        case _:
+        case _:  # Anything else reads what its parts read.
             for inner in actions_inside(action):
                 yield from ends_read(inner)
 

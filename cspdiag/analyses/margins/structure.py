@@ -67,7 +67,7 @@ class Structure:
                 self._run(f"{path}.{action.instance}", way, priority)
             case ReadValue():
                 self.copies.append(Copy(path, action.source, action.target.channel))
-            case _:
+            case _:  # Anything else consists of its parts.
                 if isinstance(action, Choice | InterruptOn):
                     branches = action.branches if isinstance(action, Choice) else (action.branch,)
                     self.copies += [
@@ -87,7 +87,7 @@ def _kind(action: CoreAction) -> str:
             return "parallel"
         case Repeat() | WhileLoop() | CountedLoop():
             return "loop"
-        case _:
+        case _:  # Of the parts of anything else one runs at a time.
             return "other"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import assert_never
 
 from cspdiag.base import Report, Span
 from cspdiag.model.types import UnknownType
@@ -16,18 +17,29 @@ from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
     Branch,
+    CatchException,
     Choice,
     CoreAction,
+    CountedLoop,
     Event,
+    Group,
+    IfElse,
     InputEvent,
     InterruptOn,
     OutputEvent,
+    ParallelSteps,
+    RaiseException,
     ReadValue,
     ReadyEvent,
     Repeat,
+    ResetInstance,
     RunInstance,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
     WaitStep,
     WhileLoop,
+    WriteValue,
 )
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, PresentTime
@@ -92,8 +104,14 @@ def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: 
                 _check_time_outs(placed, action, agreement)
             case InterruptOn():
                 _never_holds(action.branch, agreement)
-            case _:
+            case (
+                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
+                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | CountedLoop() | IfElse()
+                | CatchException() | Group()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(action)
 
 
 def _check_loop(
@@ -158,8 +176,14 @@ def _delays(body: CoreAction) -> Iterator[tuple[Span, Expression]]:
                 yield from ((event.span, event.duration) for event in events if isinstance(event, AfterEvent))
             case InterruptOn(branch=Branch(event=AfterEvent() as event)):
                 yield event.span, event.duration
-            case _:
+            case (
+                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep()
+                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop()
+                | CountedLoop() | IfElse() | CatchException() | InterruptOn() | Group()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(action)
 
 
 def _written_in(shape: Shape, body: CoreAction) -> set[Key]:
@@ -178,8 +202,14 @@ def _written_in(shape: Shape, body: CoreAction) -> set[Key]:
             case InterruptOn():
                 if isinstance(action.branch.event, InputEvent):
                     written.add(action.branch.event.target.channel)
-            case _:
+            case (
+                WriteValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
+                | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop() | CountedLoop() | IfElse()
+                | CatchException() | Group()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(action)
     return written
 
 

@@ -95,8 +95,6 @@ def check_guards(placed: Placed, report: Report) -> None:
                 | CountedLoop() | IfElse() | CatchException() | Group()
             ):  # fmt: skip
                 pass
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

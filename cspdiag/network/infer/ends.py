@@ -63,7 +63,7 @@ class ReadingEnds:
                 self._walk(action.body, (*path, (self._parallels, 0)))
                 self._event(action.branch, (*path, (self._parallels, 1)))
                 self._walk(action.branch.body, path)
-            case _:
+            case _:  # Anything else reads what its parts read.
                 for inner in actions_inside(action):
                     self._walk(inner, path)
 

@@ -2,7 +2,32 @@
 
 from __future__ import annotations
 
-from cspdiag.network.ir.actions import Choice, InputEvent, InterruptOn, OutputEvent, ReadValue, ReadyEvent, WriteValue
+from typing import assert_never
+
+from cspdiag.network.ir.actions import (
+    AssignValue,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
 from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key, Shape
@@ -27,6 +52,12 @@ def own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
                         reads[end_key(branch.event.source)] = None
                     elif isinstance(branch.event, OutputEvent):
                         writes[end_key(branch.event.sink)] = None
-            case _:
+            case (
+                RunInstance() | AssignValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance()
+                | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop() | CountedLoop()
+                | IfElse() | CatchException() | Group()
+            ):  # fmt: skip
                 pass
+            case _:
+                assert_never(action)
     return list(writes), list(reads)

@@ -32,7 +32,7 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 from cspdiag.network.ir.walk import parts
-from cspdiag.optimize.check.composition import Composition
+from cspdiag.optimize.check.composition import CompositionCheck
 from cspdiag.optimize.check.expressions import Names, agrees, is_value_of, wrong_in_expression
 
 MADE_BY: dict[type[MadeAction], str] = {
@@ -126,7 +126,7 @@ def _wrong_in_process(
     for part in parts(entry.body):
         if isinstance(part, MadeAction) and MADE_BY[type(part)] not in passes:
             yield f"{type(part).__name__} is there before the pass `{MADE_BY[type(part)]}`"
-    composition = Composition(entry, exceptions)
+    composition = CompositionCheck(entry, exceptions)
     yield from composition.wrong()
     for instance in entry.instances:
         if instance.class_name not in inside:
@@ -145,7 +145,7 @@ def _wrong_after_specialize(entry: ProcessClass) -> Iterator[str]:
         yield "an alternative has no name"
 
 
-def _wrong_in_instance(instance: InstanceOf, entry: Class, around: Composition) -> Iterator[str]:
+def _wrong_in_instance(instance: InstanceOf, entry: Class, around: CompositionCheck) -> Iterator[str]:
     kinds = {parameter.name: parameter.type for parameter in entry.parameters}
     if kinds.keys() != dict(instance.arguments).keys():
         yield f"the arguments of `{instance.name}` are not the parameters of `{entry.name}`"

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 from cspdiag.proofs.rules import forms as rules_forms
 from cspdiag.proofs.rules.runs import PeriodicRun, at_rest, moves_of, the_run, unsteady
-from cspdiag.proofs.search.stuck_sets import Offers
-from cspdiag.proofs.structure.question import Question
+from cspdiag.proofs.search.stuck_sets import OffersByState
+from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, counted
 
 MOST_MOVES = 1_000_000
@@ -21,7 +21,7 @@ MOST_NAMES = 6
 """So many components are named in an order; of a longer one the first and the last."""
 
 
-def by_rules(question: Question, limits: Limits) -> Verdict:
+def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
     """Prove the property by a design rule, refute it by the only run there is, or say which process breaks
     the rules.
     """
@@ -45,7 +45,7 @@ def by_rules(question: Question, limits: Limits) -> Verdict:
         return Unknown("rules", str(limit))
 
 
-def is_settled(question: Question) -> bool:
+def is_settled(question: StuckQuestion) -> bool:
     """Whether the orders of waiting alone leave nobody who could be stuck."""
     shapes, left = question.structure.shapes, question.waiting.left
     if not question.together:
@@ -55,14 +55,14 @@ def is_settled(question: Question) -> bool:
     return not any(shape.process and not states <= shape.terminal for shape, states in zip(shapes, left, strict=True))
 
 
-def _judged(question: Question, run: PeriodicRun) -> Verdict:
+def _judged(question: StuckQuestion, run: PeriodicRun) -> Verdict:
     components = question.system.components
     stuck: Sequence[int] = ()
     if question.together:
         if not run.period:
             stuck = [at for at, part in enumerate(components) if part.process and run.state[at] not in part.terminal]
     elif any(run.state[at] in question.structure.shapes[at].asking for at in at_rest(question.structure, run)):
-        stuck = Offers(question.system).knot(run.state)
+        stuck = OffersByState(question.system).knot(run.state)
     if stuck:
         return Refuted("rules", moves_of(question.structure, run), tuple(stuck))
     if rules_forms.is_io_par(question.structure):
@@ -74,7 +74,7 @@ def _judged(question: Question, run: PeriodicRun) -> Verdict:
     return Proved("rules", f"no process has a choice, and the only run that there is {does}")
 
 
-def _order_in_words(question: Question) -> str:
+def _order_in_words(question: StuckQuestion) -> str:
     structure = question.structure
     if not any(structure.neighbours):
         return "no process ever waits for another"
@@ -96,11 +96,11 @@ def _order_in_words(question: Question) -> str:
     return f"each process waits only for those before it, in the order{_listed(question, order)}"
 
 
-def _listed(question: Question, order: Sequence[int]) -> str:
+def _listed(question: StuckQuestion, order: Sequence[int]) -> str:
     return f": {_names(question, order)}" if order else ""
 
 
-def _names(question: Question, order: Sequence[int]) -> str:
+def _names(question: StuckQuestion, order: Sequence[int]) -> str:
     names = [f"`{question.system.components[at].name}`" for at in order]
     if len(names) > MOST_NAMES:
         names = [*names[: MOST_NAMES - 2], f"… ({len(names)} in all)", names[-1]]

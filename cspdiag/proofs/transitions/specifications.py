@@ -23,7 +23,6 @@ from cspdiag.network.ir.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     RaiseException,
@@ -110,8 +109,6 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
                 | CountedLoop() | IfElse() | CatchException() | InterruptOn() | Group()
             ):  # fmt: skip
                 pass
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(node.action)
 
@@ -184,8 +181,6 @@ def _times_in(root: Node, occurrence: Occurrence) -> set[str]:
                 | IfElse() | CatchException() | Group()
             ):  # fmt: skip
                 pass
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(node.action)
     return found

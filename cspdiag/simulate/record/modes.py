@@ -39,7 +39,7 @@ def mode_groups(network: CoreNetwork) -> tuple[ModeGroup, ...]:
     return tuple(_group(network, top, branch) for branch in _branches(top.body))
 
 
-def _branches(body: act.Action) -> tuple[act.Action, ...]:
+def _branches(body: act.CoreAction) -> tuple[act.CoreAction, ...]:
     match body:
         case act.ParallelSteps(steps=steps):
             return tuple(part for step in steps for part in (_branches(step) if _is_parallel(step) else (step,)))
@@ -53,17 +53,15 @@ def _branches(body: act.Action) -> tuple[act.Action, ...]:
             | act.Choice() | act.WhileLoop() | act.CountedLoop() | act.IfElse() | act.Group()
         ):  # fmt: skip
             return (body,)
-        case act.OptimizedStep():
-            raise AssertionError("made by the optimizer, later")
         case _:
             assert_never(body)
 
 
-def _is_parallel(step: act.Action) -> bool:
+def _is_parallel(step: act.CoreAction) -> bool:
     return isinstance(step, act.ParallelSteps)
 
 
-def _group(network: CoreNetwork, top: ProcessClass, branch: act.Action) -> ModeGroup:
+def _group(network: CoreNetwork, top: ProcessClass, branch: act.CoreAction) -> ModeGroup:
     members = tuple(dict.fromkeys(instances_run(branch)))
     name = branch.label if isinstance(branch, act.Group) else _common_name(members, network.top)
     ports = tuple(
@@ -87,7 +85,9 @@ def _uses(net: Net, paths: set[str]) -> bool:
     return any(inside(path) for path, _ in (*net.readers, *net.writers))
 
 
-def _modes(network: CoreNetwork, enclosing: ProcessClass, path: str, action: act.Action) -> Iterator[tuple[str, str]]:
+def _modes(
+    network: CoreNetwork, enclosing: ProcessClass, path: str, action: act.CoreAction
+) -> Iterator[tuple[str, str]]:
     """Processes that are run one after the other in ``action``; a single one is looked into."""
     classes = {instance.name: network.class_named(instance.class_name) for instance in enclosing.instances}
     processes = [name for name in dict.fromkeys(instances_run(action)) if isinstance(classes[name], ProcessClass)]

@@ -88,7 +88,7 @@ def _error(done: Execution, environment: str, places: Whereabouts) -> Exception 
             return Fault(done.reason, place)
         case "Timeout":
             error: ProcessError = Timeout(done.reason)
-        case declared:
+        case declared:  # One that the program declares.
             error = type(declared or "", (ProcessError,), {})()
     error.place = place
     return error

@@ -106,7 +106,7 @@ def _leaves(task: Task) -> Iterator[Task]:
                     yield from _leaves(branch)
         case Interrupt(body=body) if not body.ended:
             yield from _leaves(body)
-        case _:
+        case _:  # Any other request is the task's own.
             yield task
 
 

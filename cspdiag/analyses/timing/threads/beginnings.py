@@ -7,19 +7,18 @@ from typing import assert_never
 
 from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.network.ir.actions import (
-    Action,
     AfterEvent,
     AssignValue,
     CatchException,
     ChannelEnd,
     Choice,
+    CoreAction,
     CountedLoop,
     Event,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
@@ -37,17 +36,17 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.network import ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import CoreClass, ProcessClass, SubmodelClass
 
 
 class Beginnings:
     """Looks at how the actions of processes begin; ``class_of`` gives the class of an instance by its path."""
 
-    def __init__(self, ends: Ends, class_of: Mapping[str, ProcessClass | SubmodelClass]) -> None:
+    def __init__(self, ends: Ends, class_of: Mapping[str, CoreClass | SubmodelClass]) -> None:
         self._ends = ends
         self._class_of = class_of
 
-    def waits_first(self, path: str, action: Action) -> bool:
+    def waits_first(self, path: str, action: CoreAction) -> bool:
         """Whether an action of the process at a path begins by waiting; False where that is not certain."""
         match action:
             case ReadValue():
@@ -69,8 +68,6 @@ class Beginnings:
                 | ParallelSteps() | WhileLoop() | IfElse() | InterruptOn()
             ):  # fmt: skip
                 return False
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

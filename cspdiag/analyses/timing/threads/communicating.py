@@ -7,14 +7,14 @@ from cspdiag.analyses.timing.threads.ends import never_waits
 from cspdiag.analyses.timing.threads.graph import Move, Offer
 from cspdiag.analyses.timing.threads.places import Context, Places, variables_in
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.actions import Action, ChannelEnd, InputEvent, OutputEvent, PortEnd, ReadValue, WriteValue
-from cspdiag.network.ir.network import Connection, ProcessClass, SubmodelClass
+from cspdiag.network.ir.actions import ChannelEnd, CoreAction, InputEvent, OutputEvent, PortEnd, ReadValue, WriteValue
+from cspdiag.network.ir.network import Connection, CoreClass, SubmodelClass
 
 
 class Communicating(Places):
     """Makes the places of what reads, computes and writes."""
 
-    def written_by_hand(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
+    def written_by_hand(self, path: str, entry: CoreClass, context: Context, following: int) -> int:
         """It waits for any of its ports, computes, and waits again, until it ends."""
         cost = self.cost(path, entry, context)
         ports = [(port, k) for port in entry.ports for k in ((None,) if port.size is None else range(port.size))]
@@ -47,7 +47,7 @@ class Communicating(Places):
         connections: tuple[Connection, ...],
         context: Context,
         following: int,
-        where: Action,
+        where: CoreAction,
     ) -> int:
         """One run of a law: it waits for its inputs, computes, and writes its outputs."""
         inputs = {port.name for port in law.ports if port.direction == "in"}
@@ -103,7 +103,7 @@ class Communicating(Places):
         return self.handed_over(context, action, self.waiting(context, action, offers, following))
 
 
-def _unseen(path: str, port: str, entry: ProcessClass) -> Refusal:
+def _unseen(path: str, port: str, entry: CoreClass) -> Refusal:
     """Of who reads a sampled input is written by hand."""
     reason = f"its body is written by hand, and whether it takes each sample of `{port}` cannot be seen"
     advice = f"read `{port}` in a composition, and let a submodel written by hand compute with it"

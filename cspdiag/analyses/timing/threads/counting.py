@@ -12,17 +12,16 @@ from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType
 from cspdiag.network.ir.actions import (
-    Action,
     AssignValue,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Event,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OptimizedStep,
     ParallelSteps,
     ProcessScope,
     RaiseException,
@@ -62,7 +61,7 @@ from cspdiag.network.ir.expressions import (
     Value,
     VariableValue,
 )
-from cspdiag.network.ir.network import ProcessClass
+from cspdiag.network.ir.network import CoreClass
 from cspdiag.network.ir.walk import parts
 
 Values: TypeAlias = Mapping[str, Value]
@@ -79,7 +78,7 @@ class Loop:
     """A loop of a process, by its path; ``before`` gives what is known when it begins."""
 
     path: str
-    action: Repeat | WhileLoop
+    action: Repeat[CoreAction] | WhileLoop[CoreAction]
     before: Callable[[], Values]
 
 
@@ -93,7 +92,7 @@ class Counting:
     def __init__(self, ends: Ends) -> None:
         self._ends = ends
 
-    def initial(self, path: str, entry: ProcessClass) -> dict[str, Value]:
+    def initial(self, path: str, entry: CoreClass) -> dict[str, Value]:
         """The values of variables with which a process begins for the first time."""
         found = {}
         for channel in entry.channels:
@@ -109,21 +108,21 @@ class Counting:
 
     # What is known after actions.
 
-    def after(self, path: str, action: Action, values: Values) -> Values:
+    def after(self, path: str, action: CoreAction, values: Values) -> Values:
         """What is known when an action has come to its end."""
         try:
             return self._after(path, action, values, [MOST_ROUNDS])
         except _TooManyRoundsError:
             return without(values, action)
 
-    def before_each(self, path: str, steps: Sequence[Action], values: Values) -> list[Values]:
+    def before_each(self, path: str, steps: Sequence[CoreAction], values: Values) -> list[Values]:
         """What is known before each of several steps."""
         found = [values]
         for step in steps[:-1]:
             found.append(self.after(path, step, found[-1]))
         return found
 
-    def _after(self, path: str, action: Action, values: Values, left: list[int]) -> Values:
+    def _after(self, path: str, action: CoreAction, values: Values, left: list[int]) -> Values:
         match action:
             case AssignValue(target=Target(channel=name, indexes=())) if self._ends.is_own(path, name):
                 value = self._value(path, action.value, values)
@@ -154,12 +153,12 @@ class Counting:
                 | ResetInstance() | RaiseException() | ParallelSteps() | Choice() | CatchException() | InterruptOn()
             ):  # fmt: skip
                 return without(values, action)
-            case OptimizedStep():
-                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _through(self, path: str, loop: Repeat | WhileLoop, values: Values, left: list[int]) -> Values:
+    def _through(
+        self, path: str, loop: Repeat[CoreAction] | WhileLoop[CoreAction], values: Values, left: list[int]
+    ) -> Values:
         """What is known after a loop of which every condition is known; otherwise what it leaves alone."""
         begun = values
         if isinstance(loop, Repeat):
@@ -175,7 +174,7 @@ class Counting:
                 raise _TooManyRoundsError
             values = self._after(path, loop.body, values, left)
 
-    def _goes_on(self, path: str, loop: Repeat | WhileLoop, values: Values) -> Value | None:
+    def _goes_on(self, path: str, loop: Repeat[CoreAction] | WhileLoop[CoreAction], values: Values) -> Value | None:
         if isinstance(loop, WhileLoop):
             return self._value(path, loop.condition, values)
         ends = False if loop.until is None else self._value(path, loop.until, values)
@@ -257,12 +256,12 @@ class Counting:
             case _:
                 assert_never(expression)
 
-    def _rise_of(self, path: str, action: Action, name: str, sign: int) -> float:
+    def _rise_of(self, path: str, action: CoreAction, name: str, sign: int) -> float:
         """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where
         it never does.
         """
 
-        def of(inner: Action) -> float:
+        def of(inner: CoreAction) -> float:
             return self._rise_of(path, inner, name, sign)
 
         if not self._ends.is_own(path, name):
@@ -301,7 +300,7 @@ class Counting:
             case _:
                 assert_never(action)
 
-    def _least_on_the_way(self, path: str, action: Action, name: str, sign: int) -> float:
+    def _least_on_the_way(self, path: str, action: CoreAction, name: str, sign: int) -> float:
         """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps
         lets it fall.
         """
@@ -335,12 +334,12 @@ class Counting:
         return sign * known if isinstance(known, int) and not isinstance(known, bool) else -inf
 
 
-def written(*actions: Action | Event) -> set[str]:
+def written(*actions: CoreAction | Event) -> set[str]:
     """The variables of a process that actions, or events of guards, may change."""
     return {part.channel for part in parts(actions) if isinstance(part, Target)}
 
 
-def without(values: Values, *actions: Action | Event) -> Values:
+def without(values: Values, *actions: CoreAction | Event) -> Values:
     """What is known still when actions may have been done in part."""
     changed = written(*actions)
     return {name: value for name, value in values.items() if name not in changed}

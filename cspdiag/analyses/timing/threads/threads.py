@@ -7,13 +7,12 @@ from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
 
-from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.beginnings import Beginnings
+from cspdiag.analyses.timing.threads.communicating import Communicating
 from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS, Loop
-from cspdiag.analyses.timing.threads.ends import never_waits
 from cspdiag.analyses.timing.threads.graph import Circle, Move, Offer, Thread
 from cspdiag.analyses.timing.threads.looping import Looping
-from cspdiag.analyses.timing.threads.places import Context, Places, variables_in
+from cspdiag.analyses.timing.threads.places import Context, variables_in
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
@@ -21,7 +20,6 @@ from cspdiag.network.ir.actions import (
     AssignValue,
     Branch,
     CatchException,
-    ChannelEnd,
     Choice,
     CoreAction,
     CountedLoop,
@@ -31,7 +29,6 @@ from cspdiag.network.ir.actions import (
     InterruptOn,
     OutputEvent,
     ParallelSteps,
-    PortEnd,
     RaiseException,
     ReadValue,
     ReadyEvent,
@@ -47,11 +44,11 @@ from cspdiag.network.ir.actions import (
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Value
-from cspdiag.network.ir.network import Connection, CoreClass, CoreNetwork, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import CoreClass, CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
 
 
-class Threads(Places):
+class Threads(Communicating):
     """The threads of a network."""
 
     def __init__(self, network: CoreNetwork, measured: Mapping[str, int]) -> None:
@@ -87,7 +84,7 @@ class Threads(Places):
         initial = cache(lambda: self.counting.initial(path, entry) if context.is_first else {})
         inner = replaced(context, path=path, before=initial)
         if entry.external is not None:
-            return self._written_by_hand(path, entry, inner, following)
+            return self.written_by_hand(path, entry, inner, following)
         if entry.body is None:
             return following
         starts = self.place(inner, entry, starts=path)
@@ -105,80 +102,17 @@ class Threads(Places):
         context.thread.places[began].successors = [self._action(entry.body, inner, following)]
         return began
 
-    def _written_by_hand(self, path: str, entry: CoreClass, context: Context, following: int) -> int:
-        """It waits for any of its ports, computes, and waits again, until it ends."""
-        cost = self.cost(path, entry, context)
-        ports = [(port, k) for port in entry.ports for k in ((None,) if port.size is None else range(port.size))]
-        ends = [(self.ends.net(path, PortEnd(port.name, k)), port.direction) for port, k in ports]
-        move = Move(
-            frozenset(net.path for net, direction in ends if net is not None and direction == "in"),
-            frozenset(net.path for net, direction in ends if net is not None and direction == "out"),
-        )
-        outputs = tuple(net.path for net, _ in ends if net is not None and net.external == "out")
-        gives = tuple(net.path for net, _ in ends if net is not None and never_waits(net))
-        work = self.place(context, entry, cost=cost, leaf=path, outputs=outputs, gives=gives, move=move)
-        waits = self.place(context, entry)
-        place = context.thread.places[waits]
-        for port, k in ports:
-            end = PortEnd(port.name, k)
-            if port.direction == "in":
-                offers = self.ends.reading(path, end, work, entry)
-                place.offers += offers
-                self.unseen += [_unseen(path, port.name, entry) for offer in offers if offer.kind == "sample"]
-            else:
-                place.offers += self.ends.writing(path, end, work, entry)
-        context.thread.places[work].successors = [waits, following] if place.offers else [following]
-        self.interruptible(place, context)
-        return waits if place.offers else work
-
-    def _law(
-        self,
-        path: str,
-        law: SubmodelClass,
-        connections: tuple[Connection, ...],
-        context: Context,
-        following: int,
-        where: CoreAction,
-    ) -> int:
-        inputs = {port.name for port in law.ports if port.direction == "in"}
-        present = following
-        for connection in reversed(connections):
-            if connection.port not in inputs:
-                offers = self.ends.writing(path, PortEnd(connection.port, connection.index), present, where)
-                present = self.waiting(context, where, offers, present)
-        names = [port.name for port in law.ports if port.direction == "out"]
-        nets = [self.ends.net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
-        outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
-        gives = tuple(net.path for net in nets if net is not None and never_waits(net))
-        work = self.place(
-            context, law, cost=self.cost(path, law, context), leaf=path, outputs=outputs, gives=gives,
-            move=self.move(path, connections, inputs)
-        )  # fmt: skip
-        fault = self.handler(context, "Fault")
-        context.thread.places[work].successors = [present] if fault is None else [present, fault]
-        present = work
-        # The sample comes first: it is what begins the work of a period.
-        reads: list[Offer] = []
-        for connection in connections:
-            attached = connection.attachment
-            if connection.port in inputs and isinstance(attached, PortEnd | ChannelEnd):
-                end = PortEnd(connection.port, connection.index, attached.end)
-                reads += self.ends.reading(path, end, 0, where, owner=context.path)
-        for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
-            present = self.waiting(context, where, [replaced(offer, target=present)], present)
-        return present
-
     def _action(self, action: CoreAction, context: Context, following: int) -> int:
         match action:
             case RunInstance():
                 return self._run(action, context, following)
             case ReadValue():
-                moved = self._copied(context, action, following)
+                moved = self.copied(context, action, following)
                 return self.waiting(
                     context, action, self.ends.reading(context.path, action.source, moved, action), moved
                 )
             case WriteValue():
-                return self._written(context, action, following)
+                return self.written(context, action, following)
             case WaitStep():
                 return self.waiting(
                     context, action, self.ends.delay(context.path, action.duration, following, action.span), following
@@ -249,7 +183,7 @@ class Threads(Places):
         owner = self.classes[self.instances[context.path].class_name]
         assert isinstance(owner, ProcessClass)
         declared = next(instance for instance in owner.instances if instance.name == action.instance)
-        return self._law(path, entry, declared.connections, context, following, action)
+        return self.law(path, entry, declared.connections, context, following, action)
 
     def _begun_by(self, action: RunInstance, context: Context) -> Context:
         """Where a process begins: with its initial values only if nothing else of its owner runs it, too."""
@@ -311,36 +245,13 @@ class Threads(Places):
         body = self._action(branch.body, context.changed(branch.event), following)
         match branch.event:
             case InputEvent():
-                return self._copied(context, branch.event, body)
+                return self.copied(context, branch.event, body)
             case OutputEvent():
-                return self._handed_over(context, branch.event, body)
+                return self.handed_over(context, branch.event, body)
             case ReadyEvent() | AfterEvent() | SkipEvent():
                 return body
             case _:
                 assert_never(branch.event)
-
-    def _copied(self, context: Context, action: ReadValue | InputEvent, following: int) -> int:
-        """A value that was read into a variable."""
-        net = self.ends.net(context.path, action.source)
-        read = frozenset() if net is None else frozenset([net.path])
-        move = Move(read, frozenset([f"{context.path}.{action.target.channel}"]))
-        return self.place(context, action, successors=[following, *self.faults(context)], move=move)
-
-    def _handed_over(self, context: Context, action: WriteValue | OutputEvent, following: int) -> int:
-        """A value that goes to a channel or an output."""
-        net = self.ends.net(context.path, action.sink)
-        if net is None:
-            return following
-        move = Move(variables_in(context.path, action.value), frozenset([net.path]))
-        outputs = (net.path,) if net.external == "out" else ()
-        gives = (net.path,) if never_waits(net) else ()
-        return self.place(
-            context, action, successors=[following, *self.faults(context)], outputs=outputs, gives=gives, move=move
-        )
-
-    def _written(self, context: Context, action: WriteValue, following: int) -> int:
-        offers = self.ends.writing(context.path, action.sink, following, action)
-        return self._handed_over(context, action, self.waiting(context, action, offers, following))
 
     def _guard_waits(self, branch: Branch[CoreAction], context: Context) -> bool:
         return bool(self._offers(branch, context, 0))
@@ -433,10 +344,3 @@ class Threads(Places):
 
 def _negated(value: Value | None) -> bool | None:
     return not value if isinstance(value, bool) else None
-
-
-def _unseen(path: str, port: str, entry: CoreClass) -> Refusal:
-    """Of who reads a sampled input is written by hand."""
-    reason = f"its body is written by hand, and whether it takes each sample of `{port}` cannot be seen"
-    advice = f"read `{port}` in a composition, and let a submodel written by hand compute with it"
-    return Refusal(path, reason, entry.span, advice)

@@ -18,7 +18,7 @@ from cspdiag.base import Report, Span
 from cspdiag.base.record import replaced
 from cspdiag.network.checks.samples.findings import Findings
 from cspdiag.network.checks.samples.first import first_late
-from cspdiag.network.checks.samples.gaps import NOTHING, Elapsed, Gap, either, then
+from cspdiag.network.checks.samples.gaps import NOTHING, Gap
 from cspdiag.network.checks.samples.reads import (
     INSTANT,
     MANY,
@@ -28,11 +28,8 @@ from cspdiag.network.checks.samples.reads import (
     Reads,
     any_way,
     beside,
-    earlier,
     endless,
     free_book,
-    joined,
-    later,
     least_time,
     not_read,
     one_of,
@@ -42,9 +39,10 @@ from cspdiag.network.checks.samples.reads import (
     repeated,
     within,
 )
+from cspdiag.network.checks.samples.sequences import Sequences
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided, possible_branches, ways_of_samples
-from cspdiag.network.infer.waiting import inputs_of, is_always_ready, known_duration, sample_period
+from cspdiag.network.infer.waiting import inputs_of, is_always_ready, known_duration
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -87,19 +85,18 @@ class MissedSamples:
         body = placed.shape.body
         if body is None or placed.shape.incomplete:
             return
-        sequence = _Sequence(placed, self._known, self.report)
-        self._known[placed] = sequence.part(body)
-        if is_outermost and not sequence.findings.said and (late := first_late(placed, body)) is not None:
-            sequence.findings.add_first(late)
+        found = _Process(placed, self._known, self.report)
+        self._known[placed] = found.part(body)
+        if is_outermost and not found.findings.said and (late := first_late(placed, body)) is not None:
+            found.findings.add_first(late)
 
 
-class _Sequence:
-    """Sums up the parts of one process, and reports where they are joined."""
+class _Process(Sequences):
+    """Sums up the parts of one process."""
 
     def __init__(self, placed: Placed, known: Mapping[Placed, Part], report: Report) -> None:
-        self.placed = placed
+        super().__init__(placed, Findings(placed, report))
         self.known = known
-        self.findings = Findings(placed, report)
         self.ready: frozenset[Key] = frozenset()
         """Events that a guard has found ready, so that the next read of them does not wait."""
         self._bodies: dict[tuple[int, frozenset[Key], bool], Part] = {}
@@ -122,7 +119,7 @@ class _Sequence:
             case RaiseException():
                 return part(None, exits={action.exception: INSTANT})
             case SequentialSteps():
-                return self._sequence(map(self.part, action.steps))
+                return self.sequence(map(self.part, action.steps))
             case ParallelSteps():
                 return beside(map(self._apart, action.steps))
             case Choice():
@@ -158,7 +155,7 @@ class _Sequence:
     def _turns(self, loop: CountedLoop[CoreAction]) -> Part:
         """What was ready before the first turn may be read in it; the others begin all alike."""
         first = self.part(loop.body)
-        return self._sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
+        return self.sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
 
     def _apart(self, action: CoreAction) -> Part:
         """A part that is not taken on every way: an event that was ready before it may still be so afterwards."""
@@ -176,7 +173,7 @@ class _Sequence:
         event = next((key for key in keys if self._is_event(key)), None)
         time = NOTHING if event is None else Gap(0, event, span)
         self.ready -= set(keys)
-        return part(time, {(key, 0): one_read(self._period(key), time, span) for key in keys if self._period(key)})
+        return part(time, {(key, 0): one_read(self.period(key), time, span) for key in keys if self.period(key)})
 
     def _process(self, action: RunInstance) -> Part:
         """A process keeps books of its own; here it takes time, and may wait for events."""
@@ -189,9 +186,6 @@ class _Sequence:
     def _is_event(self, key: Key) -> bool:
         return self.placed.facts[key][0] == "event" and key not in self.ready
 
-    def _period(self, key: Key) -> int:
-        return sample_period(self.placed, key)
-
     def _choice(self, action: Choice[CoreAction]) -> Part:
         """One of the branches that are possible, whether the conditions of samples hold or not."""
         return one_of([self._chosen(way) for way in ways_of_samples(self.placed, action)])
@@ -203,7 +197,7 @@ class _Sequence:
         time_outs = [branch for branch in branches if isinstance(branch.event, AfterEvent)]
         if branches and len(events) == len(branches):
             waits = Gap(0, self._event_of(events[0]), events[0].event.span)
-            return self._sequence((part(waits), one_of([self._branch(branch, NOTHING, {}) for branch in branches])))
+            return self.sequence((part(waits), one_of([self._branch(branch, NOTHING, {}) for branch in branches])))
         # Until which moment an event may come: a sample or a time-out is chosen then.
         until = NOTHING
         if len(events) + len(time_outs) == len(branches):
@@ -244,7 +238,7 @@ class _Sequence:
             for place, branch in enumerate(branches)
             if isinstance(branch.event, InputEvent | ReadyEvent)
         }
-        return {key: place for key, place in guarded.items() if self._period(key)}
+        return {key: place for key, place in guarded.items() if self.period(key)}
 
     def _time_out(self, branch: Branch[CoreAction]) -> Gap | None:
         assert isinstance(branch.event, AfterEvent)
@@ -264,14 +258,14 @@ class _Sequence:
             self.ready = was_ready | {key} if isinstance(event, ReadyEvent) else was_ready - {key}
             following = self._following(branch)
             self.ready = was_ready
-            if self._period(key):
+            if self.period(key):
                 book = free_book(key, beside)
-                taken = part(NOTHING, {book: one_read(self._period(key), NOTHING, event.span)})
-                return following if isinstance(event, ReadyEvent) else self._sequence((taken, following))
+                taken = part(NOTHING, {book: one_read(self.period(key), NOTHING, event.span)})
+                return following if isinstance(event, ReadyEvent) else self.sequence((taken, following))
         else:
             following = self._following(branch)
         time = self._time_out(branch) or NOTHING if isinstance(event, AfterEvent) else until
-        return self._sequence((part(time, instead), following))
+        return self.sequence((part(time, instead), following))
 
     def _following(self, branch: Branch[CoreAction]) -> Part:
         place = id(branch.body), self.ready, self.findings.tolerated
@@ -288,7 +282,7 @@ class _Sequence:
         """
         event = self._event_of(chosen) if waits else None
         span = chosen.event.span
-        held = NOTHING if event is None else Gap(0, None, span, -self._period(sample) + is_last, event)
+        held = NOTHING if event is None else Gap(0, None, span, -self.period(sample) + is_last, event)
         return not_read(held, NOTHING if is_first else None, span)
 
     def _interrupt(self, action: InterruptOn[CoreAction]) -> Part:
@@ -309,12 +303,12 @@ class _Sequence:
             return body
         event = self._event_of(branch)
         if event is not None:
-            return one_of([body, self._sequence((self._abandoned(body, event, branch.event.span), handler))])
+            return one_of([body, self.sequence((self._abandoned(body, event, branch.event.span), handler))])
         limit = (self._time_out(branch) if is_time_out else None) or NOTHING
         may_end = not is_time_out or limit is NOTHING or body.time is None or body.time.event is not None
         if not may_end and body.time is not None and body.time.duration < limit.duration:
             return body
-        left = self._sequence((self._cut_off(body, limit), handler))
+        left = self.sequence((self._cut_off(body, limit), handler))
         if not is_time_out and longest and body.time is not None and body.time.event is None:
             may_end = body.time.duration < longest
         if not may_end:
@@ -336,14 +330,14 @@ class _Sequence:
         """After how many nanoseconds a guard surely comes that is a time-out or a sample; 0 where that is not known."""
         if isinstance(branch.event, AfterEvent):
             return known_duration(self.placed, branch.event.duration)
-        return self._period(end_key(branch.event.source)) if isinstance(branch.event, InputEvent | ReadyEvent) else 0
+        return self.period(end_key(branch.event.source)) if isinstance(branch.event, InputEvent | ReadyEvent) else 0
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
         """A body that an event ends: when it likes, at the latest with the next sample that the body waits for."""
         time = Gap(0, event, span) if body.time is None else body.time.perhaps
         reads = {}
         for book, found in body.reads.items():
-            held = Gap(0, None, span, -self._period(book[0]), event)
+            held = Gap(0, None, span, -self.period(book[0]), event)
             again = found.most > 1 and found.before is not None
             past = NOTHING if body.time is None or found.before is not None else body.time.perhaps
             reads[book] = replaced(
@@ -365,7 +359,7 @@ class _Sequence:
                 after=NOTHING if is_read or found.after is not None else None,
                 least=0,
                 drift=None,
-                held=limit if waits and limit.duration < self._period(book[0]) else None,
+                held=limit if waits and limit.duration < self.period(book[0]) else None,
                 pending=None,
             )
         return part(limit if is_longer else body.time, reads)
@@ -382,51 +376,12 @@ class _Sequence:
                 for key, found in body.reads.items()
             }
             body = replaced(body, reads=caught)
-            return one_of([body, self._sequence((self._cut_off(body, NOTHING), handler))])
+            return one_of([body, self.sequence((self._cut_off(body, NOTHING), handler))])
         raised = body.exits.get(action.exception)
         others = {name: found for name, found in body.exits.items() if name != action.exception}
         body = replaced(body, exits=others)
-        return body if raised is None else one_of([body, self._sequence((raised, handler))])
-
-    def _sequence(self, parts: Iterable[Part]) -> Part:
-        """One after another, with a look at what lies between the reads of each input."""
-        elapsed = Elapsed()
-        reads: dict[Book, Reads] = {}
-        since: dict[Book, int] = {}
-        exits: list[Mapping[str, Part]] = []
-        for each in parts:
-            if each.exits and (first := elapsed.since(0)) is not None:
-                so_far = part(first, _until_now(reads, since, elapsed))
-                exits.append({name: self._then(so_far, found) for name, found in each.exits.items()})
-            for key, other in each.reads.items():
-                one = reads.get(key)
-                if one is not None:
-                    reads[key] = self._joined(key, later(one, elapsed.since(since[key])), other)
-                elif (before := elapsed.since(0)) is not None:
-                    reads[key] = earlier(other, before)
-            elapsed.add(each.time)
-            since.update(dict.fromkeys(each.reads, elapsed.position))
-            if each.time is None:
-                break  # What follows is never reached.
-        return part(elapsed.since(0), _until_now(reads, since, elapsed), one_of_exits(exits))
-
-    def _then(self, one: Part, other: Part) -> Part:
-        return other if one is INSTANT else self._sequence((one, other))
-
-    def _joined(self, book: Book, one: Reads, other: Reads) -> Reads:
-        is_said = self.findings.check(book, then(one.after, other.before), one, other)
-        held = then(one.held, other.before)
-        pending = either(one.pending, held if held is not None and held.late >= 2 * self._period(book[0]) else None)
-        if one.after is not None:
-            is_said = is_said or self.findings.check(book, other.pending, one, other)
-        else:
-            pending = either(pending, other.pending)
-        return joined(one, other, None if is_said else pending)
+        return body if raised is None else one_of([body, self.sequence((raised, handler))])
 
 
 def _caused(time: Gap | None, span: Span) -> Gap | None:
     return time if time is None or time is NOTHING else replaced(time, cause=span)
-
-
-def _until_now(reads: Mapping[Book, Reads], since: Mapping[Book, int], elapsed: Elapsed) -> dict[Book, Reads]:
-    return {key: later(found, elapsed.since(since[key])) for key, found in reads.items()}
