@@ -101,7 +101,7 @@ class FastPrinter(Printer):
             match expression:
                 case ElementValue(operand=operand, index=index) if not index_fits(expression):
                     return self._element(operand, index)
-                case _:
+                case _:  # The others are as in the readable Python.
                     return super().print(expression)
 
     def value(self, expression: Expression) -> Value | None:
@@ -245,7 +245,7 @@ class FastPrinter(Printer):
                 exceeded = low < word.minimum, high > word.maximum
                 code = self.print(operand)
                 return self._in_range(code, word, exceeded) if any(exceeded) else code
-            case _:
+            case _:  # The others are as in the readable Python.
                 return super()._conversion(type_, operand)
 
     def _element(self, operand: Expression, index: Expression) -> Code:
@@ -381,7 +381,7 @@ def _is_simple(code: Code) -> bool:
             return True
         case Prefix(text="-", operand=operand):
             return _is_simple(operand)
-        case _:
+        case _:  # Whatever else would be computed twice.
             return False
 
 

@@ -35,7 +35,7 @@ def assigned(
         case FunctionCall(function="quantize", arguments=(operand, step)) if printer.value(step):
             ratio = BinaryOperation(type=expression.type, operator="/", left=operand, right=step)
             before, value = _rounded(printer, ratio, printer.print(step), place)
-        case _:
+        case _:  # Every other value is one expression.
             yield Assign(target, printer.print(expression), place, annotation=annotation)
             return
     yield before

@@ -30,7 +30,7 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, if_, lines, run
-from cspdiag.codegen.python.text.types import annotation, duration, literal, zero
+from cspdiag.codegen.python.text.types import annotation, duration, literal
 from cspdiag.codegen.shared.equations import (
     Equation,
     constants_needed,
@@ -47,6 +47,7 @@ from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
+from cspdiag.network.ir.zero import zero
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
 """The time from the last instant to the present one."""

@@ -31,7 +31,7 @@ from cspdiag.codegen.python.text.code import (
     Whole,
 )
 from cspdiag.codegen.python.text.literals import remark
-from cspdiag.codegen.shared.document import LINE, SOFT, Choice, Document, Flat, Group, Nest, joined, render
+from cspdiag.codegen.shared.document import LINE, SOFT, Document, FirstThatFits, Flat, Group, Nest, joined, render
 
 LINE_LENGTH = 100
 """Of generated code; its pyproject.toml says the same."""
@@ -65,11 +65,11 @@ def _statement(code: Code) -> Document:
     if isinstance(code, Chain | Conditional | Prefix):
         at_brackets = (_at_brackets(code),) if _splits_at_brackets(code) else ()
         in_parentheses = () if _is_call_behind_keyword(code) else (_surrounded("(", _inside(code), ")"),)
-        return Choice((*at_brackets, *(in_parentheses or (_at_brackets(code),))))
+        return FirstThatFits((*at_brackets, *(in_parentheses or (_at_brackets(code),))))
     if isinstance(code, Items) and not code.brackets:
         return _surrounded("(", _listed(code), ")")
     if _is_atom(code):
-        return Choice((_surrounded("(", code.flat, ")"), code.flat))
+        return FirstThatFits((_surrounded("(", code.flat, ")"), code.flat))
     return _at_brackets(code)
 
 
@@ -181,7 +181,7 @@ def _at_brackets(code: Code) -> Document:
             return _bracketed(code, code.brackets[:1], _listed(code), code.brackets[1:])
         case Comprehension():
             several = (_inside(code.element), LINE, code.clause)
-            inner = Choice((Flat(f"{code.element.flat} {code.clause}"), several))
+            inner = FirstThatFits((Flat(f"{code.element.flat} {code.clause}"), several))
             return _bracketed(code, code.brackets[0], inner, code.brackets[1])
         case Starred():
             return ("*", _at_brackets(code.value))
@@ -203,7 +203,7 @@ def _at_brackets(code: Code) -> Document:
 
 def _bracketed(code: Code, opening: str, inner: Document, closing: str) -> Document:
     """On one line, or with the brackets on lines of their own."""
-    return Choice((Flat(code.flat), _surrounded(opening, inner, closing)))
+    return FirstThatFits((Flat(code.flat), _surrounded(opening, inner, closing)))
 
 
 def _surrounded(opening: str, inner: Document, closing: str) -> Document:
@@ -220,8 +220,8 @@ def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
         case Prefix():
             yield from _leaves(code.operand, before + code.text)
         case (
-            Atom() | Call() | Postfix() | Conditional() | Parenthesized() | Items() | Entry() | Comprehension()
-            | Starred() | Named()
+            Name() | Constant() | Whole() | Formatted() | Attribute() | Element() | Call() | Conditional()
+            | Parenthesized() | Items() | Entry() | Comprehension() | Starred() | Named()
         ):  # fmt: skip
             yield before, code
         case _:
@@ -239,11 +239,11 @@ def _item(item: Code) -> Document:
 def _arguments(code: Call) -> Document:
     """On one line of their own, or on a line each."""
     together = Flat(", ".join(argument.flat for argument in code.arguments))
-    return Choice((together, joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
+    return FirstThatFits((together, joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
 
 
 def bracketed(indent: str, before: str, items: Sequence[str], after: str) -> list[str]:
     """``before`` items ``after`` where ``before`` ends in an opening bracket: on one line, or one line an item."""
     whole = Flat((before, ", ".join(items), after))
     apart = _surrounded(before, joined(LINE, [f"{item}," for item in items]), after)
-    return render(Choice((whole, apart)), LINE_LENGTH, len(indent))
+    return render(FirstThatFits((whole, apart)), LINE_LENGTH, len(indent))

@@ -130,7 +130,7 @@ def unpack(targets: Sequence[Code], value: Code, comment: str | None = None) -> 
             return run(value, comment)
         case [target]:
             return assign(target, value, comment)
-        case _:
+        case _:  # Two or more.
             return Unpack(tuple(targets), value, comment)
 
 
@@ -246,5 +246,5 @@ def _opening(value: Code) -> str:
             return text + _opening(operand)
         case Call(function=function):
             return f"{function.flat}("
-        case _:
+        case _:  # Any other expression, whole.
             return value.flat
