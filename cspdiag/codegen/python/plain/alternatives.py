@@ -1,0 +1,219 @@
+"""Alternatives and interrupts as Python control flow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import assert_never
+
+from cspdiag.codegen.python.plain.accesses import Accesses, Method
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.plain.guards import GuardNames, Guards, select_arguments
+from cspdiag.codegen.python.text.code import (
+    OR,
+    TRUE,
+    Argument,
+    Call,
+    Code,
+    Comprehension,
+    Conditional,
+    Name,
+    Parenthesized,
+    Whole,
+    at_least,
+    awaited,
+    call,
+    counted_to,
+    mentions,
+    own,
+)
+from cspdiag.codegen.python.text.rolling import template
+from cspdiag.codegen.python.text.statements import (
+    Block,
+    Statements,
+    assign,
+    run,
+)
+from cspdiag.codegen.shared.trees import LEAST
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    Branch,
+    Choice,
+    CoreAction,
+    Event,
+    Group,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    ReadyEvent,
+    SkipEvent,
+)
+from cspdiag.network.ir.faults import is_known_at_start
+from cspdiag.network.ir.walk import parts
+
+
+@dataclass
+class Alternatives(Accesses):
+    """Writes the alternatives and interrupts of one process class."""
+
+    def __post_init__(self) -> None:
+        self.guard_names = GuardNames(self.members.names.fresh)
+
+    def statements(self, action: CoreAction) -> Statements:
+        """An action as statements of a coroutine."""
+        raise NotImplementedError
+
+    def later(self, action: CoreAction, hint: str | None = None) -> Code:
+        """An action as something that can be awaited, for what begins later than it is made."""
+        raise NotImplementedError
+
+    def _alone(self, event: Event) -> Statements:
+        """A guard that is waited for by itself is the communication that it stands for."""
+        match event:
+            case InputEvent(source=source, target=target):
+                return (self._read(event, source, target),)
+            case OutputEvent(sink=sink, value=value):
+                written = self.members.sink(sink).call("write", self.printer.print(value))
+                return (run(awaited(written), self._place(event)),)
+            case AfterEvent(duration=duration):
+                waited = call(self.imports.runtime("wait"), self.printer.print(duration))
+                return (run(awaited(waited), self._place(event)),)
+            case SkipEvent():
+                return ()
+            case ReadyEvent():
+                raise AssertionError("a ready guard needs an alternative")
+            case _:
+                assert_never(event)
+
+    def _alone_suffices(self, choice: Choice[CoreAction]) -> bool:
+        return (
+            len(choice.branches) == 1
+            and choice.branches[0].condition is None
+            and not isinstance(choice.branches[0].event, ReadyEvent)
+        )
+
+    def _choice(self, choice: Choice[CoreAction], hint: str) -> Statements:
+        branches = choice.branches
+        attribute = own(self.members.names.fresh(hint))
+        alike = self._choice_alike(choice, attribute)
+        if alike is not None:
+            return alike
+        guards = [Argument(self._guard(branch.event, self.initial)) for branch in branches]
+        if choice.prioritized and len(branches) > 1:
+            guards.append(Argument(TRUE, "prioritized"))
+        self.alternatives.append(assign(attribute, Call(Name(self.imports.runtime("Alternative")), tuple(guards))))
+
+        needs = self._guards(branches)
+        selected = awaited(Call(attribute.field("select"), tuple(select_arguments(branches, needs))))
+        taken = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
+        if len(branches) == 1:
+            return (*needs.lines, run(selected, self._place(choice)), *taken[0])
+        cases = [
+            Block("case", Whole(number), body, _one_line(branch.event.span.text) or None)
+            for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
+        ]
+        return (*needs.lines, Block("match", selected, tuple(cases), self._place(choice)))
+
+    def _choice_alike(self, choice: Choice[CoreAction], attribute: Code) -> Statements | None:
+        """An alternative whose branches differ only in an index, which is then what was chosen."""
+        branches = choice.branches
+        regular = (InputEvent, ReadyEvent)
+        if len(branches) < LEAST or not all(isinstance(b.event, regular) and is_plain(b.body) for b in branches):
+            return None
+        bodies = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
+        index, count = self.members.index_around(bodies), len(branches)
+        guard = template([self._guard(branch.event, self.initial) for branch in branches], index)
+        condition = template([self._condition(branch) for branch in branches], index)
+        body = template(bodies, index)
+        if guard is None or condition is None or body is None:
+            return None
+        guards = [Argument(Comprehension(guard, index, counted_to(count), "()"), starred=True)]
+        if choice.prioritized:
+            guards.append(Argument(TRUE, "prioritized"))
+        self.alternatives.append(assign(attribute, Call(Name(self.imports.runtime("Alternative")), tuple(guards))))
+        before: Statements = ()
+        enabled = [] if condition == TRUE else [Argument(Comprehension(condition, index, counted_to(count)), "enabled")]
+        if any(branch.condition is not None and self._may_fault(branch.condition) for branch in branches):
+            name, place = self.guard_names.local("enabled"), self._place_of_condition(branches[0])
+            before = (assign(name, enabled[0].value, place),)
+            enabled = [Argument(Name(name), "enabled")]
+        selected = awaited(Call(attribute.field("select"), tuple(enabled)))
+        is_used = mentions(body, index)
+        select = assign(index, selected, self._place(choice)) if is_used else run(selected, self._place(choice))
+        return (*before, select, *body)
+
+    def _place_of_condition(self, branch: Branch[CoreAction]) -> str:
+        span = (branch.condition.span if branch.condition is not None else None) or branch.span
+        return self.imports.names.place(span.file, span.line)
+
+    def _guard(self, event: Event, printer: Printer, needed: Code | None = None) -> Code:
+        match event:
+            case ReadyEvent(source=source):
+                return call(self.imports.runtime("Ready"), self.members.source(source))
+            case InputEvent(source=source):
+                return call(self.imports.runtime("Input"), self.members.source(source))
+            case OutputEvent(sink=sink, value=value):
+                # The value is given at each selection; only an interrupt makes its guard anew each time.
+                given = () if printer is self.initial else (needed or printer.print(value),)
+                return call(self.imports.runtime("Output"), self.members.sink(sink), *given)
+            case AfterEvent(duration=duration):
+                later = printer is self.initial and not is_known_at_start(duration)
+                delay = Whole(0) if later else needed or printer.print(duration)
+                return call(self.imports.runtime("After"), delay)
+            case SkipEvent():
+                return call(self.imports.runtime("Skip"))
+        assert_never(event)
+
+    def _guards(self, branches: Sequence[Branch[CoreAction]], *, always: bool = False) -> Guards:
+        """What guards need, evaluated where they begin."""
+        names = self.imports.names
+        found = Guards(
+            self.printer.print,
+            self._may_fault,
+            lambda span: names.place(span.file, span.line),
+            self.guard_names,
+            always,
+        )
+        for branch in branches:
+            found.add(branch)
+        return found
+
+    def _condition(self, branch: Branch[CoreAction]) -> Code:
+        return TRUE if branch.condition is None else self.printer.print(branch.condition)
+
+    def _taken(self, event: Event, attribute: Code) -> Statements:
+        if isinstance(event, InputEvent):
+            return (self._set(event.target, attribute.field("value")),)
+        return ()
+
+    def _interrupt(self, body: CoreAction, branch: Branch[CoreAction], needs: Guards) -> Code:
+        guard = self._guard(branch.event, self.printer, needs.needed.get(0))
+        interrupted = self.later(body)
+        taken: Statements = ()
+        if isinstance(branch.event, InputEvent):
+            attribute = own(self.members.names.fresh("interruption"))
+            self.alternatives.append(assign(attribute, guard))
+            guard = attribute
+            taken = self._taken(branch.event, attribute)
+        handler = (*taken, *self.statements(branch.body))
+        name = "_go_on"
+        if handler or name not in self.members.names:
+            name = self.members.names.fresh("_interrupted" if handler else name)
+            self.methods.append(Method(name, handler))
+        interrupting = call(self.imports.runtime("interrupt"), interrupted, guard, own(name))
+        condition = needs.conditions[0]
+        if condition is None:
+            return interrupting
+        if any(interrupted == own(method.name) for method in self.methods):
+            interrupted = call(interrupted)
+        return Parenthesized(Conditional(interrupting, at_least(condition, OR), interrupted))
+
+
+def is_plain(action: CoreAction) -> bool:
+    """Whether an action needs no alternative and no coroutine of its own."""
+    return not any(isinstance(part, Choice | ParallelSteps | InterruptOn | Group) for part in parts(action))
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
