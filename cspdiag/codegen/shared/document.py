@@ -109,7 +109,7 @@ def flat(document: Document) -> str:
     if isinstance(document, str):
         return document
     if isinstance(document, tuple):
-        return "".join(map(flat, document))
+        return "".join([part if isinstance(part, str) else flat(part) for part in document])
     return document.flat if isinstance(document, Line) else document.on_one_line
 
 
@@ -222,7 +222,7 @@ def _until_line(document: Document, broken: bool) -> tuple[int, bool]:
         case tuple():
             count = 0
             for part in document:
-                length, ended = _until_line(part, broken)
+                length, ended = (len(part), False) if isinstance(part, str) else _until_line(part, broken)
                 count += length
                 if ended:
                     return count, True

@@ -242,9 +242,9 @@ class Printer:
 
     def _in_order(self, expressions: Sequence[Expression]) -> list[Code]:
         """The operands, so that faults come in order: of those that can fault only the last stays in place."""
-        last = max((position for position, part in enumerate(expressions) if self.faults(part)), default=0)
+        faulting = [position for position, part in enumerate(expressions) if self.faults(part)]
         return [
-            self._kept(part) if position < last and self.faults(part) else self._print(part)
+            self._kept(part) if position in faulting[:-1] else self._print(part)
             for position, part in enumerate(expressions)
         ]
 
