@@ -66,6 +66,7 @@ from .kernel.exceptions import (
     Timeout,
 )
 from .kernel.observer import Observer
+from .kernel.policy import Option, Policy
 from .kernel.scheduler import Task, scheduler
 from .network import Network
 from .outcome import Jitter, Outcome
@@ -104,11 +105,13 @@ __all__ = [
     "Jitter",
     "Network",
     "Observer",
+    "Option",
     "Out",
     "Outcome",
     "Output",
     "Overwriting",
     "Part",
+    "Policy",
     "Process",
     "ProcessError",
     "Ready",

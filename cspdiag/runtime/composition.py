@@ -17,7 +17,9 @@ from typing import Any, TypeAlias, TypeVar, cast
 from .compiled.routine import Branch, Routine, routine_task
 from .kernel.durations import shown
 from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text, run_is_ended
-from .kernel.scheduler import Join, Party, Task, Waits, scheduler
+from .kernel.party import Party, Waits
+from .kernel.policy import Option
+from .kernel.scheduler import Join, Task, hold, scheduler
 from .process import Process
 
 T = TypeVar("T")
@@ -268,12 +270,16 @@ def now() -> int:
 @coroutine
 def wait(duration: int) -> Generator[None, None, None]:
     """A delay in nanoseconds; none or a negative one ends at once."""
+    policy = scheduler.policy
+    over = None if policy is None else (yield from hold(policy, Option("wait", duration=duration)))
     task = scheduler.current
     if task.cancelled:
         raise Cancelled
-    if duration > 0:
+    if duration > 0 and over is None:
         begin_delay(task, duration)
         yield
+    if policy is not None:
+        policy.did(task, Option("wait", duration=duration))
 
 
 def begin_delay(task: Task, duration: int) -> None:

@@ -21,8 +21,9 @@ from .channels.ports import In, Out
 from .choice.guards import Output
 from .composition import Branches
 from .kernel.durations import shown
+from .kernel.party import Waits
 from .kernel.places import is_of_runtime, source_line
-from .kernel.scheduler import Task, Waits
+from .kernel.scheduler import Task
 from .process import Process
 
 _BOTH_SIDES = frozenset(["read", "write"])

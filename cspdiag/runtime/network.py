@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
+from functools import partial
 from signal import SIGINT
 from typing import Any, Literal
 
@@ -18,7 +19,9 @@ from .deadlock import report_deadlock
 from .kernel.clock import Clock, RealClock, VirtualClock
 from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of
 from .kernel.observer import Observer
-from .kernel.scheduler import Party, Task, scheduler
+from .kernel.party import Party
+from .kernel.policy import Policy
+from .kernel.scheduler import Task, scheduler
 from .kernel.stopping import HandlerFailed, Stopped, stopping
 from .outcome import Jitter, Outcome
 from .outside.devices import Devices
@@ -51,18 +54,23 @@ class Network:
         real_time: bool = False,
         on_miss: Literal["timeout", "count"] = "timeout",
         observer: Observer | None = None,
+        policy: Policy | None = None,
     ) -> Outcome:
         """Runs the program to its end, or to ``until`` (an instant in nanoseconds).
 
         In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the
-        program raises and signals (``stopping``) are part of the outcome. One network runs at a time: RuntimeError if
-        another does.
+        program raises and signals (``stopping``) are part of the outcome. A ``policy`` decides what is left open, in
+        virtual time and in readable code: ValueError otherwise. One network runs at a time: RuntimeError if another
+        does.
         """
+        if policy is not None and (real_time or isinstance(self.process, Routine)):
+            raise ValueError("a policy leads runs in virtual time, of code without optimization (-O0)")
         if scheduler.running:
             raise RuntimeError("a network is running already; one runs at a time")
         scheduler.reset()
         scheduler.running = True
         try:
+            scheduler.policy = policy
             run = _Run(self, environment, RealClock() if real_time else VirtualClock(), until, on_miss, observer)
             with stopping if run.driven else nullcontext():
                 return run.outcome()
@@ -151,7 +159,7 @@ class _Run:
             return self._in_real_time() if self._clock.real else self._in_virtual_time()
 
     def _in_virtual_time(self) -> Outcome:
-        run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
+        run_ready = self._running()
         timers = scheduler.timers
         instants = self._instants
         until = self._until
@@ -177,6 +185,11 @@ class _Run:
                 tick = instants.meet(instant)
             if instant == timer:
                 timers.fall_due(instant)
+
+    def _running(self) -> Callable[[], bool]:
+        if scheduler.policy is not None:
+            return partial(scheduler.run_ready_by, scheduler.policy)
+        return scheduler.run_ready if self._tracked else scheduler.run_ready_routines
 
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
@@ -300,6 +313,7 @@ class _Run:
         self._devices.watch.limits_steps = False
         scheduler.observe = None
         scheduler.watcher = None
+        scheduler.policy = None
         released, errors = self._devices.release()
         tell = getattr(self._observer, "released", None)
         if tell is not None:

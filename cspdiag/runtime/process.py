@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from .kernel.exceptions import Cancelled, Fault, Place, ProcessError, fault_of, run_is_ended
 from .kernel.executed import Executed
 from .kernel.places import note_place, place_of
+from .kernel.policy import compute_first
 from .kernel.scheduler import scheduler
 
 if TYPE_CHECKING:
@@ -74,6 +75,8 @@ class Process(Executed):
             for end in self.ends:
                 end.close()
             self.ended()
+        if scheduler.policy is not None:
+            compute_first(scheduler.policy, self)
 
     def started(self) -> None:
         """Tells the observer."""
@@ -100,6 +103,8 @@ class Submodel(Process):
 
     def started(self) -> None:
         """Observers are not told: submodels run once a sample."""
+        if scheduler.policy is not None:
+            self.has_computed = False
 
     def ended(self) -> None:
         """Observers are not told: submodels run once a sample."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from ..kernel.scheduler import Party, Task
+from ..kernel.party import Party
+from ..kernel.scheduler import Task
 
 
 class Alternating(Protocol):

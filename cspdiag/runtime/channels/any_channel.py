@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from ..kernel.scheduler import Party, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.scheduler import scheduler
 from .meeting import Meeting
 from .ports import In, Out, T
 from .selector import Selector

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..kernel.exceptions import ChannelMisuse
-from ..kernel.scheduler import Party, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.scheduler import scheduler
 from .ports import In, Out, Owner, T
 from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
@@ -40,6 +41,8 @@ class Broadcast(In[T], Out[T]):
         """See ``Out.offer``."""
         if self._writer is not None:
             raise ChannelMisuse(f"{self.name} is written by two processes at the same time")
+        if scheduler.policy is not None:
+            scheduler.policy.took_part(party, "write", self.name)
         self._writer = party
         self._value = value
         for end in self._ends:

@@ -9,7 +9,8 @@ from collections import deque
 from typing import Any
 
 from ..kernel.exceptions import ChannelMisuse
-from ..kernel.scheduler import Party, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.scheduler import scheduler
 from .ports import In, Out, T
 from .selector import Selector, Watchers, lower_bits, raise_bits, without
 
@@ -56,9 +57,10 @@ class Buffer(In[T], Out[T]):
         return False
 
     def _enter(self, value: T, writer: Party) -> None:
-        if self._reader is not None:
-            scheduler.push(self._reader)
-            self._reader.received = value
+        reader = self._reader
+        if reader is not None:
+            scheduler.push(reader)
+            reader.received = value
             self._reader = None
         else:
             self._stored.append(value)
@@ -67,6 +69,8 @@ class Buffer(In[T], Out[T]):
                 lower_bits(self._outputs)
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, writer, None)
+        if scheduler.policy is not None and reader is not None:
+            scheduler.policy.took_part(reader, "read", self.name)
 
     def withdraw(self, party: Party) -> bool:
         """See ``In.withdraw``."""
@@ -84,6 +88,8 @@ class Buffer(In[T], Out[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
+        if scheduler.policy is not None:
+            scheduler.policy.took_part(scheduler.current, "read", self.name)
         value = self._stored.popleft()
         if self._writer is not None:
             writer, self._writer = self._writer, None

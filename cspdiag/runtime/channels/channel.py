@@ -16,7 +16,8 @@ from types import coroutine
 from typing import TYPE_CHECKING, Any
 
 from ..kernel.exceptions import Cancelled, ChannelMisuse
-from ..kernel.scheduler import Party, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.scheduler import scheduler
 from .meeting import Meeting
 from .ports import In, Out, T
 from .selector import Selector
@@ -40,6 +41,8 @@ class Channel(In[T], Out[T]):
     @coroutine
     def read(self) -> Generator[None, None, T]:
         """One communication: waits for a value and takes it."""
+        if scheduler.policy is not None:
+            return (yield from In.read(self))
         writer = self._writer
         if writer is not None:
             scheduler.push(writer)
@@ -64,6 +67,9 @@ class Channel(In[T], Out[T]):
     @coroutine
     def write(self, value: T, /) -> Generator[None, None, None]:
         """One communication: goes on when the value has been taken."""
+        if scheduler.policy is not None:
+            yield from Out.write(self, value)
+            return
         reader = self._reader
         if reader is not None:
             scheduler.push(reader)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..kernel.exceptions import Cancelled
-from ..kernel.scheduler import Party, scheduler
+from ..kernel.party import Party
+from ..kernel.scheduler import scheduler
 from .ports import In, T
 from .selector import Selector, Watchers, lower_bits, without
 

@@ -11,7 +11,9 @@ from types import coroutine
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ..kernel.exceptions import Cancelled
-from ..kernel.scheduler import Party, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.policy import Option, compute_first
+from ..kernel.scheduler import hold, scheduler
 
 if TYPE_CHECKING:
     from .alternating import Alternating
@@ -53,6 +55,9 @@ class In(Generic[T_co]):
     @coroutine
     def read(self) -> Generator[None, None, T_co]:
         """One communication: waits for a value and takes it."""
+        policy = scheduler.policy
+        if policy is not None:
+            yield from hold(policy, Option("read", self.name))
         task = scheduler.current
         if task.cancelled:
             raise Cancelled
@@ -63,6 +68,8 @@ class In(Generic[T_co]):
             while not self.collect(task):
                 yield
                 scheduler.current = task
+        if policy is not None:
+            policy.did(task, Option("read", self.name))
         return task.received  # type: ignore[no-any-return]
 
     def reader(self, owner: Owner | None = None) -> In[T_co]:
@@ -123,12 +130,18 @@ class Out(Generic[T_contra]):
     @coroutine
     def write(self, value: T_contra, /) -> Generator[None, None, None]:
         """One communication: goes on when the value has been taken."""
+        policy = scheduler.policy
+        if policy is not None:
+            compute_first(policy, scheduler.current.process)
+            yield from hold(policy, Option("write", self.name, value=value))
         task = scheduler.current
         if task.cancelled:
             raise Cancelled
         if not self.offer(task, value):
             task.waiting = self
             yield
+        if policy is not None:
+            policy.did(task, Option("write", self.name, value=value))
 
     def offer(self, party: Party, value: T_contra, /) -> bool:
         """A plain write: True if the writer may go on; False if the party waits."""

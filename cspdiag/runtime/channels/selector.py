@@ -8,6 +8,7 @@ Invariant: bit k is set exactly while guard k is ready, whether or not the alter
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Protocol, TypeAlias
 
 
@@ -57,7 +58,7 @@ def raise_bits(watchers: Watchers) -> None:
             selector.wake()
 
 
-def lower_bits(watchers: Watchers) -> None:
+def lower_bits(watchers: Iterable[tuple[Selector, int]]) -> None:
     """A guard is not ready any longer."""
     for selector, bit in watchers:
         selector.ready &= ~bit

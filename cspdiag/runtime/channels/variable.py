@@ -11,7 +11,8 @@ from types import coroutine
 from typing import Any
 
 from ..kernel.exceptions import Cancelled, Fault
-from ..kernel.scheduler import Party, scheduler
+from ..kernel.party import Party
+from ..kernel.scheduler import scheduler
 from .ports import In, Out, T, T_co, T_contra
 from .selector import Selector
 

@@ -11,8 +11,10 @@ from types import coroutine
 from typing import Any
 
 from ..kernel.exceptions import Cancelled
-from ..kernel.scheduler import Party, Task, Waits, scheduler
-from .guards import Choice, Guard, waits_of_guard
+from ..kernel.party import Party, Waits
+from ..kernel.policy import Policy
+from ..kernel.scheduler import Task, hold, scheduler
+from .guards import Choice, Guard, option_of, waits_of_guard
 
 _NOTHING: Mapping[int, Any] = {}
 
@@ -46,6 +48,8 @@ class Alternative(Choice):
         ``enabled`` has a pre-condition for every guard. ``values`` are what output guards write, ``delays`` the
         durations of time-outs, by index of the guard, where they differ from the guard's own.
         """
+        if scheduler.policy is not None:
+            return (yield from self.select_by(scheduler.policy, enabled, values, delays))
         if scheduler.current.cancelled:
             raise Cancelled
         mask = self._all if enabled is None else sum([1 << index for index, holds in enumerate(enabled) if holds])
@@ -65,6 +69,41 @@ class Alternative(Choice):
         index = bit.bit_length() - 1
         if not self.communicate(index, values):
             yield
+        return index
+
+    def select_by(
+        self,
+        policy: Policy,
+        enabled: Sequence[bool] | None = None,
+        values: Mapping[int, Any] = _NOTHING,
+        delays: Mapping[int, int] = _NOTHING,
+    ) -> Generator[None, None, int]:
+        """As ``select``, where a policy says when that goes on, and with what."""
+        options = {
+            index: option_of(guard, index, values, delays)
+            for index, guard in enumerate(self.guards)
+            if enabled is None or enabled[index]
+        }
+        wanted = yield from hold(policy, *options.values())
+        if wanted is not None:
+            options, delays = {wanted.index: options[wanted.index]}, {**delays, wanted.index: 0}
+        task = scheduler.current
+        policy.arrives(task)
+        mask = sum([1 << index for index in options])
+        ready = self.selector.ready & mask | self.time_outs_passed(mask, delays)
+        if not ready:
+            ready = yield from self.wait(mask, values, delays)
+            if not ready:
+                policy.did(task, options[self.chosen])
+                return self.chosen
+        found = [option for index, option in options.items() if ready >> index & 1]
+        if not self._prioritized:
+            found.sort(key=lambda option: not self.after_last >> option.index & 1)
+        index = found[policy.choose(task, found, prioritized=self._prioritized)].index
+        self.after_last = -1 << (index + 1)
+        if not self.communicate(index, values):
+            yield
+        policy.did(task, options[index])
         return index
 
     def wait(

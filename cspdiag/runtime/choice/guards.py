@@ -13,9 +13,12 @@ from typing import Any, TypeAlias, assert_never
 
 from ..channels.ports import AnyIn, AnyOut
 from ..channels.selector import Selector, raise_bits
+from ..channels.variable import Constant, Discard, Variable
 from ..kernel.durations import shown
 from ..kernel.executed import Executed
-from ..kernel.scheduler import Party, Task, scheduler
+from ..kernel.party import Party
+from ..kernel.policy import Option
+from ..kernel.scheduler import Task, scheduler
 
 _BEGUN = count(1)
 
@@ -93,6 +96,23 @@ def waits_of_guard(guard: Guard) -> tuple[str, Any]:
             return str(guard), None
         case _:
             assert_never(guard)
+
+
+def option_of(guard: Guard, index: int, values: Mapping[int, Any], delays: Mapping[int, int]) -> Option:
+    """A guard for a policy, with what ``select`` was given; at ends that never wait nobody else takes part."""
+    match guard:
+        case Input(end=Variable() | Constant()) | Ready(end=Variable() | Constant()) | Skip():
+            return Option("skip", index=index)
+        case Output(end=Variable() | Discard()):
+            return Option("skip", index=index)
+        case Input(end=end):
+            return Option("read", end.name, index)
+        case Ready(end=end):
+            return Option("ready", end.name, index)
+        case Output(end=end):
+            return Option("write", end.name, index, value=values.get(index, guard.value))
+        case After():
+            return Option("after", index=index, duration=delays.get(index, guard.duration))
 
 
 class _TimeOut:

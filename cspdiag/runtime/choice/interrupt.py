@@ -10,9 +10,11 @@ from typing import Any, cast
 from ..compiled.routine import Branch, CheckedTask, RoutineTask
 from ..composition import Body, Branches
 from ..kernel.exceptions import Cancelled
-from ..kernel.scheduler import Party, Task, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.policy import Option, Policy
+from ..kernel.scheduler import Task, scheduler
 from .alternative import Alternative
-from .guards import Choice, Guard, Input, Output, Ready, waits_of_guard
+from .guards import Choice, Guard, Input, Output, Ready, option_of, waits_of_guard
 
 
 class _Interruption(Choice):
@@ -91,7 +93,11 @@ def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]
     """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see
     ``interrupted``.
     """
-    taken = yield from interrupted(body, guard)
+    policy = scheduler.policy
+    if policy is not None:
+        taken = yield from _interrupted_by(policy, body, guard)
+    else:
+        taken = yield from interrupted(body, guard)
     if taken:
         yield from handler().__await__()
 
@@ -136,6 +142,51 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
     if isinstance(guard, Input):
         guard.value = value
     return True
+
+
+class _Led:
+    """An interrupt whose body runs; a policy says when it comes."""
+
+    def __init__(self, task: Task, option: Option, body: Task) -> None:
+        self.task = task
+        self.option = option
+        self._body = body
+        self.came = False
+        self.taken = False
+
+    def come(self, *, taken: bool) -> None:
+        """See ``policy.Interruption.come``."""
+        self.came, self.taken = True, taken
+        self._body.cancel()
+
+
+def _interrupted_by(policy: Policy, body: Body, guard: Guard) -> Generator[None, None, bool]:
+    """As ``interrupted``, in a run that a policy leads."""
+    task, option = scheduler.current, option_of(guard, 0, {}, {})
+    if not policy.leads_interrupts:
+        taken = yield from interrupted(body, guard)
+        if taken:
+            policy.did(task, option)
+        return taken
+    if task.cancelled:
+        raise Cancelled
+    branches = Branches(task)
+    branches.start((body,))
+    led = _Led(task, option, branches.tasks[0])
+    policy.interrupt_begins(led)
+    try:
+        yield from branches.wait()
+    finally:
+        policy.interrupt_ends(led)
+    if led.came and isinstance(guard, Input | Output):
+        # A guard that was not taken waits for its turn as any other does.
+        alternative = Alternative(guard)
+        yield from alternative.select_by(Policy() if led.taken else policy)
+        if isinstance(guard, Input):
+            guard.value = alternative.value
+    if led.taken:
+        policy.did(task, option)
+    return led.came
 
 
 def _communication(guard: Guard) -> Generator[None, None, Any]:

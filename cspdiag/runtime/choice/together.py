@@ -6,15 +6,18 @@ They are begun in port order; the task goes on when the last of them is done.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from types import coroutine
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from ..channels.ports import AnyIn, AnyOut, In, Out
+from ..channels.variable import Constant, Discard, Variable
 from ..compiled.rendezvous import Rendezvous
 from ..kernel.exceptions import Cancelled
 from ..kernel.executed import Executed
-from ..kernel.scheduler import Party, Task, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.policy import Option, Policy, compute_first
+from ..kernel.scheduler import Task, hold, scheduler
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -170,36 +173,96 @@ if TYPE_CHECKING:
 
 else:
 
-    @coroutine
     def read_all(*ends: AnyIn) -> Generator[None, None, tuple[Any, ...]]:
         """Reads all ends at once, begun in the order given; a tuple of their values."""
-        task = scheduler.current
-        if task.cancelled:
-            raise Cancelled
-        values: list[Any] = []
-        together: _Together | None = None
-        offered = _Offered(task)
-        try:
-            for end in ends:
-                if end.request(offered):
-                    values.append(offered.received)
-                else:
-                    together = together or _Together(task, values)
-                    offered.waits(together, len(values), end, _NOTHING)
-                    values.append(None)
-                    offered = _Offered(task)
-        except BaseException:
-            if together is not None:
-                together.give_up()
-            raise
-        if together is not None:
-            yield from together.wait()
-        return tuple(values)
+        policy = scheduler.policy
+        return _read_together(ends) if policy is None else _read_by(policy, ends)
 
 
 @coroutine
-def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
-    """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
+def _read_together(ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ...]]:
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    values: list[Any] = []
+    together: _Together | None = None
+    offered = _Offered(task)
+    try:
+        for end in ends:
+            if end.request(offered):
+                values.append(offered.received)
+            else:
+                together = together or _Together(task, values)
+                offered.waits(together, len(values), end, _NOTHING)
+                values.append(None)
+                offered = _Offered(task)
+    except BaseException:
+        if together is not None:
+            together.give_up()
+        raise
+    if together is not None:
+        yield from together.wait()
+    return tuple(values)
+
+
+@coroutine
+def _read_by(policy: Policy, ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ...]]:
+    """As ``read_all``, in the order that a policy wants."""
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    values: dict[int, Any] = {}
+    pending = dict(enumerate(ends))
+    for position, end in enumerate(ends):
+        if isinstance(end, Variable | Constant):
+            values[position] = yield from pending.pop(position).read()
+    while pending:
+        options = [Option("read", end.name, position) for position, end in pending.items()]
+        wanted = yield from hold(policy, *options, together=True)
+        chosen = list(pending) if wanted is None else [wanted.index]
+        read = yield from _read_together([pending.pop(position) for position in chosen])
+        values.update(zip(chosen, read, strict=True))
+        for position in chosen:
+            policy.did(task, Option("read", ends[position].name, position))
+    return tuple(values[position] for position in range(len(ends)))
+
+
+@coroutine
+def _write_by(policy: Policy, outputs: Sequence[tuple[Out[Any], Any]]) -> Generator[None, None, None]:
+    """As ``write_all``, in the order that a policy wants."""
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    compute_first(policy, task.process)
+    pending = dict(enumerate(outputs))
+    for position, (end, value) in enumerate(outputs):
+        if isinstance(end, Variable | Discard):
+            del pending[position]
+            yield from end.write(value)
+    while pending:
+        options = [Option("write", end.name, position, value=value) for position, (end, value) in pending.items()]
+        wanted = yield from hold(policy, *options, together=True)
+        chosen = list(pending) if wanted is None else [wanted.index]
+        yield from _write_together([pending.pop(position) for position in chosen])
+        for position in chosen:
+            policy.did(task, Option("write", outputs[position][0].name, position))
+
+
+if TYPE_CHECKING:
+
+    def write_all(*outputs: tuple[Out[Any], Any]) -> Values[None]:
+        """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
+
+else:
+
+    def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
+        """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
+        policy = scheduler.policy
+        return _write_together(outputs) if policy is None else _write_by(policy, outputs)
+
+
+@coroutine
+def _write_together(outputs: Sequence[tuple[Out[Any], Any]]) -> Generator[None, None, None]:
     task = scheduler.current
     if task.cancelled:
         raise Cancelled

@@ -14,7 +14,8 @@ from typing import Any
 
 from ..channels.ports import In, Out, T
 from ..channels.selector import Selector, Watchers, lower_bits, raise_bits, without
-from ..kernel.scheduler import Party, Waits, scheduler
+from ..kernel.party import Party, Waits
+from ..kernel.scheduler import scheduler
 
 
 class Rendezvous(In[T], Out[T]):

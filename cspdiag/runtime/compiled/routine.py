@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ..kernel.exceptions import ProcessError, fault_of, run_is_ended
 from ..kernel.executed import Executed
+from ..kernel.party import Waits
 from ..kernel.places import note_place, place_of
-from ..kernel.scheduler import Join, Task, Waits, scheduler
+from ..kernel.scheduler import Join, Task, scheduler
 from .rendezvous import Rendezvous
 
 if TYPE_CHECKING:

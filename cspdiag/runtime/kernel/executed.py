@@ -14,5 +14,8 @@ class Executed:
     is_law = False
     """Whether it is a control law, at which a cancelled process ends before the law reads and before it writes."""
 
+    has_computed = True
+    """False from the beginning of a control law until it has computed, in a run that a policy leads."""
+
     name: str
     source: str | None

@@ -16,62 +16,20 @@ Invariants:
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Coroutine, Generator
+from collections.abc import Callable, Coroutine, Generator, Iterator
 from itertools import islice
 from typing import Any, Protocol, TypeAlias
 
 from .child import end_of_child
 from .exceptions import Cancelled
 from .executed import Executed
+from .party import Party, Waitable, Waits
+from .policy import Option, Policy
 from .stopping import stopping
 from .timers import Timers
 
 Priority: TypeAlias = tuple[int, ...]
 """Ranks from the outermost prioritized parallel inwards; the smallest is the most urgent."""
-
-
-class Party(Protocol):
-    """What can wait in a channel and then be in a ready queue.
-
-    ``resume`` goes on with it; only the scheduler calls it. A party that is no task makes its task the current one
-    before it resumes it.
-    """
-
-    received: Any
-    """The value that was handed over to a waiting reader."""
-
-    @property
-    def resume(self) -> Callable[[None], object]:
-        """Goes on; called by the scheduler only."""
-        ...
-
-    @property
-    def ready_queue(self) -> list[Party] | deque[Party]:
-        """The queue of its level of priority."""
-        ...
-
-    @property
-    def process(self) -> Executed | None:
-        """The process on whose behalf it waits."""
-        ...
-
-
-Waits: TypeAlias = "tuple[tuple[str, Any], ...]"
-"""What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is
-enough, or all.
-"""
-
-
-class Waitable(Protocol):
-    """What a task can wait for."""
-
-    def withdraw(self, party: Party) -> bool:
-        """Takes a waiting party back; False if it does not wait here any longer."""
-        ...
-
-    def waits_for(self, party: Party) -> Waits:
-        """What the party waits for, for the deadlock report."""
-        ...
 
 
 class Task:
@@ -207,6 +165,7 @@ class Scheduler:
         "enqueue",
         "now",
         "observe",
+        "policy",
         "push",
         "queue",
         "running",
@@ -234,6 +193,7 @@ class Scheduler:
         self.watcher: Watcher | None = None
         self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
         self.sample_log: list[Any] | None = None
+        self.policy: Policy | None = None
 
     def leave(self) -> None:
         """In a child that was forked: whatever would be resumed next, wherever the queue is being walked, ends it."""
@@ -317,10 +277,38 @@ class Scheduler:
     def _run_lower_level(self) -> bool:
         for _, queue in self._levels:
             if queue:
-                self._run_one(queue.popleft())
-                self.current = nobody
+                self.run_one(queue.popleft())
                 return True
         return False
+
+    def run_ready_by(self, policy: Policy) -> bool:
+        """As ``run_ready``, one party that the policy chooses among those of the highest level."""
+        for _, queue in ((), self.queue), *self._levels:
+            if queue:
+                position = policy.next(tuple(queue))
+                party = queue[position]
+                del queue[position]
+                self.run_one(party)
+                return True
+        return False
+
+    def take_ready(self) -> Iterator[tuple[Priority, Party]]:
+        """Takes all that are ready out of their queues, for who runs them by ``run_one``."""
+        for level, queue in ((), self.queue), *self._levels:
+            yield from [(level, party) for party in queue]
+            queue.clear()
+
+    @property
+    def has_levels(self) -> bool:
+        """Whether there is, or was, a prioritized parallel."""
+        return bool(self._levels)
+
+    def run_one(self, party: Party) -> None:
+        """Runs a party that is in no queue until it has to wait."""
+        try:
+            self._run_one(party)
+        finally:
+            self.current = nobody
 
     def _run_one(self, party: Party) -> None:
         self.current = party  # type: ignore[assignment]
@@ -348,3 +336,16 @@ nobody: Task = None  # type: ignore[assignment]
 """The current task while no process runs."""
 
 scheduler = Scheduler()
+
+
+def hold(policy: Policy, *options: Option, together: bool = False) -> Generator[None, None, Option | None]:
+    """Halts the current task where the policy says so: what it is to go on with then; None: as in any run."""
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    gate = policy.halt(task, options, together=together)
+    if gate is None:
+        return None
+    task.waiting = gate
+    yield
+    return gate.chosen

@@ -6,6 +6,7 @@ entries whose timers were all stopped stay in the heap until they come up, and a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from heapq import heappop, heappush
 from typing import Protocol
 
@@ -54,6 +55,10 @@ class Timers:
                 return instants[0]
             heappop(instants)
         return None
+
+    def instants(self) -> Iterator[int]:
+        """The instant of each timer, in no order."""
+        return (instant for instant, timers in self._at.items() for _ in timers)
 
     def fall_due(self, instant: int) -> None:
         """Tells the timers of ``instant``; one of them may stop others that come after it."""

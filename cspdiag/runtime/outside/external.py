@@ -14,9 +14,11 @@ from typing import Any, Generic, TypeAlias
 from ..channels.ports import Out, T
 from ..channels.selector import Selector
 from ..kernel.exceptions import Fault
-from ..kernel.scheduler import Party, scheduler
+from ..kernel.party import Party
+from ..kernel.scheduler import scheduler
 from .drivers import Driver, Signal
 from .inputs import EventInput, SampledInput
+from .supply import Supply
 
 
 class _ExternalOutput(Out[T]):
@@ -69,7 +71,7 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
     ) -> None:
         super().__init__(name, driver, safe)
         self.period = period
-        self.immediate = immediate
+        self.immediate = immediate or isinstance(driver, Supply)
         self.written = False
         self.latched: Any = None
         self.writer: Party | None = None
@@ -84,6 +86,8 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
             self.latched = value
             self.writer = party
             self.written = True
+        if scheduler.policy is not None:
+            scheduler.policy.wrote(party, self.name, value)
         return True
 
     @property
@@ -126,6 +130,8 @@ class EventOutput(_ExternalOutput[T], Generic[T]):
         """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
         _require_finite(self.name, value)
         self._hand_over(value, party)
+        if scheduler.policy is not None:
+            scheduler.policy.wrote(party, self.name, value)
         return True
 
 

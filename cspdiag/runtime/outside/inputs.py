@@ -16,9 +16,11 @@ from ..channels.ports import In, Owner, T
 from ..channels.selector import Selector, lower_bits, raise_bits
 from ..kernel.durations import ms, shown
 from ..kernel.exceptions import ChannelMisuse, Timeout
-from ..kernel.scheduler import Party, Task, scheduler
+from ..kernel.party import Party
+from ..kernel.scheduler import Task, scheduler
 from .accepted import Accept
 from .drivers import NO_SAMPLE, Driver, Signal, name_of
+from .supply import Supply
 
 if TYPE_CHECKING:
     from ..channels.alternating import Alternating
@@ -137,6 +139,8 @@ class SampledEnd(LatchedEnd[T]):
         """The sample, which ``reader`` takes. Raises Timeout if one was overwritten before it."""
         if self.overdue:
             self.overdue = False
+            if scheduler.policy is not None:
+                scheduler.policy.took_part(reader, "miss", self.name)
             self._refuse_lack()
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
         if not self.begun:
@@ -222,6 +226,9 @@ class SampledInput(In[T]):
 
     def reader(self, owner: Owner | None = None) -> SampledEnd[T]:
         """The end of a process, whose session lasts until the process ends."""
+        if isinstance(self.driver, Supply):
+            supplied: Any = self.driver.end_of(self.name)
+            return supplied  # type: ignore[no-any-return]
         end: SampledEnd[T] = SampledEnd(self, _Pace() if owner is None else self._pace_of(owner))
         self.ends.append(end)
         return end if owner is None else owner.owns(end)
@@ -329,12 +336,13 @@ class SampledInput(In[T]):
 
 
 class EventEnd(LatchedEnd[T]):
-    """A latch of an event input."""
+    """A latch of an event input; ``owner`` is the path of the process that alone reads from it, "" for one of all."""
 
-    __slots__ = ("_readers",)
+    __slots__ = ("_readers", "owner")
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, owner: str = "") -> None:
         super().__init__(name)
+        self.owner = owner
         self._readers: deque[Party] = deque()
 
     @property
@@ -405,9 +413,17 @@ class EventInput(In[T]):
 
     def reader(self, owner: Owner | None = None) -> EventEnd[T]:
         """The end of a process."""
+        if isinstance(self.driver, Supply):
+            supplied: Any = self.driver.end_of(self.name)
+            return supplied  # type: ignore[no-any-return]
         if self.kind == "broadcast":
-            self.ends.append(EventEnd(self.name))
+            self.ends.append(EventEnd(self.name, "" if owner is None else owner.name))
         return self.ends[-1]
+
+    def end_of(self, path: str) -> EventEnd[T]:
+        """The end at which a process reads, or the innermost around it that has one."""
+        fitting = [end for end in self.ends if f"{path}.".startswith(f"{end.owner}." if end.owner else "")]
+        return max(fitting, key=lambda end: len(end.owner), default=self.ends[-1])
 
     def start(self) -> None:
         """The value at the beginning is no event."""

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import Limits
-from cspdiag.runtime.kernel.scheduler import scheduler
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.simulate.run.execute import BodyError, account_of
 from cspdiag.simulate.run.package import LoadedPackage
@@ -16,7 +14,6 @@ from cspdiag.verify.decisions import Decisions, RandomDecisions
 from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.result import GuidedRun
 from cspdiag.verify.guided.run import Run
-from cspdiag.verify.guided.runtime import guided_runtime
 from cspdiag.verify.guided.script import Passed, Script, put_off
 from cspdiag.verify.guided.world import Lines, World
 from cspdiag.verify.runs.recurrence import Recurrence
@@ -39,17 +36,13 @@ AT_LEAST = 2_000
 
 
 class Guided:
-    """The program of a network, compiled without optimization, as often as it takes; ``found`` is the package with
-    which scripts were found.
-    """
+    """The program of a network, compiled without optimization to a package, as often as it takes."""
 
-    def __init__(self, network: CoreNetwork, files: Mapping[str, str], found: LoadedPackage, limits: Limits) -> None:
+    def __init__(self, network: CoreNetwork, package: LoadedPackage, limits: Limits) -> None:
         self._limits = limits
         self._network = network
-        self._package = LoadedPackage(network.name, files, guided_runtime())
-        types = None
-        if network.enums or network.structs:
-            types = sys.modules[f"{self._package.name}.types"] = found.module("types")
+        self._package = package
+        types = package.module("types") if network.enums or network.structs else None
         values = Values(types, numbers_of(network))
         inputs = [port for port in network.external_ports if port.direction == "in"]
         self._defaults = {
@@ -63,10 +56,6 @@ class Guided:
         self._partners = Partners(network)
         self._left = MOST_ACTIONS
         self._runs_left = MOST_RUNS
-
-    def close(self) -> None:
-        """Forgets the package."""
-        self._package.close()
 
     @property
     def exhausted(self) -> bool:
@@ -147,7 +136,6 @@ class Guided:
     ) -> GuidedRun:
         self._limits.check()
         decisions.begin()
-        scheduler.reset()
         lines = Lines()
         limit = max(AT_LEAST, self._left // 4)
         network = self._built(lines)

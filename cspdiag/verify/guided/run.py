@@ -11,22 +11,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush, nsmallest
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn
 
 from cspdiag.proofs.verdict import LimitError
-from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import report_deadlock
 from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, RunEnded
-from cspdiag.runtime.kernel.scheduler import Party, Priority, Task, nobody, scheduler
+from cspdiag.runtime.kernel.party import Party
+from cspdiag.runtime.kernel.policy import Option, Policy
+from cspdiag.runtime.kernel.scheduler import Priority, Task
 from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.result import GuidedRun
-from cspdiag.verify.guided.runtime import guidance
 from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round
 from cspdiag.verify.guided.world import World
-from cspdiag.verify.runs.task_names import Key, TaskNames, path_of
+from cspdiag.verify.runs.task_names import Key, TaskNames, path_of, task_of
 
 MOST_CHOICES = 6
 """So many of the processes that are ready are tried as the next."""
@@ -42,7 +43,7 @@ class _Enough(RunEnded):
     """Breaks off a process that goes on for ever without ever having to wait; nothing in it catches that."""
 
 
-class Run:
+class Run(Policy):
     """One run. ``strict``: nobody does anything that is not in the script; ``free``: there is none."""
 
     def __init__(
@@ -65,7 +66,7 @@ class Run:
         self._free = free
         self._limit = limit
         self._process = network.process
-        self._root = task_for(network.process, self, None)
+        self._network = network
         self._outputs = goal.outside - world.inputs
         self._expected = goal.expected() if goal.trace.failure == "refinement" else None
         self._seen = 0
@@ -88,34 +89,28 @@ class Run:
         self._period = slice(0, 0)
         self._repeated: tuple[int, int] | None = None
         self._broken_off = False
-        self._error: BaseException | None = None
-
-    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
-        """The outermost process has ended."""
-        self._error = error
 
     def run(self) -> GuidedRun:
-        """Runs as far as it leads to the goal; ``scheduler`` was reset, and the decisions have begun."""
-        guidance.guide = self
-        scheduler.observe = self._observe
-        scheduler.enqueue(self._root)
+        """Runs as far as it leads to the goal; the decisions have begun."""
+        run = self._run = StepwiseRun(self._network, self, self._observe)
+        self._world.begin(run)
         divergence, deadlock = None, None
         happened: tuple[Happened, ...] = ()
         standing: tuple[Standing, ...] = ()
         try:
             self._go()
-            if self._goal.is_standstill and (self._free or self._script.left or not self._goal.is_as_told(self._root)):
+            if self._goal.is_standstill and (
+                self._free or self._script.left or not self._goal.is_as_told(self._run.root)
+            ):
                 divergence, happened = self._lost or self._not_come(), tuple(self._happened)
-                standing = tuple(self._goal.standing(self._root, self._names))
+                standing = tuple(self._goal.standing(self._run.root, self._names))
             if self._goal.is_standstill:
-                stuck = self._goal.stuck(self._root)
-                deadlock = report_deadlock(self._root, scheduler.now, stuck, self._called)
+                stuck = self._goal.stuck(self._run.root)
+                deadlock = report_deadlock(self._run.root, self._run.now, stuck, self._called)
         except AstrayError as problem:
             divergence = self._lost or str(problem)
         finally:
-            scheduler.observe = None
-            scheduler.current = nobody
-            end_all(self._root)
+            run.close()
         done = len(self._script.entries) - self._script.left
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
@@ -157,21 +152,19 @@ class Run:
                 continue
             self._steps += 1
             try:
-                scheduler._run_one(party)
+                self._run.run_one(party)
             except _Enough:
                 assert self._broken_off
-            finally:
-                scheduler.current = nobody
             if self._repeated is not None:
                 return
             if self._broken_off:
                 if self._script.left or self._goal.is_standstill:
                     raise AstrayError(self._not_come(_TRIED))
                 return
-            if isinstance(self._error, LimitError):
-                raise self._error
+            if isinstance(self._run.error, LimitError):
+                raise self._run.error
             if self._failed:
-                raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
+                raise AstrayError(f"it ends with {type(self._run.error).__name__}: {self._run.error}")
             if self._problem is not None:
                 raise AstrayError(self._problem)
             if self._actions > self._limit:
@@ -192,13 +185,13 @@ class Run:
             return False
         while done >= goal.cycle + self._rounds * goal.period:
             self._rounds += 1
-        if goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
+        if goal.trace.failure == "livelock" and self._cycle_began not in (None, self._run.now):
             raise AstrayError("time passes before everything is repeated")
-        situation = (*self._world.situation, *goal.recurrence.state(self._process, self._root))
-        here = self._rounds, scheduler.now, len(self._happened)
+        situation = (*self._world.situation, *goal.recurrence.state(self._process, self._run.root))
+        here = self._rounds, self._run.now, len(self._happened)
         rounds, instant, began = self._situations.setdefault(situation, here)
         if rounds < self._rounds:
-            self._repeated = self._rounds - rounds, scheduler.now - instant
+            self._repeated = self._rounds - rounds, self._run.now - instant
             self._period = slice(began, len(self._happened))
         return self._repeated is not None
 
@@ -209,25 +202,25 @@ class Run:
     @property
     def _failed(self) -> bool:
         """Whether the program has ended by an exception that proofs know nothing of, or too early."""
-        known = isinstance(self._error, ProcessError) and not isinstance(self._error, Fault)
-        return self._error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
+        known = isinstance(self._run.error, ProcessError) and not isinstance(self._run.error, Fault)
+        return self._run.error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
 
     def _is_to_come(self) -> bool:
         """Whether what a specification is to see in the end, or the end, has not come, though all processes have done
         their part once.
         """
         if self._goal.ends:
-            return not self._root.ended
+            return not self._run.root.ended
         return self._goal.further and self._expected is not None and self._seen < len(self._expected)
 
     def _concluded(self) -> bool:
         """Nobody is ready: whether that is the standstill."""
-        if self._root.ended:
+        if self._run.root.ended:
             raise AstrayError("it ends instead of coming to a halt" if not self._script.left else self._not_come())
         if not self._goal.is_standstill or (self._script.left and self._strict):
             return False
-        missed = self._goal.missed(self._root)
-        if missed is None and self._goal.trace.failure != "deadlock" and not self._goal.is_as_told(self._root):
+        missed = self._goal.missed(self._run.root)
+        if missed is None and self._goal.trace.failure != "deadlock" and not self._goal.is_as_told(self._run.root):
             missed = "others wait than the counterexample says"
         if missed is not None and not self._script.left and not self._world.time_can_pass:
             raise AstrayError(missed)
@@ -251,12 +244,10 @@ class Run:
         return entry[2]
 
     def _collect(self) -> None:
-        for level, queue in (((), scheduler.queue), *scheduler._levels):
-            for party in queue:
-                self._serial += 1
-                entry = (self._script.rank(self._key(party)), self._serial, party)
-                heappush(self._ready.setdefault(level, []), entry)
-            queue.clear()
+        for level, party in self._run.take_ready():
+            self._serial += 1
+            entry = (self._script.rank(self._key(party)), self._serial, party)
+            heappush(self._ready.setdefault(level, []), entry)
 
     def _key(self, party: Party) -> Key:
         task = task_of(party)
@@ -270,13 +261,13 @@ class Run:
         number = self._script.next()
         if number is None or not self._world.can_offer(self._script.entries[number]):
             return
-        later = scheduler.queue or any(self._ready.values()) or self._world.time_can_pass
+        later = self._run.has_ready or any(self._ready.values()) or self._world.time_can_pass
         if not later or not self._decisions.choose(2):
             self._world.offer(self._script.entries[number])
 
-    def arrives(self) -> None:
-        """See ``Guide.arrives``."""
-        head = self._script.head(self._key(scheduler.current))
+    def arrives(self, task: Party) -> None:
+        """See ``Policy.arrives``: what the task wants from outside may be there just before."""
+        head = self._script.head(self._key(task))
         if head is None or not self._world.can_offer(head):
             return
         number = self._script.next()
@@ -295,39 +286,41 @@ class Run:
             raise AstrayError(self._not_come())
         self._world.offer(entry)
 
-    def compute(self) -> None:
-        """See ``Guide.compute``."""
+    def computes(self) -> None:
+        """See ``Policy.computes``."""
         instants = self._world.computing
         self._world.pass_until(instants[self._decisions.choose(len(instants))] if len(instants) > 1 else instants[0])
 
-    def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
-        """See ``Guide.pick``."""
-        head = self._script.head(self._key(scheduler.current))
-        for index, action, channel in guards:
-            if head is not None and _is(head, action, channel, index):
-                return index
-        if self._strict or len(guards) == 1:
-            return guards[0][0]
-        return guards[self._decisions.choose(len(guards))][0]
+    def choose(self, task: Party, ready: Sequence[Option], *, prioritized: bool) -> int:
+        """See ``Policy.choose``."""
+        head = self._script.head(self._key(task))
+        wanted = None if head is None else next((n for n, option in enumerate(ready) if _is(head, option)), None)
+        if prioritized:
+            if head is not None and wanted:
+                words = f"`{head.name or head.path}` prefers `{_words_of(ready[0])}` to `{_words(head)}`"
+                self._lose(words + _LEFT_OUT.format("priorities"))
+            return 0
+        if wanted is not None:
+            return wanted
+        return 0 if self._strict or len(ready) == 1 else self._decisions.choose(len(ready))
 
-    def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:
-        """See ``Guide.preferred``."""
-        head = self._script.head(self._key(scheduler.current))
-        if head is None or _is(head, chosen[1], chosen[2], chosen[0]):
+    def did(self, task: Party, option: Option) -> None:
+        """See ``Policy.did``: of communications it knows from elsewhere."""
+        if option.channel:
             return
-        if any(_is(head, action, channel, index) for index, action, channel in ready):
-            words = f"`{head.name or head.path}` prefers `{chosen[2] or chosen[1]}` to `{_words(head)}`"
-            self._lose(words + _LEFT_OUT.format("priorities"))
-
-    def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
-        """See ``Guide.did``."""
-        if action == "write":
-            self._broadcasts.add(channel)
-        self._note(action, channel, duration, party)
-        self._match(party, action, channel, index)
+        action, duration = option.action, option.duration
+        self._note(action, "", duration, task)
+        self._match(task, action, "", option.index)
         is_over_at_once = action == "skip" or (action in ("wait", "after") and duration <= 0)
         if is_over_at_once and self._has_repeated():
             self._break_off()
+
+    def took_part(self, party: Party, action: Literal["read", "write", "miss"], channel: str) -> None:
+        """See ``Policy.took_part``."""
+        if action == "write":
+            self._broadcasts.add(channel)
+        self._note(action, channel, 0, party)
+        self._match(party, action, channel)
 
     def _break_off(self) -> NoReturn:
         """Ends the process that runs, which would go on without ever having to wait; the scheduler tells its
@@ -350,7 +343,7 @@ class Run:
         number = self._script.do(key, action, channel, index)
         if number is not None:
             if number >= self._goal.cycle and self._cycle_began is None:
-                self._cycle_began = scheduler.now
+                self._cycle_began = self._run.now
             return True
         head = self._script.head(key)
         self._besides = self._besides or head is not None or self._cycle_began is None
@@ -359,11 +352,11 @@ class Run:
         return False
 
     def _other(self, party: Party, done: str, head: Passed | None) -> str:
-        words = f"at {shown(scheduler.now)}, `{self._names.called(task_of(party))}` goes on with `{done}`"
+        words = f"at {shown(self._run.now)}, `{self._names.called(task_of(party))}` goes on with `{done}`"
         if head is not None:
             words += f" before `{_words(head)}`"
         timed = head is not None and head.action in {"wait", "after"}
-        return words + _LEFT_OUT.format("priorities" if scheduler._levels and not timed else "times")
+        return words + _LEFT_OUT.format("priorities" if self._run.has_levels and not timed else "times")
 
     def _lose(self, words: str) -> None:
         """The run does something else than the script has."""
@@ -379,14 +372,14 @@ class Run:
         if number is None:
             return f"it does not come to a halt {when}".rstrip()
         entry = self._script.entries[number]
-        when = when or f": at {shown(scheduler.now)} nothing goes on any more"
+        when = when or f": at {shown(self._run.now)} nothing goes on any more"
         return f"`{entry.name or entry.path}` does not come to `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
 
-    def wrote(self, channel: str, value: Any, writer: Party) -> None:
-        """See ``Guide.wrote``."""
+    def wrote(self, party: Party, channel: str, value: Any) -> None:
+        """See ``Policy.wrote``."""
         self._communicated(channel, value)
-        self._note("communication", channel, value, writer)
-        self._match(writer, "write", channel)
+        self._note("communication", channel, value, party)
+        self._match(party, "write", channel)
 
     def _observe(self, channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
         if channel in self._outputs:
@@ -399,7 +392,7 @@ class Run:
         if reader is not None:
             wanted.add(self._match(reader, "read", channel))
         if self._goal.further and len(wanted) > 1:
-            self._problem = f"at {shown(scheduler.now)}, `{channel}` is communicated with another process"
+            self._problem = f"at {shown(self._run.now)}, `{channel}` is communicated with another process"
 
     def _communicated(self, channel: str, value: Any) -> None:
         is_expected = self._expected is not None and channel in self._goal.visible
@@ -407,7 +400,7 @@ class Run:
             # What was wrong has happened already.
             return
         self._communications.append((channel, value))
-        self._instants.append(scheduler.now)
+        self._instants.append(self._run.now)
         if self._expected is None or not is_expected:
             return
         expected = self._expected[self._seen] if self._seen < len(self._expected) else None
@@ -415,20 +408,19 @@ class Run:
             return
         self._seen += 1
         if channel != expected:
-            self._problem = f"at {shown(scheduler.now)}, `{channel}` comes before `{expected or 'the end'}`"
-            self._problem += _LEFT_OUT.format("priorities" if scheduler._levels else "times")
+            self._problem = f"at {shown(self._run.now)}, `{channel}` comes before `{expected or 'the end'}`"
+            self._problem += _LEFT_OUT.format("priorities" if self._run.has_levels else "times")
 
 
-def task_of(party: Any) -> Task:
-    """The task on whose behalf a party waits."""
-    if isinstance(party, Task):
-        return party
-    task: Task = party.task if hasattr(party, "task") else party._choice.task
-    return task
+def _is(entry: Passed, option: Option) -> bool:
+    if option.channel:
+        action = "read" if option.action == "ready" else option.action
+        return entry.action == action and entry.channel == option.channel
+    return entry.action == option.action and entry.index == option.index
 
 
-def _is(entry: Passed, action: str, channel: str, index: int) -> bool:
-    return entry.action == action and (entry.channel == channel if channel else entry.index == index)
+def _words_of(option: Option) -> str:
+    return option.channel or option.action
 
 
 def _words(entry: Passed) -> str:

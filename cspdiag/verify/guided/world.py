@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import Any, Literal
 
-from cspdiag.runtime.kernel.scheduler import scheduler
 from cspdiag.runtime.outside.external import Port
-from cspdiag.runtime.outside.inputs import SampledInput
-from cspdiag.verify.guided.runtime import _EventInput
+from cspdiag.runtime.outside.inputs import EventInput, SampledInput
+from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.guided.script import Passed, Script
 
 
@@ -51,10 +50,14 @@ class World:
         self._script = script
         self._present = dict(defaults)
         self._sampled = [port for port in ports if isinstance(port, SampledInput)]
-        self._events = {port.name: port for port in ports if isinstance(port, _EventInput)}
+        self._events = {port.name: port for port in ports if isinstance(port, EventInput)}
         self.met = 0
         for port in self._sampled:
             port.on_miss = on_miss
+
+    def begin(self, run: StepwiseRun) -> None:
+        """From now on it is the environment of a run."""
+        self._run = run
 
     @property
     def inputs(self) -> frozenset[str]:
@@ -74,12 +77,12 @@ class World:
     @property
     def time_can_pass(self) -> bool:
         """Whether a process waits for a delay, or for a sample."""
-        return scheduler.timers.next_instant() is not None or any(port.can_come for port in self._sampled)
+        return self._run.next_timer() is not None or any(port.can_come for port in self._sampled)
 
     def next_instant(self) -> int | None:
         """The next instant at which a delay ends, or a sample comes to somebody who listens."""
-        instants = [(scheduler.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
-        timer = scheduler.timers.next_instant()
+        instants = [(self._run.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
+        timer = self._run.next_timer()
         return min([*instants, *([] if timer is None else [timer])], default=None)
 
     @property
@@ -88,14 +91,12 @@ class World:
         depends on that.
         """
         periods = lcm(*(port.period for port in self._sampled if _listens(port)))
-        return scheduler.now % periods, *sorted(
-            instant - scheduler.now for instant, timers in scheduler.timers._at.items() for _ in timers
-        )
+        return self._run.now % periods, *sorted(instant - self._run.now for instant in self._run.instants_of_timers())
 
     def meet(self, instant: int) -> None:
         """Time goes on to an instant: samples come, in the order of the ports, and delays end."""
         self.met += 1
-        scheduler.now = instant
+        self._run.now = instant
         for port in self._sampled:
             if instant % port.period == 0:
                 wanted = self._script.next_read(port.name)
@@ -103,13 +104,13 @@ class World:
                     self._present[port.name] = wanted.value
                 self._lines[port.name.partition(".")[2]].value = self._present[port.name]
                 port.sample()
-        scheduler.timers.fall_due(instant)
+        self._run.timers_fall_due()
 
     def pass_until(self, until: int) -> None:
         """Time goes on while a process computes."""
         while (instant := self.next_instant()) is not None and instant <= until:
             self.meet(instant)
-        scheduler.now = until
+        self._run.now = until
 
     @property
     def computing(self) -> Sequence[int]:
@@ -118,10 +119,10 @@ class World:
         """
         following = self.next_instant()
         if following is None:
-            return (scheduler.now,)
+            return (self._run.now,)
         missed = [port for port in self._sampled if self._is_to_miss(port)]
-        twice = max([(scheduler.now // port.period + 2) * port.period for port in missed], default=scheduler.now)
-        return tuple(dict.fromkeys((twice, scheduler.now, following)))
+        twice = max([(self._run.now // port.period + 2) * port.period for port in missed], default=self._run.now)
+        return tuple(dict.fromkeys((twice, self._run.now, following)))
 
     def _is_to_miss(self, port: SampledInput[Any]) -> bool:
         wanted = self._script.next_read(port.name)

@@ -13,17 +13,18 @@ from cspdiag.base.record import replaced
 from cspdiag.network.dump.delay import is_of_time_out
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
-from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, Timeout
-from cspdiag.runtime.kernel.scheduler import Task, scheduler
+from cspdiag.runtime.kernel.policy import Option
+from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.simulate.run.execute import BodyError, account_of
 from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
 from cspdiag.verify.guided.result import GuidedRun
-from cspdiag.verify.replay.gates import Gate, Interruption, Option, conductor
+from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.replay.rest import Resting, resting
 from cspdiag.verify.replay.result import Judge, Replay
 from cspdiag.verify.replay.rounds import Rounds
@@ -63,12 +64,11 @@ class Attempt:
         self._package = package
         self._network = network
         self._decisions = decisions
+        self.conductor = Conductor()
         self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
         types = package.module("types") if network.enums or network.structs else None
         self._values = Values(types, numbers_of(network))
         self._communications: list[tuple[str, Any]] = []
-        self._failed: BaseException | None = None
-        self._ended = False
         self._rest: Resting | None = None
         self._done = 0
         self._offered: dict[int, str] = {}
@@ -76,22 +76,13 @@ class Attempt:
         """How many things processes have gone on with before what can be repeated."""
         self._round_from: int | None = None
 
-    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
-        """The outermost process has ended."""
-        self._ended = True
-        self._failed = error
-
     def run(self) -> Replay:
         """How far it comes."""
-        conductor.reset()
-        scheduler.reset()
         self._decisions.begin()
         if self._rounds is not None:
-            self._rounds.begin(self._values, self._decisions, self._settle)
+            self._rounds.begin(self.conductor, self._values, self._decisions, self._settle)
         network = self._built()
-        root = task_for(network.process, self, None)
-        scheduler.observe = self._observe
-        scheduler.enqueue(root)
+        run = self.conductor.run = StepwiseRun(network, self.conductor, self._observe)
         deadlock, divergence, judgement = None, None, ""
         try:
             self._settle()
@@ -102,23 +93,22 @@ class Attempt:
                 self._done += 1
             if self._rounds is not None and not self._trace.cycle:
                 self._rounds.come_to_rest()
-            self.cycle = len(conductor.passed)
+            self.cycle = len(self.conductor.passed)
             if self._trace.cycle:
                 self._round_from = len(self._communications)
             for step in self._trace.cycle:
                 self._perform(step)
                 self._done += 1
-            if self._trace.cycle and len(conductor.passed) == self.cycle:
+            if self._trace.cycle and len(self.conductor.passed) == self.cycle:
                 raise DivergenceError(_NOTHING_DONE)
             if self._trace.cycle:
                 self._go_round_again(network.process)
             judgement = self._judged()
-            deadlock = self._conclude(root)
+            deadlock = self._conclude()
         except DivergenceError as problem:
             divergence = str(problem)
         finally:
-            scheduler.observe = None
-            end_all(root)
+            run.close()
         added = () if self._rounds is None else tuple(self._rounds.added)
         return Replay(
             self._done,
@@ -133,7 +123,7 @@ class Attempt:
 
     def _built(self) -> RunningNetwork:
         try:
-            network: RunningNetwork = self._package.module("network").build(defaultdict(lambda: None))
+            network: RunningNetwork = self._package.module("network").build(defaultdict(lambda: self.conductor.outside))
         except Exception as problem:
             raise BodyError(account_of(problem)) from problem
         return network
@@ -144,13 +134,13 @@ class Attempt:
     def _settle(self) -> None:
         """Everybody goes on to a gate, or to where only others can help."""
         turns = 0
-        while scheduler.run_ready(_AT_A_TIME):
+        while self.conductor.run.run_ready(_AT_A_TIME):
             self._limits.check()
             turns += 1
             if turns > _MOST_TURNS:
                 raise DivergenceError("it goes on and on, and comes to no rest")
-        if self._failed is not None and (isinstance(self._failed, Fault) or not isinstance(self._failed, ProcessError)):
-            error, self._failed = self._failed, None
+        error = self.conductor.run.error
+        if error is not None and (isinstance(error, Fault) or not isinstance(error, ProcessError)):
             if isinstance(error, LimitError):
                 raise error
             raise DivergenceError(f"it ends with {type(error).__name__}: {error}")
@@ -166,20 +156,20 @@ class Attempt:
             return
         if step.kind in {"sample", "miss", "external"} and step.channel in self._ports:
             self._supply(step)
-        conductor.done.clear()
+        self.conductor.done.clear()
         expected = []
         for option, candidate in self._taking_part(step):
             if isinstance(candidate, Interruption):
                 candidate.fire()
             else:
-                conductor.release(candidate, option)
+                self.conductor.release(candidate, option)
             expected.append((option.action, option.channel, candidate.task))
             self._settle()
         for action, channel, task in expected:
             if action == "ready":
                 self._read_after_guard(channel, task)
         for action, channel, _ in expected:
-            if (action, channel) not in conductor.done and not step.channel.endswith(WRITTEN):
+            if (action, channel) not in self.conductor.done and not step.channel.endswith(WRITTEN):
                 raise DivergenceError(f"`{step}` does not come about")
 
     def _choose_ready(self, step: TraceStep) -> None:
@@ -194,7 +184,7 @@ class Attempt:
                 is_seen = option.action != "ready" or step.channel not in self._ports
                 (candidate.abandon if is_seen else candidate.fire)()
             elif option.action == "ready":
-                conductor.release(candidate, option)
+                self.conductor.release(candidate, option)
             else:
                 continue
             self._settle()
@@ -202,7 +192,7 @@ class Attempt:
 
     def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
         """What processes at gates could do."""
-        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
+        candidates: list[Gate | Interruption] = [*self.conductor.halted.values(), *self.conductor.interruptions]
         return [
             (option, candidate)
             for candidate in candidates
@@ -227,20 +217,20 @@ class Attempt:
         if isinstance(candidate, Interruption):
             candidate.fire()
         else:
-            conductor.release(candidate, option)
+            self.conductor.release(candidate, option)
         self._settle()
         return True
 
     def _read_after_guard(self, channel: str, task: Task) -> None:
         """A process that was told that it can read does so first: ``task``, or a branch of it."""
-        own = conductor.halted.get(task)
-        for gate in [own] if own is not None else list(conductor.halted.values()):
+        own = self.conductor.halted.get(task)
+        for gate in [own] if own is not None else list(self.conductor.halted.values()):
             for option in gate.options:
                 if (option.action, option.channel) == ("read", channel):
-                    conductor.release(gate, option)
+                    self.conductor.release(gate, option)
                     self._settle()
                     return
-        if ("read", channel) not in conductor.done:
+        if ("read", channel) not in self.conductor.done:
             raise DivergenceError(f"nobody reads `{channel}`")
 
     def _supply(self, step: TraceStep) -> None:
@@ -248,12 +238,12 @@ class Attempt:
         if port.direction == "out":
             return
         if step.kind == "miss":
-            conductor.supplied[step.channel] = Timeout(f"a sample of {step.channel} was overwritten")
+            self.conductor.outside.offered[step.channel] = Timeout(f"a sample of {step.channel} was overwritten")
             return
         candidates = self._values.candidates(port.type, step.value)
         if not candidates:
             raise DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
-        value = conductor.supplied[step.channel] = candidates[self._decisions.choose(len(candidates))]
+        value = self.conductor.outside.offered[step.channel] = candidates[self._decisions.choose(len(candidates))]
         self._offered[self._done] = written(value, port.type)
 
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
@@ -291,7 +281,7 @@ class Attempt:
     def _instead(self, step: TraceStep) -> str:
         told = [
             f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
-            for gate in conductor.halted.values()
+            for gate in self.conductor.halted.values()
             if any(belongs(gate.path, path) for _, path in step.parties)
         ]
         return f": {'; '.join(told[:3])}" if told else ""
@@ -356,8 +346,8 @@ class Attempt:
         """What the judge finds wrong with what was done."""
         if self._judge is None:
             return ""
-        if not self._ended:
-            self._rest = resting([*conductor.halted.values(), *conductor.interruptions], self._ports)
+        if not self.conductor.run.root.ended:
+            self._rest = resting([*self.conductor.halted.values(), *self.conductor.interruptions], self._ports)
         judgement = self._judge(self._communications, self._rest)
         if judgement is None:
             raise DivergenceError(_ALLOWED)
@@ -367,16 +357,18 @@ class Attempt:
         """Nobody stays where a guard is always ready, also that of an interrupt: transition systems leave out steps
         that make no difference.
         """
-        for interruption in list(conductor.interruptions):
-            if interruption in conductor.interruptions and interruption.options[0].action == "skip":
+        for interruption in list(self.conductor.interruptions):
+            if interruption in self.conductor.interruptions and interruption.options[0].action == "skip":
                 interruption.fire()
                 self._settle()
-        gates = [gate for gate in conductor.halted.values() if any(option.action == "skip" for option in gate.options)]
+        gates = [
+            gate for gate in self.conductor.halted.values() if any(option.action == "skip" for option in gate.options)
+        ]
         for gate in gates:
             silent = [option for option in gate.options if option.action == "skip"]
             if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
                 chosen = silent[self._decisions.choose(len(silent))]
-                conductor.release(gate, chosen)
+                self.conductor.release(gate, chosen)
                 self._settle()
 
     def _is_stuck(self, gate: Gate) -> bool:
@@ -388,7 +380,7 @@ class Attempt:
 
     def _require_stuck(self, stuck: list[Gate]) -> None:
         """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
-        moving = [gate for gate in conductor.halted.values() if gate not in stuck]
+        moving = [gate for gate in self.conductor.halted.values() if gate not in stuck]
         offered = {(option.action, option.channel) for gate in moving for option in gate.options}
         for gate in stuck:
             for option in gate.options:
@@ -398,26 +390,26 @@ class Attempt:
                     way = f" with `{option.channel}`" if option.channel else ""
                     raise DivergenceError(f"`{gate.path}` can still go on{way}")
 
-    def _conclude(self, root: Task) -> DeadlockReport | None:
+    def _conclude(self) -> DeadlockReport | None:
         """What was refuted is the case now."""
         if self._trace.failure not in STANDSTILLS:
             return None
-        if self._ended:
+        if self.conductor.run.root.ended:
             raise DivergenceError("it ends instead of coming to a halt")
         self._end_silently()
         before = len(self._communications)
         stuck = [
-            gate for gate in conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
+            gate for gate in self.conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
         ]
         self._require_stuck(stuck)
-        conductor.go_free()
+        self.conductor.go_free()
         for gate in stuck:
-            conductor.release(gate, None)
+            self.conductor.release(gate, None)
         self._settle()
         if len(self._communications) > before:
             channel, _ = self._communications[before]
             raise DivergenceError(f"it goes on with `{channel}`")
-        return report_deadlock(root, scheduler.now)
+        return report_deadlock(self.conductor.run.root, self.conductor.run.now)
 
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:

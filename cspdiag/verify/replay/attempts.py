@@ -15,10 +15,8 @@ from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.guided import Guided
 from cspdiag.verify.replay.attempt import Attempt
-from cspdiag.verify.replay.gates import conductor
 from cspdiag.verify.replay.result import Judge, Replay
 from cspdiag.verify.replay.rounds import Rounds
-from cspdiag.verify.replay.runtime import replaying_runtime
 from cspdiag.verify.runs.agreement import difference
 from cspdiag.verify.runs.trace import Trace
 from cspdiag.verify.runs.values import types_of
@@ -43,8 +41,8 @@ def replay(
     ``limits`` is up.
     """
     limits = limits or Limits()
-    package = LoadedPackage(network.name, files, replaying_runtime())
-    guided = Guided(network, files, package, limits)
+    package = LoadedPackage(network.name, files)
+    guided = Guided(network, package, limits)
     attempts = _Attempts(network, package, trace, judge, guided, limits, exactly=exactly)
     try:
         result = attempts.best()
@@ -55,7 +53,6 @@ def replay(
             return result if run is None else replaced(result, other=run.happened, standing=run.standing)
         return result
     finally:
-        guided.close()
         package.close()
 
 
@@ -109,7 +106,9 @@ class _Attempts:
         if not result.succeeded:
             return result
         further = self._trace.rounds or bool(result.added)
-        run = self._guided.follow(conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further)
+        run = self._guided.follow(
+            attempt.conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further
+        )
         led = attempt.led(run, result)
         unlike = difference(self._trace, led.communications, self._types) if led.succeeded else None
         return led if unlike is None else replaced(led, steps=unlike[0], divergence=unlike[1], other=())

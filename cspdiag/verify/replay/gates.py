@@ -7,53 +7,28 @@ take any time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, Literal
+from collections.abc import Sequence
+from typing import Any
 
-from cspdiag.base.record import record
-from cspdiag.runtime.channels.selector import Selector
-from cspdiag.runtime.kernel.exceptions import Cancelled
-from cspdiag.runtime.kernel.scheduler import Party, Task, Waits, scheduler
-from cspdiag.runtime.process import Process
+from cspdiag.runtime.kernel.party import Party, Waits
+from cspdiag.runtime.kernel.policy import Interruption as LedInterrupt
+from cspdiag.runtime.kernel.policy import Option, Policy
+from cspdiag.runtime.kernel.scheduler import Task
+from cspdiag.runtime.outside.supply import Supply
+from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.guided.script import Passed
-from cspdiag.verify.runs.task_names import TaskNames, path_of
-
-__package__ = Process.__module__.rpartition(".")[0]
-"""That of the runtime: places of processes are looked for outside of it."""
-
-Action = Literal["read", "write", "ready", "wait", "after", "skip"]
-
-
-@record
-class Option:
-    """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
-
-    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out,
-    ``skip`` the guard that is always ready. ``duration``, in nanoseconds, belongs to ``wait`` and ``after``, ``value``
-    to ``write``.
-    """
-
-    uncompared: ClassVar[frozenset[str]] = frozenset({"value"})
-
-    action: Action
-    channel: str = ""
-    index: int = 0
-    duration: int = 0
-    value: Any = None
+from cspdiag.verify.runs.task_names import TaskNames, path_of, task_of
 
 
 class Gate:
     """A task that halts; what it may go on with, in text order. ``together``: with all of it, in any order."""
 
-    def __init__(
-        self, task: Task, options: tuple[Option, ...], halted: dict[Task, Gate], *, together: bool = False
-    ) -> None:
+    def __init__(self, conductor: Conductor, task: Task, options: tuple[Option, ...], *, together: bool) -> None:
         self.task = task
         self.options = options
         self.together = together
         self.chosen: Option | None = None
-        self._halted = halted
+        self._conductor = conductor
 
     @property
     def path(self) -> str:
@@ -63,33 +38,40 @@ class Gate:
     @property
     def names(self) -> tuple[str, ...]:
         """What a trace may call it: its process, or so many a branch of that."""
-        return conductor.names.told(self.task)
+        return self._conductor.names.told(self.task)
 
     def withdraw(self, party: Party) -> bool:
-        """See ``Waiting.withdraw``."""
-        self._halted.pop(self.task, None)
+        """See ``Waitable.withdraw``."""
+        self._conductor.halted.pop(self.task, None)
         return True
 
     def waits_for(self, party: Party) -> Waits:
-        """See ``Waiting.waits_for``."""
+        """See ``Waitable.waits_for``."""
         return tuple((f"to {option.action} {option.channel}".rstrip(), None) for option in self.options)
 
 
-@dataclass
 class Interruption:
-    """An interrupt whose body runs: ``fire`` takes the guard and abandons the body at the gate at which it halts;
-    ``abandon`` leaves the guard to wait.
-    """
+    """An interrupt whose body runs."""
 
-    task: Task
-    options: tuple[Option]
-    fire: Callable[[], None]
-    abandon: Callable[[], None]
+    def __init__(self, conductor: Conductor, led: LedInterrupt) -> None:
+        self.task = task_of(led.task)
+        self.options = (led.option,)
+        self._conductor = conductor
+        self._led = led
+
+    def fire(self) -> None:
+        """Takes the guard, and abandons the body at the gate at which it halts."""
+        self._conductor.note(self.task, self.options[0])
+        self._led.come(taken=True)
+
+    def abandon(self) -> None:
+        """Abandons the body, and leaves the guard to wait."""
+        self._led.come(taken=False)
 
     @property
     def names(self) -> tuple[str, ...]:
         """What a trace may call it: its process, or so many a branch of that."""
-        return conductor.names.told(self.task)
+        return self._conductor.names.told(self.task)
 
     @property
     def path(self) -> str:
@@ -97,40 +79,50 @@ class Interruption:
         return path_of(self.task)
 
 
-@dataclass
-class Conductor:
+class Conductor(Policy):
     """Who halts where, and what comes from outside; ``free`` lets everybody through, as in any other run."""
 
-    halted: dict[Task, Gate] = field(default_factory=dict)
-    interruptions: list[Interruption] = field(default_factory=list)
-    supplied: dict[str, Any] = field(default_factory=dict)
-    """The value that the environment offers next, by port; an exception stands for a sample that was missed."""
-    done: list[tuple[str, str]] = field(default_factory=list)
-    """Communications since it was emptied: direction and channel."""
-    passed: list[Passed] = field(default_factory=list)
-    """All that processes have gone on with."""
-    names: TaskNames = field(default_factory=TaskNames)
-    free: bool = False
-    ready_bits: list[tuple[Selector, int]] = field(default_factory=list)
-    _last: dict[tuple[Task, str], Passed] = field(default_factory=dict)
+    leads_interrupts = True
 
-    def reset(self) -> None:
-        """Forget everything, for a new run."""
-        self.__init__()  # type: ignore[misc]
+    run: StepwiseRun
+    """That which it leads."""
 
-    def hold(self, *options: Option, together: bool = False) -> Generator[None, None, Option | None]:
-        """Halts the current task until one of the options is its turn; None in a run that is not conducted. See
-        ``Gate``.
-        """
-        task = scheduler.current
-        if task.cancelled:
-            raise Cancelled
+    def __init__(self) -> None:
+        self.halted: dict[Task, Gate] = {}
+        self.outside = Outside(self)
+        self.done: list[tuple[str, str]] = []
+        """Communications since it was emptied: direction and channel."""
+        self.passed: list[Passed] = []
+        """All that processes have gone on with."""
+        self.names = TaskNames()
+        self.free = False
+        self._interruptions: dict[LedInterrupt, Interruption] = {}
+        self._last: dict[tuple[Task, str], Passed] = {}
+
+    @property
+    def interruptions(self) -> list[Interruption]:
+        """The interrupts whose bodies run."""
+        return list(self._interruptions.values())
+
+    def halt(self, task: Party, options: Sequence[Option], *, together: bool) -> Gate | None:
+        """See ``Policy.halt``."""
         if self.free:
             return None
-        gate = self.halted[task] = Gate(task, options, self.halted, together=together)
-        task.waiting = gate
-        yield
-        return gate.chosen
+        halting = task_of(task)
+        gate = self.halted[halting] = Gate(self, halting, tuple(options), together=together)
+        return gate
+
+    def did(self, task: Party, option: Option) -> None:
+        """See ``Policy.did``."""
+        self.done.append((option.action, option.channel))
+
+    def interrupt_begins(self, interruption: LedInterrupt) -> None:
+        """See ``Policy.interrupt_begins``."""
+        self._interruptions[interruption] = Interruption(self, interruption)
+
+    def interrupt_ends(self, interruption: LedInterrupt) -> None:
+        """See ``Policy.interrupt_ends``."""
+        del self._interruptions[interruption]
 
     def release(self, gate: Gate, option: Option | None) -> None:
         """Lets a task through."""
@@ -138,7 +130,7 @@ class Conductor:
         gate.chosen = option
         if option is not None:
             self.note(gate.task, option, together=gate.together)
-        scheduler.enqueue(gate.task)
+        self.run.ready(gate.task)
 
     def note(self, task: Task, option: Option, *, together: bool = False) -> None:
         """A task goes on with an option; one that leaves the reading to what follows is told with that."""
@@ -158,22 +150,33 @@ class Conductor:
         self.passed.append(entry)
         self._last[task, option.channel] = entry
 
-    def took(self, task: Task, channel: str) -> Any:
-        """The value, or the exception, that the environment supplies to a task that reads."""
-        value = self.supplied.get(channel)
+    def took(self, task: Task, channel: str, value: Any) -> None:
+        """A task has read what the environment offers; an exception stands for a sample that was missed."""
+        self.done.append(("read", channel))
         entry = self._last.get((task, channel))
         if entry is not None:
             entry.value = value
             if isinstance(value, BaseException):
                 entry.action = "miss"
-        return value
 
     def go_free(self) -> None:
         """From now on nobody halts, and nothing comes from outside any more."""
         self.free = True
-        for selector, bit in self.ready_bits:
-            selector.ready &= ~bit
+        self.outside.run_dry()
 
 
-conductor = Conductor()
-"""That of the one run that there is at a time, as ``scheduler`` is."""
+class Outside(Supply):
+    """What the environment offers next, by port; an exception stands for a sample that was missed."""
+
+    def __init__(self, conductor: Conductor) -> None:
+        super().__init__()
+        self.offered: dict[str, Any] = {}
+        self._conductor = conductor
+
+    def value(self, port: str, reader: Task) -> Any:
+        """See ``Supply.value``."""
+        value = self.offered.get(port)
+        self._conductor.took(reader, port, value)
+        if isinstance(value, BaseException):
+            raise value
+        return value

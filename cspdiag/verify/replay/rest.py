@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 
 from cspdiag.base.record import record
-from cspdiag.verify.replay.gates import Gate, Interruption, Option
+from cspdiag.runtime.kernel.policy import Option
+from cspdiag.verify.replay.gates import Gate, Interruption
 
 _BY_ITSELF = frozenset({"skip", "wait", "after"})
 

@@ -16,9 +16,10 @@ from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import Party, Step
+from cspdiag.runtime.kernel.policy import Option
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
-from cspdiag.verify.replay.gates import Gate, Interruption, Option, conductor
+from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values, is_told_as, types_of, written
@@ -63,9 +64,9 @@ class Rounds:
         self._offered: dict[str, Any] = {}
         self.added: list[Added] = []
 
-    def begin(self, values: Values, decisions: Decisions, settle: Callable[[], None]) -> None:
+    def begin(self, conductor: Conductor, values: Values, decisions: Decisions, settle: Callable[[], None]) -> None:
         """A new attempt begins, with its decisions; ``settle`` lets everybody go on to a gate."""
-        self._values, self._decisions, self._settle = values, decisions, settle
+        self._conductor, self._values, self._decisions, self._settle = conductor, values, decisions, settle
         self._chosen, self._offered, self.added = {}, {}, []
         self._left = min(MOST_STEPS, self._left_in_all)
 
@@ -80,7 +81,7 @@ class Rounds:
         """
         for name, path in self._needed(step):
             if step.kind in _LEAVING:
-                self._go_on(number, name, path, partial(_has_ended, name, path))
+                self._go_on(number, name, path, partial(_has_ended, self._conductor, name, path))
             else:
                 self._go_on(number, name, path, partial(self._is_ready, step, name, path))
 
@@ -93,9 +94,9 @@ class Rounds:
             return
         for path, channels in self._trace.stuck:
             if channels:
-                self._go_on(number, path, path, partial(_waits, path, channels))
+                self._go_on(number, path, path, partial(_waits, self._conductor, path, channels))
         while self._trace.failure == "deadlock" and self._left > 0:
-            moving = [gate for gate in conductor.halted.values() if not self._is_stuck(gate)]
+            moving = [gate for gate in self._conductor.halted.values() if not self._is_stuck(gate)]
             if not any(self._take(number, gate) for gate in moving):
                 return
 
@@ -112,12 +113,12 @@ class Rounds:
                 raise DivergenceError(
                     f"`{path}` goes round, and has not come to where it is wanted in {MOST_STEPS} steps"
                 )
-            if not any(self._take(number, gate) for gate in _gates(name, path)):
+            if not any(self._take(number, gate) for gate in _gates(self._conductor, name, path)):
                 return
 
     def _is_ready(self, step: TraceStep, name: str, path: str) -> bool:
         """Whether a process can take a step, in the part of it where the trace has it."""
-        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
+        candidates: list[Gate | Interruption] = [*self._conductor.halted.values(), *self._conductor.interruptions]
         return any(
             self._fits(step, option)
             for candidate in candidates
@@ -147,7 +148,7 @@ class Rounds:
         self._left_in_all -= 1
         option = self._option(gate.path, options)
         step = self._step(gate, option)
-        conductor.release(gate, option)
+        self._conductor.release(gate, option)
         self._settle()
         if option.action != "ready":
             self.added.append(Added(number, step))
@@ -189,22 +190,22 @@ class Rounds:
         if channel not in self._offered:
             candidates = self._values.candidates(self._ports[channel].type, None)
             self._offered[channel] = candidates[self._decisions.choose(len(candidates))]
-        conductor.supplied[channel] = self._offered[channel]
+        self._conductor.outside.offered[channel] = self._offered[channel]
         return self._offered[channel]
 
 
-def _gates(name: str, path: str) -> list[Gate]:
+def _gates(conductor: Conductor, name: str, path: str) -> list[Gate]:
     """Where a process of a trace halts: itself or its branches, or else who runs it."""
     ranked = [(fit(gate, name, path), gate) for gate in conductor.halted.values()]
     inside = [gate for rank, gate in ranked if rank < UNFIT - 1]
     return inside or [gate for rank, gate in ranked if rank < UNFIT]
 
 
-def _has_ended(name: str, path: str) -> bool:
+def _has_ended(conductor: Conductor, name: str, path: str) -> bool:
     return all(fit(gate, name, path) >= UNFIT - 1 for gate in conductor.halted.values())
 
 
-def _waits(path: str, channels: frozenset[str]) -> bool:
+def _waits(conductor: Conductor, path: str, channels: frozenset[str]) -> bool:
     return any(belongs(gate.path, path) and _waits_at(gate, channels) for gate in conductor.halted.values())
 
 

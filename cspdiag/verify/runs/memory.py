@@ -9,7 +9,7 @@ from cspdiag.runtime.channels.variable import Variable
 from cspdiag.runtime.kernel.exceptions import Fault
 from cspdiag.runtime.process import Process, Submodel
 
-_BOOKS = frozenset({"name", "source", "runs_now", "enclosing", "ends"})
+_BOOKS = frozenset({"name", "source", "runs_now", "enclosing", "ends", "has_computed"})
 
 
 def memory(outermost: Any) -> dict[str, object]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from cspdiag.runtime.composition import Branches, parallel, prioritized_parallel
+from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.scheduler import Task
 
 Key: TypeAlias = tuple[int, ...]
@@ -81,6 +82,15 @@ class TaskNames:
 def path_of(task: Task) -> str:
     """The path of the process that a task executes."""
     return "" if task.process is None else task.process.name
+
+
+def task_of(party: Party) -> Task:
+    """The task on whose behalf a party waits."""
+    if isinstance(party, Task):
+        return party
+    of: Any = party
+    task: Task = of.task if hasattr(of, "task") else of._choice.task
+    return task
 
 
 def _parallel_of(body: object) -> tuple[object, ...] | None:

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.verdict import Limits
-from cspdiag.runtime.kernel.scheduler import Party, scheduler
+from cspdiag.runtime.kernel.party import Party
+from cspdiag.runtime.kernel.policy import Option, Policy
+from cspdiag.runtime.kernel.scheduler import scheduler
 from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.guided.guided import Guided
 from cspdiag.verify.guided.result import GuidedRun
-from cspdiag.verify.guided.run import task_of
-from cspdiag.verify.guided.runtime import guidance, guided_runtime
 from cspdiag.verify.guided.script import Passed
-from cspdiag.verify.runs.task_names import TaskNames, path_of
+from cspdiag.verify.runs.task_names import TaskNames, path_of, task_of
 from cspdiag.verify.runs.trace import Trace, TraceStep
 
 
-class _Record:
+class _Record(Policy):
     """Notes the first things that a run does, and leaves everything as it is in any run. ``visible`` are those at
     ports, in order.
     """
@@ -33,26 +32,18 @@ class _Record:
         self._most = most
         self._names = TaskNames()
 
-    def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
+    def did(self, task: Party, option: Option) -> None:
+        if not option.channel:
+            self._note(task, option.action, "", option.index)
+
+    def took_part(self, party: Party, action: str, channel: str) -> None:
         if action == "write":
             self._broadcasts.add(channel)
-        self._note(party, action, channel, index)
+        self._note(party, action, channel)
 
-    def wrote(self, channel: str, value: Any, writer: Party) -> None:
+    def wrote(self, party: Party, channel: str, value: Any) -> None:
         self._see(channel)
-        self._note(writer, "write", channel)
-
-    def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
-        return guards[0][0]
-
-    def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:
-        pass
-
-    def arrives(self) -> None:
-        pass
-
-    def compute(self) -> None:
-        pass
+        self._note(party, "write", channel)
 
     def observe(self, channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
         if self._ports.get(channel) == "out":
@@ -95,19 +86,15 @@ def followed(network: Network, until: int, most: int) -> tuple[list[Passed], Gui
     with nothing else at its ports.
     """
     files = pipeline.generate(network, read_source, level=0)
-    package = LoadedPackage(network.name, files, guided_runtime())
+    package = LoadedPackage(network.name, files)
     record = _Record(network, most)
-    guidance.guide = record
     try:
         chosen = network.environments[0]
         environment = package.module("environments").ENVIRONMENTS[chosen.name]()
         running = package.module("network").build(environment.drivers)
-        running.run(_Observed(environment, record), until=until, on_miss=chosen.on_miss)
+        running.run(_Observed(environment, record), until=until, on_miss=chosen.on_miss, policy=record)
         trace = Trace(network.top, {}, "", "refinement", tuple(record.visible), (), (), exact=True)
-        guided = Guided(network, files, package, Limits())
-        try:
-            return record.entries, guided.follow(record.entries, trace, 0, ends=False)
-        finally:
-            guided.close()
+        guided = Guided(network, package, Limits())
+        return record.entries, guided.follow(record.entries, trace, 0, ends=False)
     finally:
         package.close()

@@ -36,7 +36,7 @@ BUILTINS = _words(
 )
 
 MEMBERS = _words(
-    "self name source run runs_now execute enclosing started ended owns calculate reset ends is_law _place"
+    "self name source run runs_now execute enclosing started ended owns calculate reset ends is_law has_computed _place"
 )
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 

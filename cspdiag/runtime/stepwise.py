@@ -1,0 +1,90 @@
+"""Runs that somebody else leads, step by step, with a policy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from .composition import end_all, task_for
+from .kernel.party import Party
+from .kernel.policy import Policy
+from .kernel.scheduler import Priority, Task, scheduler
+from .network import Network
+
+Observe = Callable[[str, Any, Party | None, Party | None], None]
+
+
+class StepwiseRun:
+    """A run of a network in which nobody goes on and no time passes but as it is told; nothing comes from outside but
+    what is brought to the ports. ``root`` executes the outermost process, ``error`` is what that has ended with.
+    """
+
+    def __init__(self, network: Network, policy: Policy, observe: Observe) -> None:
+        scheduler.reset()
+        scheduler.policy = policy
+        scheduler.observe = observe
+        self.error: BaseException | None = None
+        self.root = task_for(network.process, self, None)
+        scheduler.enqueue(self.root)
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """The outermost process has ended."""
+        self.error = error
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        return scheduler.now
+
+    @now.setter
+    def now(self, instant: int) -> None:
+        scheduler.now = instant
+
+    @property
+    def current(self) -> Task | None:
+        """The task that runs."""
+        return scheduler.current
+
+    @property
+    def has_ready(self) -> bool:
+        """Whether anybody is ready on the highest level."""
+        return bool(scheduler.queue)
+
+    @property
+    def has_levels(self) -> bool:
+        """Whether there is, or was, a prioritized parallel."""
+        return scheduler.has_levels
+
+    def next_timer(self) -> int | None:
+        """When the next delay or time-out ends."""
+        return scheduler.timers.next_instant()
+
+    def instants_of_timers(self) -> Iterator[int]:
+        """When each of them ends."""
+        return scheduler.timers.instants()
+
+    def timers_fall_due(self) -> None:
+        """Those end that end now."""
+        scheduler.timers.fall_due(scheduler.now)
+
+    def ready(self, party: Party) -> None:
+        """Lets one go on that has halted, when it is its turn."""
+        scheduler.enqueue(party)
+
+    def run_ready(self, most: int) -> bool:
+        """Lets up to ``most`` go on that are ready, first come, first served; False if none is ready any more."""
+        return scheduler.run_ready(most)
+
+    def take_ready(self) -> Iterator[tuple[Priority, Party]]:
+        """Takes all that are ready, each with its level of priority, for ``run_one``."""
+        return scheduler.take_ready()
+
+    def run_one(self, party: Party) -> None:
+        """Lets one go on until it has to wait."""
+        scheduler.run_one(party)
+
+    def close(self) -> None:
+        """Ends what still runs."""
+        scheduler.observe = None
+        scheduler.policy = None
+        end_all(self.root)
