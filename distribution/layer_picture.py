@@ -29,6 +29,8 @@ PACKAGE = "cspdiag"
 ROW = 26.0
 NAMES = 112.0
 """The width of the names, left of the matrix."""
+TYPING = {"typing_extensions"}
+"""What type checkers know without its being installed, and nothing loads."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ def read_layers() -> Layers:
             root = imported.partition(".")[0]
             if root == PACKAGE:
                 imports.add((layer, _layer(imported)))
-            elif root not in sys.stdlib_module_names:
+            elif root not in sys.stdlib_module_names | TYPING:
                 libraries[layer].add(root)
     return Layers(
         levels,

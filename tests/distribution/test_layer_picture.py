@@ -19,6 +19,7 @@ def test_what_is_imported_and_what_must_not_be_is_read_from_the_code() -> None:
     assert ("semantics", "runtime") in layers.forbidden, "they are independent"
     assert not layers.imports & layers.forbidden
     assert layers.libraries["syntax"] == ("lark",)
+    assert layers.libraries["network"] == ("control", "numpy"), "and nothing for type checkers"
 
 
 def dots(layers: Layers) -> list[Ink | None]:
