@@ -43,6 +43,7 @@ _ALTERNATING = {name: _PEERS[name] for name in ("asyncio", "PyCSP", "Go")}
 _CHECK = {"cspdiag": "checking"}
 _PROVE = {"cspdiag": "proving"}
 _RESPOND = {"cspdiag": "responding"}
+_ARRAYS = {name: f"arrays {name}" for name in ("ring", "pipeline", "workers", "star", "philosophers")}
 
 BENCHMARKS = (
     Benchmark(
@@ -75,6 +76,11 @@ BENCHMARKS = (
     Benchmark("check-1000", "checking 1000 lines of instances", "ms", _CHECK),
     Benchmark("check-10000", "checking 10 000 lines of instances", "ms", _CHECK, "at most 2500 ms"),
     Benchmark("compile-1000", "compiling 1000 lines of instances to Python", "ms", _CHECK),
+    Benchmark("arrays-check-1000", "a whole `check` of arrays of 1000 instances", "ms", _ARRAYS),
+    Benchmark("arrays-check-100000", "the same for 100 000 instances", "ms", _ARRAYS, "ten times that of 10 000"),
+    Benchmark("arrays-python-1000", "compiling them to Python", "ms", _ARRAYS),
+    Benchmark("arrays-c-1000", "compiling them to C", "ms", _ARRAYS),
+    Benchmark("arrays-verify-1000", "verifying them", "ms", _ARRAYS),
     Benchmark(
         "prove-philosophers-8", "a proof that 8 philosophers have no deadlock and no knot, from the text", "ms",
         {"cspdiag": "proving started", "whole": "proving", "SPIN": "peer_spin"}, "SPIN, with gcc and pan, 20 times",
