@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, KeysView, Mapping, Sequence
 from functools import cached_property
 
 from cspdiag.base.record import record
@@ -141,7 +141,7 @@ def _whole(end: End) -> End:
     return PortEnd(end.port, None, end.end) if isinstance(end, PortEnd) else end
 
 
-def _reading_ends(process: ProcessClass, network: Network) -> tuple[End, ...]:
+def _reading_ends(process: ProcessClass, network: Network) -> KeysView[End]:
     """The ends through which this process or its submodels read: of input ports, and of broadcast channels."""
     broadcast = {channel.name for channel in process.channels if channel.kind == "broadcast"}
     inputs = {port.name for port in process.ports if port.direction == "in"}
@@ -163,4 +163,4 @@ def _reading_ends(process: ProcessClass, network: Network) -> tuple[End, ...]:
             for connection in instance.connections:
                 if connection.port in read:
                     add(connection.attachment)
-    return tuple(found)
+    return found.keys()
