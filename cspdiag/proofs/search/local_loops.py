@@ -19,21 +19,24 @@ def looping_part(system: System, events: Iterable[int]) -> System | None:
     connected component of its own graph. An event that has no such edge in one of its parties is not part of a cycle,
     and without it others may not be.
     """
-    components = system.components
+    components = list(system.components)
     kept = set(events) | {INTERNAL}
-    while True:
-        components = tuple(_looping(component, kept) for component in components)
-        left = {
-            number
-            for number in kept - {INTERNAL}
-            if all(_offers(components[party], number) for party in system.events[number].parties)
-        } | {INTERNAL}
-        if left == kept:
-            break
-        kept = left
+    offered = [_offered(component) for component in components]
+    lost = {event for event in kept - {INTERNAL} if not _is_offered(system, event, offered)}
+    changed: Iterable[int] = range(len(components))
+    while changed:
+        kept -= lost
+        lost = set()
+        for party in changed:
+            components[party] = _looping(components[party], kept)
+            left = _offered(components[party])
+            lost |= (offered[party] - left) & kept
+            offered[party] = left
+        # What is left of the others lies on cycles as before.
+        changed = {party for event in lost for party in system.events[event].parties if event in offered[party]}
     if not any(any(component.edges) for component in components):
         return None
-    return replaced(system, components=components)
+    return replaced(system, components=tuple(components))
 
 
 def _looping(component: Component, events: set[int]) -> Component:
@@ -54,5 +57,9 @@ def _looping(component: Component, events: set[int]) -> Component:
     )
 
 
-def _offers(component: Component, event: int) -> bool:
-    return any(offered == event for edges in component.edges for offered, _ in edges)
+def _offered(component: Component) -> set[int]:
+    return {event for edges in component.edges for event, _ in edges if event != INTERNAL}
+
+
+def _is_offered(system: System, event: int, offered: list[set[int]]) -> bool:
+    return all(event in offered[party] for party in system.events[event].parties)
