@@ -72,3 +72,17 @@ def test_a_ring_of_many_cells_is_built_by_loops() -> None:
     assert "for (uint32_t i = 1U; i < 499U; i++) {" in ring
     assert "self->cell_output[i - 1U]" in ring
     assert len(ring.splitlines()) < 150
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_branches_that_differ_in_their_number_are_written_down_once(level: int) -> None:
+    network = network_of(PROGRAMS / "branches_of_one_body.csp")
+    server = pipeline.generate(network, read_source, "c", level)["server.c"]
+    assert server.count("= self->reply[self->choice_2.alternative.chosen];") == 1
+    assert server.count("csp_guard_read(") == 2
+
+
+def test_numbers_of_branches_are_computed_with() -> None:
+    network = network_of(PROGRAMS / "branches_of_one_body.csp")
+    server = pipeline.generate(network, read_source, "c", 0)["server.c"]
+    assert server.count("csp_add(self->question % 1000, self->number_of_choice)") == 1

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
+from cspdiag.codegen.c.process.alike import shared_body
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.members import StructMember
 from cspdiag.codegen.c.process.plain_steps import finite_checked, hand_over, mark_written, put, size_of, take
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.media import Spelling
+from cspdiag.codegen.c.text.rolling import rolled
 from cspdiag.codegen.c.text.statements import (
     Label,
     Plain,
@@ -58,12 +60,15 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     writer.members.structs[name] = _fields(len(guards), len(timers))
     conditional = any(branch.condition is not None for branch in step.branches)
     setup: list[Statement] = [_made(member, len(guards), prioritized=step.prioritized)]
+    positions = {guard: position for position, guard in enumerate(timers)}
+    made: list[list[Plain]] = []
     for number, guard in enumerate(guards):
-        timer = member.field("time_outs").at(timers.index(guard)) if guard in timers else member
-        setup.append(run(guard_call(writer, guard, alternative, number, timer)))
+        timer = member.field("time_outs").at(positions[guard]) if guard in positions else member
+        made.append([run(guard_call(writer, guard, alternative, number, timer))])
         if isinstance(guard.event, AfterEvent) and is_known_at_start(guard.event.duration):
             duration = writer.members.initial_printer.plain(guard.event.duration)
-            setup.append(run(call("csp_delay", alternative, unsigned(number), duration)))
+            made[-1].append(run(call("csp_delay", alternative, unsigned(number), duration)))
+    setup += rolled(made)
     if not conditional:
         setup.append(run(call("csp_enable_all", alternative)))
     writer.members.made_choices[step.name] = setup
@@ -75,9 +80,12 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     place = writer.place(step, state, "ALTERNATIVE", member.member.field("alternative"))
     again = call("csp_select_again", "party", alternative)
     waited = writer.wait(call("csp_select", "party", alternative), again, place)
+    number_chosen = member.field("alternative").field("chosen")
+    shared = shared_body(writer, step, number_chosen) if len(guards) > FEW else None
+    if shared is not None:
+        return [writer.remark(step), *enabling, waited, *taken(writer, guards[0]), *shared]
     bodies = [[*taken(writer, guard), *writer.statements(guard.branch.body)] for guard in guards]
-    chosen = _chosen(writer, member.field("alternative").field("chosen"), guards, bodies)
-    return [writer.remark(step), *enabling, waited, *chosen]
+    return [writer.remark(step), *enabling, waited, *_chosen(writer, number_chosen, guards, bodies)]
 
 
 def _fields(count: int, timers: int) -> list[StructMember]:

@@ -51,6 +51,13 @@ class StructMember:
     comment: str | None = None
 
 
+@record
+class ChosenEnd(PortEnd):
+    """The element of an array of ports that an alternative has chosen; ``member`` points to what it is attached to."""
+
+    member: str = ""
+
+
 @dataclass
 class Members:
     """What the struct of one process class has; ``work`` is what the generation of its composition adds."""
@@ -154,6 +161,11 @@ class Members:
         """The lvalue of a variable."""
         return own(self.member(name))
 
+    def add_variable(self, name: str) -> str:
+        """The member for a variable of the generator; its name is none that the text can have."""
+        self._plain[name] = self.names.fresh(name)
+        return self._plain[name]
+
     def written(self, name: str) -> Code | None:
         """The member that tells whether a variable was written; None where that is sure."""
         if name not in self.unwritten.variables[self.process.name]:
@@ -231,6 +243,8 @@ class Members:
 
     def _spelled(self, end: End, *, reads: bool) -> Spelling:
         access, type_, name = self.access(end), self.type(end), name_of(end)
+        if isinstance(end, ChosenEnd):
+            return Spelling(access, own(end.member), code(end.member), True, type_, name)
         if reads and access in READING_ENDS:
             member = self.end_member(end)
             indirect = access == "event"
