@@ -289,7 +289,7 @@ class LoadedProgram:
 
         if target != "python" or real_time:
             raise ArgumentError(
-                "the reference is no target, and has virtual time only: leave out `target` and `real_time`"
+                "the reference is not a target, and has virtual time only: leave out `target` and `real_time`"
             )
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, settings, alone=True)

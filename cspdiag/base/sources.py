@@ -58,7 +58,7 @@ def require_ordinary_file(path: str) -> None:
         return
     for is_kind, name in _KINDS:
         if is_kind(mode):
-            raise OSError(errno.EINVAL, f"it is {name}, and no file", path)
+            raise OSError(errno.EINVAL, f"it is {name}, not a file", path)
 
 
 def _standard_input() -> bytes:

@@ -51,7 +51,7 @@ def prove_deadlock_free(
 def prove_knot_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
-    """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them;
+    """Whether no set of processes is ever stuck forever, by all methods in their order or by some of them;
     ``structure`` as for deadlock.
     """
     return _prove(StuckQuestion(system, together=False, known=structure or Structure(system, limits)), limits, methods)

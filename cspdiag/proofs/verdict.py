@@ -43,7 +43,7 @@ class Proved:
 class Refuted:
     """The property fails: ``trace`` leads from the initial state to where it does, the shortest found.
 
-    ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats for ever
+    ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats forever
     after the trace. For refinement ``reason`` says what the process did too much or refused.
     """
 

@@ -136,7 +136,7 @@ def test_the_reference_runs_the_same() -> None:
 def test_the_reference_refuses_what_it_says_nothing_of() -> None:
     program = cspdiag.load(JIWY)
     for other in ({"target": "c"}, {"real_time": True}):
-        with pytest.raises(cspdiag.ArgumentError, match="the reference is no target, and has virtual time only"):
+        with pytest.raises(cspdiag.ArgumentError, match="the reference is not a target, and has virtual time only"):
             program.run(level="reference", **other)
     text = 'process P python "p.py:P" {}\nprocess Top { communication { p : P } composition { p } }\n'
     with pytest.raises(cspdiag.NoMeaningError, match=r"which is nothing of `p\.py:P`"):

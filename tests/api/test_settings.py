@@ -187,7 +187,7 @@ def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
         ("Main.follow.law.x=3", "`x` is an in port of `follow.law`; parameters there: follow.law.kp, follow.law.g"),
         ("follow.law.g=4", "make its argument a constant"),
         ("sink.k=3<V>", "the units do not agree"),
-        ("cell[1].id=2.5", "no int"),
+        ("cell[1].id=2.5", "not of type int"),
         ("a..b=3", "INSTANCE.PARAMETER"),
         ("Tz=1ms", "the constants are Ts, base"),
     ],
@@ -359,8 +359,8 @@ def test_a_name_that_means_several_things_sets_none(name: str, ways: tuple[str, 
         (
             "gains[0].n",
             "there is no constant 'gains[0].n' (Gains has the fields n, kp) and no such parameter "
-            "(in `Main` 'gains' is one instance and no array: 'gains.n'; in `Bench` 'gains' is one instance and no "
-            "array: 'gains.n')",
+            "(in `Main` 'gains' is a single instance, not an array: 'gains.n'; in `Bench` 'gains' is a single "
+            "instance, not an array: 'gains.n')",
         ),
         ("const.gains.x", "there is no constant 'const.gains.x' (Gains has the fields n, kp)"),
     ],

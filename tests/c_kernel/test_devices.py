@@ -210,7 +210,7 @@ def test_many_signals_are_as_one(machine: Path, count: int) -> None:
     ],
 )
 def test_a_device_that_hangs_is_noticed_and_named(machine: Path, trouble: str, says: str) -> None:
-    """One that spins asks for the time for ever."""
+    """One that spins asks for the time forever."""
     found = ended(machine, trouble)
     assert found.status == 1
     assert found.releases == BOTH

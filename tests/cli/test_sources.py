@@ -54,7 +54,7 @@ def test_a_named_pipe_on_the_command_line_is_refused(folder: Path, arguments: tu
     result = cspdiag(folder, *arguments)
     assert (result.returncode, result.stdout) == (2, "")
     named = "link.csp" if "link.csp" in arguments else "pipe.csp"
-    assert result.stderr.splitlines()[-1] == f"cspdiag: {named}: it is a named pipe, and no file"
+    assert result.stderr.splitlines()[-1] == f"cspdiag: {named}: it is a named pipe, not a file"
 
 
 def test_an_import_of_a_named_pipe_is_refused_at_its_place(folder: Path) -> None:
@@ -62,7 +62,7 @@ def test_an_import_of_a_named_pipe_is_refused_at_its_place(folder: Path) -> None
     found = json.loads(result.stdout)
     assert result.returncode == 1
     assert [(each["code"], each["message"]) for each in found] == [
-        ("E0120", 'cannot import "pipe.csp": it is a named pipe, and no file')
+        ("E0120", 'cannot import "pipe.csp": it is a named pipe, not a file')
     ]
 
 
@@ -75,16 +75,16 @@ def test_an_external_body_that_is_a_named_pipe_is_refused(folder: Path) -> None:
     )
     result = cspdiag(folder, "run", "main.csp")
     assert result.returncode == 2
-    assert "stick.py: it is a named pipe, and no file" in result.stderr
+    assert "stick.py: it is a named pipe, not a file" in result.stderr
 
 
 def test_sockets_and_devices_are_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind("socket.csp")
-        with pytest.raises(OSError, match="it is a socket, and no file"):
+        with pytest.raises(OSError, match="it is a socket, not a file"):
             read_source("socket.csp")
-    with pytest.raises(OSError, match="it is a device, and no file"):
+    with pytest.raises(OSError, match="it is a device, not a file"):
         read_source("/dev/zero")
 
 

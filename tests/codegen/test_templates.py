@@ -144,8 +144,8 @@ def test_a_mistake_is_told_with_its_line(
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [
-        ("Makefiel.j2", b"", "is no template of the target c; there are: CMakeLists.txt.j2, Makefile.j2, "),
-        ("support", None, "is no template of the target c"),
+        ("Makefiel.j2", b"", "is not a template of the target c; there are: CMakeLists.txt.j2, Makefile.j2, "),
+        ("support", None, "is not a template of the target c"),
         ("README.md.j2", None, "is a directory"),
         ("README.md.j2", b"caf\xe9", "is not in UTF-8 (byte 3)"),
     ],

@@ -60,7 +60,7 @@ def test_a_page_is_read_from_markdown() -> None:
 
 @pytest.mark.parametrize("lost", ["# ", "\n\nA value", "Refused:", "```csp", "Mended:", ": ends differ"])
 def test_a_page_of_another_form_is_refused(lost: str) -> None:
-    with pytest.raises(ValueError, match="no manual page"):
+    with pytest.raises(ValueError, match="not a manual page"):
         read_page(PAGE.replace(lost, ""))
 
 

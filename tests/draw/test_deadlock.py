@@ -245,7 +245,7 @@ def test_verify_draws_nothing_where_all_is_proved(tmp_path: Path, capsys: pytest
     program, picture = tmp_path / "fine.csp", tmp_path / "fine.svg"
     program.write_text("process Fine { composition { skip } }\nassert Fine deadlock free\n", encoding="utf-8")
     assert main(["verify", str(program), "--draw", str(picture)]) == 0
-    assert f"no processes wait for ever, so {picture} was not written" in capsys.readouterr().err
+    assert f"no processes wait forever, so {picture} was not written" in capsys.readouterr().err
     assert not picture.exists()
     assert main(["verify", str(program), "--draw", str(tmp_path / "fine.txt")]) == 2
 

@@ -200,4 +200,4 @@ def test_the_delay_is_shown() -> None:
     source = SourceFile(name="case.csp", text="process Main {\n  composition { mu (skip ; wait 0 ms) }\n}\n")
     (found,) = pipeline.check(source, lambda _: source).report.diagnostics
     assert [label.span.text for label in found.labels] == ["wait 0 ms"]
-    assert "let it last longer" in str(found.help)
+    assert "make it longer" in str(found.help)

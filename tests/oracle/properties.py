@@ -33,12 +33,12 @@ def deadlock_free(graph: Graph) -> Answer:
         found = stuck(graph.linked, st, runs_on=True)
         if found:
             names = ", ".join(".".join(str(branch) for _, branch in tid) or "root" for tid in found)
-            return _found(graph, index, f"{names} wait for ever at {st.now} ns")
+            return _found(graph, index, f"{names} wait forever at {st.now} ns")
         if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
             return _found(graph, index, f"nothing happens any more from {st.now} ns on")
     answer = _none(graph)
     if answer.holds and (any(_for_ever(graph)) or any(stuck(graph.linked, st) for st in graph.states)):
-        answer.holds, answer.why = None, "somebody waits for ever for a partner that goes on"
+        answer.holds, answer.why = None, "somebody waits forever for a partner that goes on"
     return answer
 
 
@@ -67,7 +67,7 @@ def livelock_free(graph: Graph) -> Answer:
     """No cycle of steps in which no time passes and nothing passes an external port."""
     silent = [[edge.to for edge in edges if edge.silent] for edges in graph.edges]
     index = on_cycle(silent)
-    return _none(graph) if index is None else _found(graph, index, "goes round for ever from here")
+    return _none(graph) if index is None else _found(graph, index, "goes round forever from here")
 
 
 def terminates(graph: Graph) -> Answer:
@@ -75,7 +75,7 @@ def terminates(graph: Graph) -> Answer:
         if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
             return _found(graph, index, "nothing happens any more")
     index_or_none = on_cycle(_own_steps(graph))
-    return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round for ever from here")
+    return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round forever from here")
 
 
 def _own_steps(graph: Graph) -> list[list[int]]:

@@ -1,4 +1,4 @@
-"""Who waits for ever: the greatest set of threads of which every possible partner is in the set, or has ended."""
+"""Who waits forever: the greatest set of threads of which every possible partner is in the set, or has ended."""
 
 from __future__ import annotations
 

@@ -150,7 +150,7 @@ def test_a_pair_that_waits_for_each_other_beside_a_loop_is_a_knot() -> None:
 
 
 def test_a_partner_that_waits_for_time_comes_back() -> None:
-    """The device reads again after 3 ms, so the panel does not wait for ever."""
+    """The device reads again after 3 ms, so the panel does not wait forever."""
     device = Seq((read("c"), Wait(3 * MS), read("c"), read("c")))
     late = Guarded(After(2 * MS), Seq((write("c", 0), write("c", 1))))
     panel = Seq((Alt((Guarded(write("c", 1), write("c", 9)), late)), write("c", 2)))

@@ -18,7 +18,7 @@ from tests.proofs.systems.naive import replay
 
 
 def chatter(kind: EventKind) -> System:
-    """Two that talk for ever after a greeting, one of them with a third event in its loop."""
+    """Two that talk forever after a greeting, one of them with a third event in its loop."""
     one = Machine("one", {"first": [("greet", "talks")], "talks": [("talk", "looks")], "looks": [("look", "talks")]})
     other = Machine("other", {"first": [("greet", "talks")], "talks": [("talk", "talks")]})
     return compose([one, other], kinds={"look": kind})

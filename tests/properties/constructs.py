@@ -146,7 +146,7 @@ def _named(network: Network, entry: ProcessClass, action: act.Action) -> str:
         case act.ParallelSteps(prioritized=True) | act.Choice(prioritized=True):
             return f"{name} prioritized"
         case act.Repeat(until=None):
-            return f"{name} for ever"
+            return f"{name} forever"
         case act.CatchException(exception=exception) | act.RaiseException(exception=exception):
             return f"{name} of {exception if exception in PREDEFINED else 'a declared one'}"
         case _:

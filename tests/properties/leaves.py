@@ -121,7 +121,7 @@ def split(draw: st.DrawFn, part: Part, count: int) -> list[Part]:
 
 
 COMPOSED = (
-    ("seq",) * 2 + ("par", "mu", "while", "if", "catch", "group", "raise", "repeated", "for ever")
+    ("seq",) * 2 + ("par", "mu", "while", "if", "catch", "group", "raise", "repeated", "forever")
     + ("alt",) * 2 + ("interrupt",) * 2
 )  # fmt: skip
 
@@ -166,7 +166,7 @@ def composed(draw: st.DrawFn, part: Part, kind: str, depth: int) -> str:
             return f"({operator.join(branches)})"
         case "mu" | "while":
             return loop(draw, part, kind, depth)
-        case "for ever":
+        case "forever":
             return f"((mu ({inner()} ; wait 1 ms)) interrupt after {draw(st.integers(1, 9))} ms -> skip)"
         case "repeated":
             return f"(seq {part.leaf.fresh('each')} < {draw(st.integers(1, 3))} : {inner()})"

@@ -1,4 +1,4 @@
-"""What any text must get: diagnostics at places of the text, or code for every target, and neither takes for ever."""
+"""What any text must get: diagnostics at places of the text, or code for every target, and neither takes forever."""
 
 from __future__ import annotations
 

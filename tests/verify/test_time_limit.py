@@ -48,7 +48,7 @@ def read(path: str) -> SourceFile:
 
 
 def test_a_replay_that_comes_to_no_rest_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The trace says that two processes are stuck which communicate for ever."""
+    """The trace says that two processes are stuck which communicate forever."""
     monkeypatch.setattr(attempt, "_MOST_TURNS", 20)
     built = pipeline.build(SourceFile(name="case.csp", text=ENDLESS), read)
     assert built.network is not None

@@ -46,7 +46,7 @@ class NoTimingBound(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"whether `{self.process}` is schedulable cannot be said: {self.reason}"
+        return f"it is not known whether `{self.process}` is schedulable: {self.reason}"
 
     @property
     def help(self) -> str | None:

@@ -37,7 +37,7 @@ def require_free_output(arguments: Namespace) -> None:
 
 
 def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
-    """Mend what can be mended, or show it, and say what is left.
+    """Fix what can be fixed, or show how, and report what is left.
 
     The exit code is about what is left, with ``--diff`` about differences as well.
     """
@@ -45,11 +45,11 @@ def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
     names = [source.name for source in sources]
     if arguments.diff:
         for file in mended.files:
-            show_difference(file.before, file.text, "mended")
-            say(f"would mend {file.count} in {_shown(file)}")
+            show_difference(file.before, file.text, "fixed")
+            say(f"would fix {file.count} in {_shown(file)}")
         left = sum(found.severity == "error" for found in mended.left)
         if left:
-            say(f"{left} {'error is' if left == 1 else 'errors are'} left that only you can mend")
+            say(f"{left} {'error is' if left == 1 else 'errors are'} left that only you can fix")
         return UNSUCCESSFUL if mended.files or left else FINE
     _write(mended.files)
     if STANDARD_INPUT in names:
@@ -57,7 +57,7 @@ def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
         (read,) = (source for source in sources if source.name == STANDARD_INPUT)
         write_out(texts.get(STANDARD_INPUT, read.text))
     for file in mended.files:
-        say(f"mended {file.count} in {_shown(file)}")
+        say(f"fixed {file.count} in {_shown(file)}")
     show_findings(mended.left, names, arguments)
     return UNSUCCESSFUL if any(found.severity == "error" for found in mended.left) else FINE
 
@@ -82,10 +82,10 @@ def _bytes(file: MendedFile) -> bytes:
     """
     name = file.before.name
     if not os.path.isfile(name):
-        raise UsageError(f"{name}: is no file that could be replaced; `check --fix -` reads and prints")
+        raise UsageError(f"{name}: is not a file that could be replaced; `check --fix -` reads and prints")
     if not os.access(name, os.W_OK) or not os.stat(name).st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):
         raise UsageError(
-            f"{name}: cannot be mended, because it is read-only (`check --diff` shows the mends); nothing was written"
+            f"{name}: cannot be fixed, because it is read-only (`check --diff` shows the changes); nothing was written"
         )
     with open(name, "rb") as opened:
         data = opened.read()

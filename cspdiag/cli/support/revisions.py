@@ -79,7 +79,7 @@ def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
             env={**os.environ, "LC_ALL": "C"},
         )
     except FileNotFoundError:
-        raise UsageError("to read a revision git is needed, and it is not installed") from None
+        raise UsageError("reading a revision needs git, which is not installed") from None
     if done.returncode != 0:
         told = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
         if told.startswith("not a git repository"):

@@ -25,7 +25,7 @@ def read_templates(folder: str, target: str) -> dict[str, Replacement]:
         if name not in there and not name.startswith(PART):
             path = on_one_line(os.path.join(folder, name))
             raise UsageError(
-                f"--templates: {path} is no template of the target {target}; there are: {', '.join(there)}"
+                f"--templates: {path} is not a template of the target {target}; there are: {', '.join(there)}"
                 f" (names of files that these include begin with {PART})"
             )
     return {name: Replacement(*_read(os.path.join(folder, name))) for name in names}

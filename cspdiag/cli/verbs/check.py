@@ -23,12 +23,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("files", nargs="+", metavar="FILE", help="a program; - reads standard input")
     parser.add_argument(
-        "--fix", action="store_true", help="mend what has exactly one sensible mend, in imported files, too"
+        "--fix", action="store_true", help="fix what has exactly one sensible correction, in imported files, too"
     )
     parser.add_argument(
         "--diff", action="store_true", help="print what --fix would change, and change nothing; exit 1 if there is any"
     )
-    parser.add_argument("--format", choices=FORMATS, default="text", help="how to tell what was found (default: text)")
+    parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: text)")
 
 
 def run(arguments: Namespace) -> int:
@@ -50,7 +50,7 @@ def run(arguments: Namespace) -> int:
         count = sum(bool(diagnostic.edits) for diagnostic in found.diagnostics)
         if count and arguments.format == "text":
             which = "it" if len(found.diagnostics) == 1 else f"{count} of them"
-            say(f"--fix mends {which}, --diff shows how")
+            say(f"--fix corrects {which}, --diff shows how")
         code = UNSUCCESSFUL if found.has_errors else FINE
     if unreadable:
         raise UsageError("; ".join(unreadable))

@@ -155,7 +155,7 @@ def _generate(arguments: Namespace) -> int:
     renamed = network.name.removesuffix("_")
     if renamed != network.name and is_taken_by_python(renamed):
         say(
-            f"`{renamed}` is a name of Python's own, so the package is called `{network.name}`; it has its name from "
+            f"`{renamed}` is already used by Python, so the package is called `{network.name}`; it takes its name from "
             "the file"
         )
     say(f"wrote {on_one_line(folder)}")

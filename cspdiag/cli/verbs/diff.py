@@ -39,7 +39,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--from", dest="start", metavar="REVISION", help="the earlier revision (default: HEAD)")
     parser.add_argument("--to", dest="end", metavar="REVISION", help="the later revision (default: the working tree)")
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="how to tell it (default: text)")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
     parser.add_argument(
         "-o",
         "--output",

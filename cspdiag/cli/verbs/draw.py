@@ -50,7 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--format",
         choices=(*FORMATS, *exchange.FORMATS),
         help=(
-            "the format where the name of the output does not tell it; dot, mermaid and graphml are the network as text"
+            "the format where the name of the output does not show it; dot, mermaid and graphml are the network as text"
         ),
     )
     what = parser.add_mutually_exclusive_group()
@@ -161,7 +161,9 @@ def _refuse_senseless(arguments: Namespace) -> None:
     if arguments.format is not None and told not in (None, arguments.format):
         raise UsageError(f"-o {output} contradicts --format {arguments.format}")
     if not _is_folder(arguments) and told is None and arguments.format is None:
-        raise UsageError(f"-o {output}: the name must end in .svg, .png, .pdf, .dot, .mmd or .graphml, or say --format")
+        raise UsageError(
+            f"-o {output}: the name must end in .svg, .png, .pdf, .dot, .mmd or .graphml, or give --format"
+        )
     if not _is_folder(arguments):
         require_file("-o", output)
         return
@@ -173,7 +175,7 @@ def _refuse_senseless(arguments: Namespace) -> None:
 
 def _refuse_book(arguments: Namespace) -> None:
     if arguments.output is not None or arguments.format is not None:
-        raise UsageError("--book is a page, which -o and --format say nothing about")
+        raise UsageError("--book writes one page: -o and --format do not apply to it")
     if arguments.book != STANDARD_INPUT:
         require_file("--book", arguments.book)
 
@@ -270,7 +272,7 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
     data = _rendered(list(scenes.values()), format_, arguments)
     if arguments.output == STANDARD_INPUT:
         if format_ != "svg" and sys.stdout.isatty():
-            raise UsageError(f"-o -: a {format_.upper()} is not for a terminal")
+            raise UsageError(f"-o -: a {format_.upper()} cannot be written to a terminal")
         write_out(data)
         return
     name = arguments.output or f"{next(iter(scenes))}.{format_}"

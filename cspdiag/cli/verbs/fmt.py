@@ -33,7 +33,9 @@ def run(arguments: Namespace) -> int:
     changes_files = not arguments.check and not arguments.diff
     for name in arguments.files:
         if changes_files and name != STANDARD_INPUT and os.path.exists(name) and not os.path.isfile(name):
-            kind = "a directory" if os.path.isdir(name) else "no file that could be replaced; `fmt -` reads and prints"
+            kind = (
+                "a directory" if os.path.isdir(name) else "not a file that could be replaced; `fmt -` reads and prints"
+            )
             raise UsageError(f"{name}: is {kind}")
     report = Report()
     changed: list[SourceFile] = []

@@ -50,7 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="the largest sample period that leaves 30deg, 6dB, a factor of gain, a delay of 5ms, or stable",
     )  # fmt: skip
     parser.add_argument("--plot", type=Path, metavar="FILE", help="a Bode picture, as .svg, .png or .pdf")
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="how to tell it (default: text)")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
 
 
 def run(arguments: Namespace) -> int:
@@ -76,9 +76,7 @@ def run(arguments: Namespace) -> int:
             if problem.span is None
             else f"{on_one_line(problem.span.source.name)}:{problem.span.line}:{problem.span.column}: "
         )
-        raise NoResultError(
-            f"{place}{problem.reason}, so that no loop through `{environment.name}` has margins"
-        ) from None
+        raise NoResultError(f"{place}{problem.reason}, so no loop through `{environment.name}` has margins") from None
     periods = {} if margin is None else _periods(arguments, built, network, report, margin)
     _write_plot(arguments.plot, report)
     _tell(arguments, report, periods)
@@ -145,7 +143,7 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
             point[name] = float(value)
         except (SettingError, ValueError):
             raise UsageError(
-                f"--at {entry}: NAME=VALUE is wanted, the value a number in the unit of the state"
+                f"--at {entry}: expected NAME=VALUE, the value a number in the unit of the state"
             ) from None
         if name not in states:
             raise UsageError(
@@ -167,7 +165,7 @@ def _periods(
         constants = period_constants(network, loop.opened)
         if not constants:
             raise UsageError(
-                f"--largest-period: the period of `{loop.opened.cut.name}` is a number in the text; let it be a "
+                f"--largest-period: the period of `{loop.opened.cut.name}` is a literal number; make it a "
                 "`const`, which can be changed"
             )
         # Loops that are equal now are equal at every period.

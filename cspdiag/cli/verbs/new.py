@@ -35,14 +35,14 @@ def run(arguments: Namespace) -> int:
     """Write the project into a new folder of its name."""
     folder = arguments.name.rstrip(os.sep)
     write_new_folder(folder, project(os.path.basename(folder)))
-    say(f"wrote {on_one_line(folder)}: a controller, its environment, a test; README.md tells how to go on")
+    say(f"wrote {on_one_line(folder)}: a controller, its environment, a test; README.md explains the next steps")
     return FINE
 
 
 def project(name: str) -> dict[str, str]:
     """The files of a new project by path. Raises UsageError for a name that cannot become a package."""
     if keyword.iskeyword(name) or name.lower() in sys.stdlib_module_names:
-        kind = "word of Python" if keyword.iskeyword(name) else "module of Python's library"
+        kind = "keyword of Python" if keyword.iskeyword(name) else "module of Python's library"
         raise UsageError(f"{name!r} cannot name a project: it is a {kind}, and the generated package has its name")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
         raise UsageError(f"{name!r} cannot name a project (letters, digits, - and _, beginning with a letter)")

@@ -49,7 +49,7 @@ def _refuse_others(arguments: Namespace) -> None:
         given.append("real_time")
     if given:
         names = ", ".join("--for" if name == "until" else f"--{name.replace('_', '-')}" for name in given)
-        raise UsageError(f"--replay goes without {names}: the trace says what happens and when")
+        raise UsageError(f"--replay cannot be combined with {names}: the trace says what happens and when")
 
 
 def _network(arguments: Namespace, trace: Trace) -> CoreNetwork | None:
@@ -105,4 +105,4 @@ def _conclusion(trace: Trace, result: Replay, *, goes_on: bool) -> str:
     did = ["did what the trace says", "did the one step"][total] if total < 2 else f"did all {total} steps"
     if not goes_on:
         return f"replayed: the program {did}"
-    return f"replayed: the program {did + ', and ' if total else ''}can go on so for ever"
+    return f"replayed: the program {did + ', and ' if total else ''}can repeat this forever"

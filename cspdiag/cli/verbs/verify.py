@@ -41,7 +41,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--method", choices=METHODS, help="use this proof method only (default: the first that answers)"
     )
     parser.add_argument(
-        "--engine", choices=("cspdiag", "spin"), default="cspdiag", help="who proves (default: cspdiag)"
+        "--engine", choices=("cspdiag", "spin"), default="cspdiag", help="the prover (default: cspdiag)"
     )
     parser.add_argument(
         "--time-limit", metavar="S", type=_positive, default=60.0, help="seconds for each assertion (default: 60)"
@@ -52,7 +52,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=FORMATS, default="text",
         help=(
-            "how to tell the answers: text and concise, for people, on standard error; the others, and what --timing "
+            "output format: text and concise, for people, on standard error; the others, and what --timing "
             "prints, on standard output (default: text)"
         ),
     )  # fmt: skip
@@ -78,7 +78,7 @@ def _positive(text: str) -> float:
     except ValueError:
         value = 0.0
     if not 0 < value < float("inf"):
-        raise ArgumentTypeError(f"a positive number is wanted, not {text!r}")
+        raise ArgumentTypeError(f"expected a positive number, not {text!r}")
     return value
 
 
@@ -187,7 +187,7 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
     found = (answer.counterexample for answer in answers if answer.counterexample is not None)
     deadlock = next(filter(None, map(deadlock_shown_by, found)), None)
     if deadlock is None:
-        say(f"cspdiag: no processes wait for ever, so {on_one_line(arguments.draw)} was not written")
+        say(f"cspdiag: no processes wait forever, so {on_one_line(arguments.draw)} was not written")
     else:
         write_picture(arguments.draw, deadlock, asked.checked.program)
         _tell_written(arguments, arguments.draw)

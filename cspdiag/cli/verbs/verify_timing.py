@@ -132,9 +132,9 @@ def measured_times(path: str) -> list[Measured]:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)
     except UnicodeDecodeError:
-        raise UsageError(f"{path}: is no text, and so no JSON: {how}") from None
+        raise UsageError(f"{path}: is not text, so not JSON: {how}") from None
     except ValueError as problem:
-        raise UsageError(f"{path}: is no JSON ({problem}): {how}") from None
+        raise UsageError(f"{path}: is not JSON ({problem}): {how}") from None
     times = content.get("executionTimes") if isinstance(content, dict) else None
     if not isinstance(times, dict) or not times:
         raise UsageError(f"{path}: has no execution times: {how}")
@@ -142,7 +142,7 @@ def measured_times(path: str) -> list[Measured]:
     for name, entry in times.items():
         seconds, what = (entry.get("longest"), entry.get("what")) if isinstance(entry, dict) else (entry, "law")
         if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 <= seconds < 1e9:
-            raise UsageError(f"{path}: the execution time of {name} is no number of seconds")
+            raise UsageError(f"{path}: the execution time of {name} is not a number of seconds")
         if what not in ("law", "process", "thread"):
             raise UsageError(f"{path}: what was measured of {name} is a law, a process or a thread, not {what!r}")
         found.append(

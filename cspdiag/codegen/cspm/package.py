@@ -2,7 +2,7 @@
 4).
 
 Each component is a set of processes, one a state; the system is their alphabetized parallel composition. Internal steps
-are hidden events. A process that has ended offers ``ended`` for ever, in which all processes take part, so that an end
+are hidden events. A process that has ended offers ``ended`` forever, in which all processes take part, so that an end
 of all is no deadlock while a part that waits for what has ended is one.
 """
 

@@ -145,7 +145,7 @@ def _advice_on_reset(program: Program, process: ast.ProcessDefinition) -> str:
     laws = [item for item in instances if isinstance(program.bindings.get(item.definition), ast.SubmodelDefinition)]
     ways = [f"`reset {item.name.text}`" for item in laws[:1]]
     ways += [f"`{item.name.text} := ...`" for item in declared if isinstance(item, ast.Variable)][:1]
-    where = f": put them back in the composition of `{process.name.text}` ({', '.join(ways)})" if ways else ""
+    where = f": reset them in the composition of `{process.name.text}` ({', '.join(ways)})" if ways else ""
     return f"only submodels are reset; a process keeps its variables and the states of its laws from run to run{where}"
 
 

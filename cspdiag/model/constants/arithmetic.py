@@ -120,7 +120,7 @@ def _power(base: int | float, exponent: int | float) -> int | float:
         raise UndefinedError("this divides by zero")
     result = float(base) ** exponent
     if isinstance(result, complex):
-        raise UndefinedError("a negative number has no broken power")
+        raise UndefinedError("a negative number has no fractional power")
     return float(result)
 
 

@@ -43,14 +43,14 @@ def parse_value(type_: Type, text: str) -> Value:
             return _time(text)
         case IntType():
             if not re.fullmatch(r"[+-]?[0-9]{1,30}", text):
-                raise ValueError(f"`{text}` is no {type_}")
+                raise ValueError(f"`{text}` is not of type {type_}")
             return _checked(int(text), type_, text)
         case RealType():
             return _real(type_, text)
         case EnumType():
             name = text.removeprefix(f"{type_.name}.")
             if name not in type_.literals:
-                raise ValueError(f"`{text}` is none of {', '.join(type_.literals)}")
+                raise ValueError(f"`{text}` is not one of {', '.join(type_.literals)}")
             return type_.literals.index(name)
         case ArrayType():
             return _array(type_, text)
@@ -131,40 +131,40 @@ def _quantity(text: str, what: str) -> tuple[str, str | None]:
     """The number and the unit of a quantity."""
     found = _QUANTITY.fullmatch(text)
     if found is None:
-        raise ValueError(f"`{text}` is no {what}")
+        raise ValueError(f"`{text}` is not {what}")
     number, bracketed, plain = found.groups()
     return number, bracketed if bracketed is not None else plain
 
 
 def _time(text: str) -> int:
-    number, unit = _quantity(text, "time, such as 10 ms")
+    number, unit = _quantity(text, "a time, such as 10 ms")
     value = float(number)
     if unit in _HERTZ and value > 0:
         nanoseconds = 1e9 / (value * _HERTZ[unit])
     elif unit in _NANOSECONDS:
         nanoseconds = value * _NANOSECONDS[unit]
     else:
-        raise ValueError(f"`{text}` is no time; write it with a unit, such as 10ms (there are {_UNITS_OF_TIME})")
+        raise ValueError(f"`{text}` is not a time; write it with a unit, such as 10ms (there are {_UNITS_OF_TIME})")
     return int(_checked(nanoseconds if math.isinf(nanoseconds) else round(nanoseconds), TimeType(), text))
 
 
 def _real(type_: RealType, text: str) -> float:
-    number, unit = _quantity(text, str(type_))
+    number, unit = _quantity(text, f"of type {type_}")
     value = float(number)
     if unit is not None:
         found = parse_unit(unit)
         if found is None:
-            raise ValueError(f"`{unit}` is no unit")
+            raise ValueError(f"`{unit}` is not a unit")
         factor = conversion_factor(found, type_.unit)
         if factor is None:
-            raise ValueError(f"`{text}` is no {type_}: the units do not agree")
+            raise ValueError(f"`{text}` is not of type {type_}: the units do not agree")
         value *= factor
     return float(_checked(value, type_, text))
 
 
 def _array(type_: ArrayType, text: str) -> Value:
     if not (text.startswith("[") and text.endswith("]")) or isinstance(type_.element, ArrayType):
-        raise ValueError(f"`{text}` is no {type_}; write it as [a, b, c]")
+        raise ValueError(f"`{text}` is not of type {type_}; write it as [a, b, c]")
     values = tuple(parse_value(type_.element, part) for part in text[1:-1].split(","))
     if type_.size is not None and type_.size != len(values):
         elements = "one element" if len(values) == 1 else f"{len(values)} elements"

@@ -85,7 +85,7 @@ class ReservedName(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.name}` is {self.meaning}, and cannot be declared anew"
+        return f"`{self.name}` is {self.meaning}, and cannot be redefined"
 
     @property
     def help(self) -> str:

@@ -20,7 +20,7 @@ class WrongSource(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.name}` is {self.kind}, which is no source of values"
+        return f"`{self.name}` is {self.kind}, which is not a source of values"
 
     @property
     def help(self) -> str:

@@ -46,7 +46,7 @@ class MixedNumbers(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.operator}` stands between {noun(self.left)} and {noun(self.right)}"
+        return f"`{self.operator}` cannot combine {noun(self.left)} and {noun(self.right)}"
 
     @property
     def help(self) -> str | None:
@@ -93,7 +93,7 @@ class UnsuitableOperand(Diagnostic):
 @record
 class NotCondition(Diagnostic):
     code = "E0308"
-    title = "a condition that is no bool"
+    title = "a condition that is not a bool"
 
     found: Type
 
@@ -188,7 +188,7 @@ class UselessValue(Diagnostic):
 @record
 class ConstantNoTime(Diagnostic):
     code = "E0317"
-    title = "a constant that is no time"
+    title = "a constant that is not a time"
 
     name: str
     found: Type

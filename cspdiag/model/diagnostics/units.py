@@ -78,7 +78,7 @@ class MixedUnits(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.operator}` stands between {noun(self.left)} and {noun(self.right)}"
+        return f"`{self.operator}` cannot combine {noun(self.left)} and {noun(self.right)}"
 
     @property
     def help(self) -> str | None:
@@ -147,7 +147,7 @@ class UnknownUnit(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.text}` is no unit"
+        return f"`{self.text}` is not a unit"
 
     @property
     def help(self) -> str:
@@ -178,7 +178,7 @@ class UnitNotAllowed(Diagnostic):
 @record
 class BrokenPower(Diagnostic):
     code = "E0313"
-    title = "a power of a unit that is no unit"
+    title = "a power of a unit that is not a unit"
 
     found: Type
     operation: str

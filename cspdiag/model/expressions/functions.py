@@ -305,7 +305,7 @@ def _polynomial(typer: ExpressionTyper, coefficients: ast.Expression) -> Unit:
     if not isinstance(coefficients, ast.ArrayValue):
         found = typer.constant(coefficients, None, Purpose(what="a list of coefficients"))
         if not (isinstance(found, ArrayType) and isinstance(found.element, RealType)) and found != UNKNOWN:
-            advice = "write the coefficients from the highest power of s on: `[1, 2.5, 1]`"
+            advice = "write the coefficients from the highest power of s down: `[1, 2.5, 1]`"
             refused = UnsuitableOperand(coefficients.span, operator="transfer", found=found, advice=advice)
             typer.context.refuse(refused, coefficients)
         return DIMENSIONLESS

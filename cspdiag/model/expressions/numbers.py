@@ -210,7 +210,7 @@ class Typer:
             if symbol.declaration.direction == "in":
                 advice = f"read it into a variable: `{node.name} ? x`"
             else:
-                advice = "an out port is written only; keep the value in a variable as well"
+                advice = "an out port can only be written; keep the value in a variable as well"
             self._refuse_kind(node, symbol, advice)
             return UNKNOWN
         if self.surroundings.constant:

@@ -28,7 +28,7 @@ def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, want
         if isinstance(definition, ast.EnumDefinition | ast.StructDefinition | ast.TypeAliasDefinition):
             advice = "a variable is declared by `var name : type`"
         elif isinstance(definition, ast.DriverDefinition):
-            advice = "drivers stand in environments"
+            advice = "drivers belong in environments"
         refused = WrongKind(
             name.span,
             name=name.text,

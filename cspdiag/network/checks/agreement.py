@@ -2,7 +2,7 @@
 agree.
 
 A place stands for as many parts of a program as there are turns and instances. What is never chosen, reached or used in
-one of them may well be in another, and the advice to leave it away would break that one.
+one of them may well be in another, and the advice to remove it would break that one.
 """
 
 from __future__ import annotations

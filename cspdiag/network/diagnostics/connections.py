@@ -48,7 +48,7 @@ class NotConnected(Diagnostic):
             ways.append(f"connect {it} (`... -> {inputs[0]}`), or give {default} in `{self.definition}`")
         if outputs:
             it = _meant(outputs, "the output", is_distinct=both)
-            ways.append(f"connect {it}, or throw the values away with `{outputs[0]} -> _`")
+            ways.append(f"connect {it}, or discard the values with `{outputs[0]} -> _`")
         return "; ".join(ways)
 
     @property
@@ -88,7 +88,7 @@ class ConnectedTwice(Diagnostic):
         if self._repeated:
             return f"list all readers after one arrow, without `for`: `{self.port} -> a[0].port, a[1].port`"
         if self.direction == "in":
-            return "an input has one relationship: leave one away, or list both sources before one arrow"
+            return "an input has one relationship: remove one, or list both sources before one arrow"
         return "an output has one relationship: list all its readers after one arrow"
 
     @property
@@ -107,7 +107,7 @@ class PortToPort(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"no process is between the ports `{self.source}` and `{self.sink}`: nobody would carry the values"
+        return f"there is no process between the ports `{self.source}` and `{self.sink}`: nobody would carry the values"
 
     @property
     def help(self) -> str | None:

@@ -52,11 +52,11 @@ class KindsDisagree(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.channel}` is said to be `{self.kind}` here and `{self.other.name}` elsewhere"
+        return f"`{self.channel}` is declared `{self.kind}` here and `{self.other.name}` elsewhere"
 
     @property
     def help(self) -> str | None:
-        return "a channel has one kind: say the same, or leave it away in one of the places"
+        return "a channel has one kind: write the same in both places, or remove one of them"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -85,10 +85,10 @@ class KindContradicts(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.direction == "out":
-            return "leave the kind away, or say `any` where several write it in parallel"
+            return "remove the kind, or write `any` where several write it in parallel"
         if self.sampled:
-            return "leave the kind away"
-        return "say `broadcast` or `any` where several read it in parallel, and nothing otherwise"
+            return "remove the kind"
+        return "write `broadcast` or `any` where several read it in parallel, and nothing otherwise"
 
     @property
     def labels(self) -> tuple[Label, ...]:

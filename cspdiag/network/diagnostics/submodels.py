@@ -36,11 +36,11 @@ class AlgebraicLoop(Diagnostic):
     def help(self) -> str:
         if self.in_environment:
             return (
-                "let one of these submodels put out its value of the sample before, `pre(x, 0)`, or keep it in a state"
+                "let one of these submodels output its value of the previous sample, `pre(x, 0)`, or keep it in a state"
             )
         names = [name for name, _ in self.loop]
         name = min(reversed(names), key=lambda name: (name.count("."), not name.replace(".", "").isidentifier()))
-        return f"take one of them from the sample before, for example `pre({name}, 0)`, or make it a state"
+        return f"take one of them from the previous sample, for example `pre({name}, 0)`, or make it a state"
 
 
 @record

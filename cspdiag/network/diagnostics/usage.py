@@ -20,7 +20,7 @@ class VariableUnused(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return "leave it away"
+        return "remove it"
 
 
 @record
@@ -41,8 +41,8 @@ class PortUnused(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.direction == "in":
-            return f"use it, leave it away, or say that it is ignored with `{self.port} -> _`"
-        return "write it with `!` or connect an instance to it, or leave it away"
+            return f"use it, remove it, or discard its values with `{self.port} -> _`"
+        return "write it with `!` or connect an instance to it, or remove it"
 
 
 @record
@@ -60,7 +60,7 @@ class InputDiscarded(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return "use it in an equation, or leave the input away"
+        return "use it in an equation, or remove the input"
 
 
 @record
@@ -76,17 +76,14 @@ class HandlerNeverRuns(Diagnostic):
     @property
     def message(self) -> str:
         if self.is_caught_inside:
-            return f"this handler never runs: `{self.exception}` is caught further inside and does not come out"
+            return f"this handler never runs: `{self.exception}` is caught further inside"
         return f"this handler never runs: nothing that the `catch` watches raises `{self.exception}`"
 
     @property
     def help(self) -> str | None:
         if self.is_caught_inside:
-            return "leave one of the two away, or raise the exception again in the inner handler"
-        return (
-            "put the `catch` around what raises the exception, in parentheses where that is several steps, or leave it "
-            "away"
-        )
+            return "remove one of the two, or raise the exception again in the inner handler"
+        return "put the `catch` around what raises the exception, in parentheses if that is several steps, or remove it"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -25,7 +25,7 @@ class WrongDirection(Diagnostic):
 
     @property
     def help(self) -> str:
-        return "turn the arrow round"
+        return "turn the arrow around"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -106,7 +106,7 @@ class NotInEnvironment(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"an environment has no place for {self.what}"
+        return f"an environment cannot have {self.what}"
 
     @property
     def help(self) -> str:

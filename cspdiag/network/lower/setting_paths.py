@@ -163,7 +163,7 @@ def _wrong_indexes(steps: tuple[PathStep, ...], depth: int, dimensions: int) -> 
     right = PathStep(step.name, ("0",) * dimensions)
     whole = ".".join(map(str, (*steps[:depth], right, *steps[depth + 1 :])))
     if not dimensions:
-        return f"{step.name!r} is one instance and no array: {whole!r}"
+        return f"{step.name!r} is a single instance, not an array: {whole!r}"
     if not step.indexes:
         return f"{step.name!r} is an array of instances, each with its own: {whole!r}"
     if len(step.indexes) != dimensions:

@@ -113,7 +113,7 @@ def _delay(draft: Draft, use: Application, report: Report) -> Expression | None:
     if length is None:
         return None
     if not isinstance(length, int) or not 1 <= length <= LONGEST_DELAY:
-        problem = f"a delay by {length} samples: it takes from 1 to {LONGEST_DELAY}"
+        problem = f"a delay by {length} samples: it must be from 1 to {LONGEST_DELAY}"
         report.add(ValueOutOfRange(count.span or use.span, problem))
         return None
     if length == 1:

@@ -75,7 +75,7 @@ def _answer(
 
 
 def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:
-    """No deadlock, in which nothing goes on, and no knot, in which some wait for each other for ever while others go
+    """No deadlock, in which nothing goes on, and no knot, in which some wait for each other forever while others go
     on.
     """
     from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free

@@ -40,7 +40,7 @@ def served_first(program: Program, places: Sequence[Span]) -> Iterator[Suggestio
 
 
 def served_in_any_order(program: Program, places: Sequence[Span]) -> Iterator[Suggestion]:
-    """The two halves of a loop for ever, in which somebody waits, as alternatives."""
+    """The two halves of a loop forever, in which somebody waits, as alternatives."""
     for loop, first, second in _halves(program, places):
         if isinstance(loop, ast.Mu) and loop.until is None:
             span = _range((*first, *second))

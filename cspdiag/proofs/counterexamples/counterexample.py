@@ -77,7 +77,7 @@ class BlockedProcess:
 class Counterexample:
     """How a property fails.
 
-    ``steps`` lead to where it does; ``cycle`` is what can repeat for ever then; ``waiting`` are the processes that
+    ``steps`` lead to where it does; ``cycle`` is what can repeat forever then; ``waiting`` are the processes that
     never go on, of which those named in ``ring`` wait for each other, each for the next and the last for the first.
     """
 

@@ -66,17 +66,17 @@ def headline(found: Counterexample) -> str:
     match found.failure:
         case "deadlock" | "knot":
             is_knot = found.failure == "knot"
-            ever = " for ever" * is_knot
+            ever = " forever" * is_knot
             who = "a process waits" if stuck == 1 else f"{stuck} processes wait"
             each = "itself" if stuck == 1 else "each other"
             wait = f" for {each}{ever}" if found.ring else f"{ever} for what never comes"
             others = ", while others go on" * is_knot
             return f"can {'get stuck' if is_knot else 'deadlock'}: {when}, {who}{wait}{others}"
         case "livelock":
-            return f"can livelock: {when}, it can go on for ever without a communication that anybody sees"
+            return f"can livelock: {when}, it can go on forever without a communication that anybody sees"
         case "no termination":
             if found.cycle:
-                return f"does not always end: {when}, it can repeat for ever what follows"
+                return f"does not always end: {when}, it can repeat forever what follows"
             return (
                 f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for "
                 "what never comes"

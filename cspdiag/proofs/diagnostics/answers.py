@@ -31,13 +31,13 @@ class Refutation(Diagnostic):
 @record
 class CanDeadlock(Refutation):
     code = "E1101"
-    title = "processes that can wait for each other for ever"
+    title = "processes that can wait for each other forever"
 
 
 @record
 class CanLivelock(Refutation):
     code = "E1102"
-    title = "a process that can be busy with itself for ever"
+    title = "a process that can be busy with itself forever"
 
 
 @record

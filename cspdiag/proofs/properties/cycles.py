@@ -1,4 +1,4 @@
-"""Runs that go on for ever with some events only: a trace to a cycle of global states.
+"""Runs that go on forever with some events only: a trace to a cycle of global states.
 
 First the loops of the components (``local_loops``), which often exclude it; then a short look in depth; then what large
 systems do as seen from outside; then all reachable states, from which those without a step to one that is left are
@@ -158,7 +158,7 @@ def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges
 
 
 def _without_ends(states: int, sources: Edges, targets: Edges, limits: Limits) -> Edges:
-    """The states from which the edges can be followed for ever. Raises LimitError."""
+    """The states from which the edges can be followed forever. Raises LimitError."""
     order = np.argsort(targets, kind="stable")
     before = sources[order]
     first = np.searchsorted(targets[order], np.arange(states + 1))

@@ -19,7 +19,7 @@ def is_hidden(event: Event) -> bool:
 
 
 def livelock_free(system: System, limits: Limits) -> Verdict:
-    """Whether no run goes on for ever with communications among the processes and internal steps only."""
+    """Whether no run goes on forever with communications among the processes and internal steps only."""
     hidden = [number for number, event in enumerate(system.events) if is_hidden(event)]
     try:
         found = endless_run(system, hidden, limits)

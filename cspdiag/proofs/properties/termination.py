@@ -21,7 +21,7 @@ def terminates(
 ) -> Verdict:
     """Whether no run is infinite, and none stops where a process has not ended.
 
-    A refutation has either a cycle, which can be repeated for ever, or processes that are stuck. ``deadlock_free``
+    A refutation has either a cycle, which can be repeated forever, or processes that are stuck. ``deadlock_free``
     answers the second question.
     """
     try:

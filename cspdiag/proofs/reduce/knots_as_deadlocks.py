@@ -3,7 +3,7 @@
 Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account.
 Others go on without it, which they could do anyway. One that was left out takes part in every event that another asks
 for, but in a failure only if it offered it; one that is thought to be stuck asks for all events that it offers, and if
-one of them happens it turns round for ever: it was not stuck. When nothing is possible, those that asked are a knot.
+one of them happens it turns round forever: it was not stuck. When nothing is possible, those that asked are a knot.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 
 
 def knot_free(system: System, limits: Limits) -> Verdict:
-    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
+    """Whether no state is reachable in which some processes wait for each other forever, whatever the others do."""
     try:
         reduced = knots_as_deadlocks(system, limits)
     except LimitError as stop:

@@ -56,7 +56,7 @@ def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[in
 
 
 def without_the_restless(machine: Machine) -> Machine:
-    """The machine with one state, which turns round for ever, for all those that never stand still, whatever others do.
+    """The machine with one state, which turns round forever, for all those that never stand still, whatever others do.
 
     Such a state has only an internal loop; or an internal step to such a state, and otherwise no steps but to such
     states and to itself. For a deadlock, in which all stand still, what it offers makes no difference.

@@ -166,7 +166,7 @@ def _reason(traps: int, invariants: int) -> str:
     helped += [f"{invariants} invariant{'s' if invariants > 1 else ''}"] if invariants else []
     also = f", and by {' and '.join(helped)}" if helped else ""
     return (
-        f"every state in which a process would wait for ever is ruled out by looking at two neighbours at a time{also}"
+        f"every state in which a process would wait forever is ruled out by looking at two neighbours at a time{also}"
     )
 
 

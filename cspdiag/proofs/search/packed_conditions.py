@@ -42,7 +42,7 @@ class Deadlocks:
 
 
 class Knots:
-    """States in which some processes wait for each other for ever (see ``stuck_sets``). All of it may
+    """States in which some processes wait for each other forever (see ``stuck_sets``). All of it may
     raise LimitError.
     """
 

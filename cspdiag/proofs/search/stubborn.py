@@ -71,7 +71,7 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 
 
 def knot_free(system: System, limits: Limits) -> Verdict:
-    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do.
+    """Whether no state is reachable in which some processes wait for each other forever, whatever the others do.
 
     Unknown where events are failures: one may end a knot, so that what is left out does not keep it.
     """
@@ -126,7 +126,7 @@ def _take(graph: _Graph, sets: ClosedSets, number: int, events: Iterable[int]) -
 
 
 def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
-    """Take from the first state of a final component the events that it ignores for ever, with all that belongs to
+    """Take from the first state of a final component the events that it ignores forever, with all that belongs to
     them.
     """
     first = min(final)

@@ -12,7 +12,7 @@ from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_sign
 from cspdiag.runtime.kernel.stopping import stopping
 
 PATIENCE = 2.0
-"""Seconds that a native program has to end, once a signal has come or it has told its end."""
+"""Seconds that a native program has to end, once a signal has come or it has reported its end."""
 _LOOK = 0.05
 
 
@@ -38,7 +38,7 @@ class Keeper:
     @property
     def account(self) -> KilledError:
         """What is said of a program that was killed."""
-        why = "after it had told its end" if not self.signal else f"after {name_of_signal(self.signal)}"
+        why = "after it had reported its end" if not self.signal else f"after {name_of_signal(self.signal)}"
         return KilledError(f"the native program did not end within {PATIENCE:g} s {why}, and was killed")
 
     def __enter__(self) -> Keeper:
@@ -51,7 +51,7 @@ class Keeper:
         self._thread.join()
 
     def told(self) -> None:
-        """The program has told its end: it has nothing left to do."""
+        """The program has reported its end: it has nothing left to do."""
         self._until = time.monotonic() + PATIENCE
 
     def _run(self) -> None:

@@ -79,7 +79,7 @@ class KeywordAsName(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.word}` is a word of the language and cannot be a name"
+        return f"`{self.word}` is a keyword and cannot be a name"
 
     @property
     def help(self) -> str | None:
@@ -162,7 +162,7 @@ class WrongPlace(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{self.what} cannot stand here"
+        return f"{self.what} is not allowed here"
 
     @property
     def help(self) -> str | None:

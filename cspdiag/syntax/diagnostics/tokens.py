@@ -38,7 +38,7 @@ class UnknownCharacter(Diagnostic):
     @property
     def message(self) -> str:
         if self.character.isidentifier():
-            return f"`{self.character}` is no name: names are ASCII letters, digits and `_`"
+            return f"`{self.character}` is not a name: names are ASCII letters, digits and `_`"
         shown = self.character if self.character.isprintable() else f"U+{ord(self.character):04X}"
         return f"`{shown}` has no meaning in the language"
 
@@ -145,7 +145,7 @@ class OptionNotHere(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"the head of a {self.definition} has no place for {self.clause}"
+        return f"the head of a {self.definition} cannot have {self.clause}"
 
     @property
     def help(self) -> str | None:
@@ -155,7 +155,7 @@ class OptionNotHere(Diagnostic):
 @record
 class OptionTwice(Diagnostic):
     code = "E0116"
-    title = "clause said twice"
+    title = "clause given twice"
 
     clause: str
     definition: str
@@ -185,7 +185,9 @@ class MissingUnitBrackets(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.unit}` after a number is no unit of time: other units stand in angle brackets, without spaces"
+        return (
+            f"`{self.unit}` after a number is not a unit of time: write other units in angle brackets, without spaces"
+        )
 
     @property
     def help(self) -> str | None:

@@ -67,7 +67,7 @@ def missing_process(situation: Situation) -> Finding | None:
         return None
     before = situation.lexer.before
     if before.text in _OPERATORS:
-        advice = f"`{before.text}` stands between two processes: remove it, or write the second one"
+        advice = f"`{before.text}` joins two processes: remove it, or write the second one"
     else:
         advice = "`skip` is the process that does nothing"
     return UnexpectedText(situation.span, found_words(situation), "a process", advice), Repair("insert", "SKIP")
@@ -93,7 +93,7 @@ def part_out_of_place(situation: Situation) -> Finding | None:
     if situation.kind == "NAME" and situation.block() == "PROCESS" and situation.lexer.first_on_line():
         begins = situation.automaton.restartable(situation.states[-1]) or situation.can("}")
         if begins and situation.lexer.next_character() in {":", "-", ",", ".", "["}:
-            rule = "instances and arrows stand in the block `communication { ... }`"
+            rule = "instances and arrows belong in the block `communication { ... }`"
             return WrongPlace(situation.span, "an instance or an arrow", rule), None
     if situation.kind not in _PARTS or not begins_part(situation) or not situation.can("}"):
         return None

@@ -52,9 +52,9 @@ def _advice(situation: Situation) -> str | None:
     if block in {"COMMUNICATION", "ENVIRONMENT"} and (situation.text in _CALCULATIONS or situation.kind in _NUMBERS):
         return _advice_about_sources(situation)
     if situation.kind == "NAME" and situation.can(":"):
-        return f"a type stands after a colon: `: {situation.text}`"
+        return f"a type follows a colon: `: {situation.text}`"
     if situation.text == "<" and situation.can("UNIT"):
-        return "a unit stands in angle brackets, without spaces: `<rad/s>`"
+        return "a unit is written in angle brackets, without spaces: `<rad/s>`"
     if situation.can("=") and any(symbol == "STATE" for symbol, _ in situation.since_bracket()):
         return "a state has an initial value: `state s : double = 0`"
     if situation.kind == "NAME" and situation.lexer.before.kind == "NAME" and situation.can("("):
@@ -77,7 +77,7 @@ def _advice_in_composition(situation: Situation) -> str | None:
         return "a variable is counted up by an assignment: `n := n + 1`"
     begins_process = situation.kind in _BEGIN_PROCESSES or (situation.kind == "NAME" and before.kind == "NAME")
     if begins_process and situation.can(";"):
-        return "an operator stands between two processes: `;` in sequence, `||` in parallel"
+        return "an operator joins two processes: `;` in sequence, `||` in parallel"
     return None
 
 
@@ -88,7 +88,7 @@ def _advice_about_sources(situation: Situation) -> str | None:
         return (
             "an arrow begins at a port or a variable: give a variable the value, `var x : double = 1`, and connect it"
         )
-    return "arrows only connect: calculations stand in the equations of a submodel"
+    return "arrows only connect: calculations belong in the equations of a submodel"
 
 
 def _keyword_as_name(situation: Situation) -> Finding | None:

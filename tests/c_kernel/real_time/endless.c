@@ -1,4 +1,4 @@
-/* Writes its output for ever, and counts the events that signals bring; ends by SIGTERM, which releases the output. */
+/* Writes its output forever, and counts the events that signals bring; ends by SIGTERM, which releases the output. */
 #define _POSIX_C_SOURCE 200112L
 
 #include "script.h"

@@ -26,7 +26,7 @@ def slip(tmp_path: Path) -> Path:
 
 def test_what_is_surely_meant_is_written(cspdiag: Command, slip: Path) -> None:
     slip.chmod(0o640)
-    assert cspdiag("check", "--fix", slip) == (0, "", f"mended 1 in {slip}\nchecked 1 file: no errors\n")
+    assert cspdiag("check", "--fix", slip) == (0, "", f"fixed 1 in {slip}\nchecked 1 file: no errors\n")
     assert slip.read_text() == GOOD
     assert slip.stat().st_mode & 0o777 == 0o640
     assert [path.name for path in slip.parent.iterdir()] == [slip.name]
@@ -37,7 +37,7 @@ def test_what_is_left_is_shown_and_decides_the_exit_code(cspdiag: Command, slip:
     slip.write_text(BAD.replace("given ? held", "given ? hedl"))
     result = cspdiag("check", "--fix", slip)
     assert (result.code, result.out) == (1, "")
-    assert result.err.startswith(f"mended 1 in {slip}\nerror[E0204]")
+    assert result.err.startswith(f"fixed 1 in {slip}\nerror[E0204]")
     assert result.err.endswith("\n1 error\n")
     assert slip.read_text() == BAD
 
@@ -51,8 +51,8 @@ def test_a_file_without_mends_is_not_written(cspdiag: Command, bad: Path, good: 
 
 def test_the_difference_is_printed_and_nothing_written(cspdiag: Command, slip: Path) -> None:
     result = cspdiag("check", "--diff", slip)
-    assert (result.code, result.err) == (1, f"would mend 1 in {slip}\n")
-    assert result.out.splitlines()[:2] == [f"--- {slip}", f"+++ {slip} (mended)"]
+    assert (result.code, result.err) == (1, f"would fix 1 in {slip}\n")
+    assert result.out.splitlines()[:2] == [f"--- {slip}", f"+++ {slip} (fixed)"]
     assert "-    mu (given ? hedl ; taken ! held)\n+    mu (given ? held ; taken ! held)\n" in result.out
     assert slip.read_text() == SLIP
     assert cspdiag("check", "--fix", "--diff", slip) == result
@@ -60,7 +60,7 @@ def test_the_difference_is_printed_and_nothing_written(cspdiag: Command, slip: P
 
 def test_without_mends_there_is_no_difference(cspdiag: Command, good: Path, bad: Path) -> None:
     assert cspdiag("check", "--diff", good) == (0, "", "")
-    assert cspdiag("check", "--diff", bad) == (1, "", "1 error is left that only you can mend\n")
+    assert cspdiag("check", "--diff", bad) == (1, "", "1 error is left that only you can fix\n")
 
 
 def test_imported_files_are_mended_too_and_the_library_is_not(cspdiag: Command, slip: Path) -> None:
@@ -73,7 +73,7 @@ def test_imported_files_are_mended_too_and_the_library_is_not(cspdiag: Command, 
     )
     result = cspdiag("check", "--fix", main)
     assert result.code == 0
-    assert set(result.err.splitlines()[:2]) == {f"mended 1 in {main}", f"mended 1 in {slip}"}
+    assert set(result.err.splitlines()[:2]) == {f"fixed 1 in {main}", f"fixed 1 in {slip}"}
     assert slip.read_text() == GOOD.replace("Relay", "Hands")
     assert "relay.taken -> b" in main.read_text()
 
@@ -82,7 +82,7 @@ def test_a_file_with_two_names_is_mended_once(cspdiag: Command, slip: Path) -> N
     link = slip.with_name("link.csp")
     link.symlink_to(slip.name)
     result = cspdiag("check", "--fix", slip, link)
-    assert (result.code, result.err.splitlines()[0]) == (0, f"mended 1 in {slip}")
+    assert (result.code, result.err.splitlines()[0]) == (0, f"fixed 1 in {slip}")
     assert (slip.read_text(), link.is_symlink()) == (GOOD, True)
 
 
@@ -90,10 +90,10 @@ def test_standard_input_is_printed_mended(cspdiag: Command) -> None:
     assert cspdiag("check", "--fix", "-", stdin=SLIP) == (
         0,
         GOOD,
-        "mended 1 in standard input\nchecked 1 file: no errors\n",
+        "fixed 1 in standard input\nchecked 1 file: no errors\n",
     )
     assert cspdiag("check", "--fix", "-", stdin=GOOD).out == GOOD
-    assert cspdiag("check", "--diff", "-", stdin=SLIP).out.startswith("--- -\n+++ - (mended)\n")
+    assert cspdiag("check", "--diff", "-", stdin=SLIP).out.startswith("--- -\n+++ - (fixed)\n")
 
 
 @pytest.mark.parametrize("arguments", [("--fix", "-"), ("--diff", "a.csp")])
@@ -181,7 +181,7 @@ def test_what_is_no_file_is_not_replaced(cspdiag: Command, tmp_path: Path) -> No
     finally:
         os.close(read)
     assert result.code == 2
-    assert "no file that could be replaced" in result.err
+    assert "not a file that could be replaced" in result.err
 
 
 def test_a_file_that_cannot_be_read_does_not_keep_others_from_being_mended(cspdiag: Command, slip: Path) -> None:
@@ -208,11 +208,11 @@ def test_machines_are_given_the_edits(cspdiag: Command, slip: Path, bad: Path) -
 
 def test_what_was_mended_is_not_told_to_machines(cspdiag: Command, slip: Path) -> None:
     result = cspdiag("check", "--fix", "--format", "json", slip)
-    assert (result.code, json.loads(result.out), result.err) == (0, [], f"mended 1 in {slip}\n")
+    assert (result.code, json.loads(result.out), result.err) == (0, [], f"fixed 1 in {slip}\n")
 
 
 def test_who_only_checks_is_told_of_mends(cspdiag: Command, slip: Path, bad: Path) -> None:
-    assert cspdiag("check", slip).err.endswith("\n1 error\n--fix mends it, --diff shows how\n")
-    assert cspdiag("check", slip, bad).err.endswith("\n2 errors\n--fix mends 1 of them, --diff shows how\n")
+    assert cspdiag("check", slip).err.endswith("\n1 error\n--fix corrects it, --diff shows how\n")
+    assert cspdiag("check", slip, bad).err.endswith("\n2 errors\n--fix corrects 1 of them, --diff shows how\n")
     assert "--fix" not in cspdiag("check", bad).err
     assert "--fix" not in cspdiag("check", "--format", "concise", slip).err

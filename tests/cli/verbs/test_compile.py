@@ -234,8 +234,8 @@ def test_a_package_has_no_name_of_pythons_own(cspdiag: Command, tmp_path: Path, 
     result = cspdiag("compile", path, "-o", tmp_path)
     package = f"{name.lower()}_"
     assert result.err.splitlines() == [
-        f"`{name.lower()}` is a name of Python's own, so the package is called `{package}`; it has its name from the "
-        "file",
+        f"`{name.lower()}` is already used by Python, so the package is called `{package}`; it takes its name "
+        "from the file",
         f"wrote {tmp_path / package}",
     ]
     if name in {"typing", "Signal"}:

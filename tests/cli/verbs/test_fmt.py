@@ -82,5 +82,5 @@ def test_only_files_are_replaced(cspdiag: Command, tmp_path: Path) -> None:
     result = cspdiag("fmt", tmp_path / "pipe.csp")
     assert (result.code, result.err) == (
         2,
-        f"cspdiag: {tmp_path / 'pipe.csp'}: is no file that could be replaced; `fmt -` reads and prints\n",
+        f"cspdiag: {tmp_path / 'pipe.csp'}: is not a file that could be replaced; `fmt -` reads and prints\n",
     )

@@ -60,7 +60,7 @@ def test_a_bode_picture(cspdiag: Command, loop: Path, tmp_path: Path, kind: str)
         (("--environment", "Moon"), "Moon"),
         (("--set", "T"), "NAME=VALUE"),
         (("--at", "plant.v=1"), "`Bench` has no state plant.v (it has: plant.x)"),
-        (("--at", "plant.x=fast"), "NAME=VALUE is wanted"),
+        (("--at", "plant.x=fast"), "expected NAME=VALUE"),
     ],
 )
 def test_wrong_usage(cspdiag: Command, loop: Path, options: tuple[str, ...], reason: str) -> None:
@@ -88,7 +88,7 @@ def test_a_period_that_is_a_number_cannot_be_searched(cspdiag: Command, loop: Pa
     loop.write_text(loop.read_text().replace("@ T", "@ 10 ms"))
     result = cspdiag("margins", "--largest-period", "30deg", loop)
     assert result.code == 2
-    assert "let it be a `const`" in result.err
+    assert "make it a `const`" in result.err
 
 
 def test_no_loop_is_said(cspdiag: Command, loop: Path) -> None:

@@ -53,7 +53,7 @@ def test_nothing_that_exists_is_touched(cspdiag: Command, tmp_path: Path) -> Non
 def test_a_word_of_python_is_refused_as_such(cspdiag: Command) -> None:
     result = cspdiag("new", "class")
     assert result.code == 2
-    assert "'class' cannot name a project: it is a word of Python" in result.err
+    assert "'class' cannot name a project: it is a keyword of Python" in result.err
     result = cspdiag("new", "Math")
     assert result.code == 2
     assert "'Math' cannot name a project: it is a module of Python's library" in result.err

@@ -106,8 +106,8 @@ def test_warnings_stand_beside_what_is_not_proved(cspdiag: Command, refuted: Pat
     ("options", "reason"),
     [
         (["--process", "Nobody"], "there is no process `Nobody`"),
-        (["--time-limit", "-1"], "a positive number is wanted, not '-1'"),
-        (["--time-limit", "soon"], "a positive number is wanted, not 'soon'"),
+        (["--time-limit", "-1"], "expected a positive number, not '-1'"),
+        (["--time-limit", "soon"], "expected a positive number, not 'soon'"),
         (["--set", "seats"], "a setting is NAME=VALUE"),
         (["--trace-out", "nowhere/trace.json"], "there is no folder nowhere"),
         (["--method", "luck"], "invalid choice"),
@@ -327,7 +327,7 @@ def test_a_file_that_is_no_trace(cspdiag: Command, refuted: Path, tmp_path: Path
 def test_a_replay_goes_without_what_a_trace_decides(cspdiag: Command, refuted: Path, tmp_path: Path) -> None:
     result = cspdiag("run", refuted, "--replay", tmp_path / "trace.json", "--for", "1s", "--plot", "a.svg")
     assert result.code == 2
-    assert "--replay goes without --for, --plot" in result.err
+    assert "--replay cannot be combined with --for, --plot" in result.err
 
 
 @pytest.mark.parametrize(("target", "ending"), [("promela", ".pml"), ("cspm", ".csp")])
@@ -471,7 +471,7 @@ assert Main livelock free
                 "then again and again:",
                 "    3  d  1",
                 "    4  c  1",
-                "replayed: the program did all 4 steps, and can go on so for ever",
+                "replayed: the program did all 4 steps, and can repeat this forever",
             ],
         ),
         (
@@ -479,7 +479,7 @@ assert Main livelock free
             [
                 "    1  go  0",
                 "then again and again, without a communication: `wait u * 1 ms` of `Main`",
-                "replayed: the program did all 2 steps, and can go on so for ever",
+                "replayed: the program did all 2 steps, and can repeat this forever",
             ],
         ),
         (
@@ -487,7 +487,7 @@ assert Main livelock free
             [
                 "    1  go  0",
                 "then again and again, without a communication or a delay: `Main`",
-                "replayed: the program did the one step, and can go on so for ever",
+                "replayed: the program did the one step, and can repeat this forever",
             ],
         ),
     ],
@@ -511,7 +511,7 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
             [
                 "then again and again, every 2 ms:",
                 "    1  1 ms  c  1",
-                "replayed: the program did all 4 steps, and can go on so for ever",
+                "replayed: the program did all 4 steps, and can repeat this forever",
             ],
         ),
         (
@@ -520,7 +520,7 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
             [
                 "then again and again, every 2 ms:",
                 "    1  0 s  c  1",
-                "replayed: the program did all 3 steps, and can go on so for ever",
+                "replayed: the program did all 3 steps, and can repeat this forever",
             ],
         ),
         (
@@ -531,7 +531,7 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
                 "    2   0 s  c  1",
                 "then again and again, every 2 ms:",
                 "    3  2 ms  o  2",
-                "replayed: the program did all 4 steps, and can go on so for ever",
+                "replayed: the program did all 4 steps, and can repeat this forever",
             ],
         ),
         (
@@ -540,7 +540,7 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
             [
                 "then again and again, 3 rounds in 6 ms:",
                 "    1  2 ms  i  0",
-                "replayed: the program did the one step, and can go on so for ever",
+                "replayed: the program did the one step, and can repeat this forever",
             ],
         ),
     ],

@@ -94,11 +94,11 @@ def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, t
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        ("{", "is no JSON (Expecting property name"),
-        ("\x00\udcff", "is no text, and so no JSON: write it with cspdiag run --real-time --target c --trace"),
+        ("{", "is not JSON (Expecting property name"),
+        ("\x00\udcff", "is not text, so not JSON: write it with cspdiag run --real-time --target c --trace"),
         ("[]", "has no execution times"),
         ('{"traceEvents": []}', "has no execution times: write it with cspdiag run --real-time --target c"),
-        ('{"executionTimes": {"Main.a": "fast"}}', "the execution time of Main.a is no number of seconds"),
+        ('{"executionTimes": {"Main.a": "fast"}}', "the execution time of Main.a is not a number of seconds"),
         (
             '{"executionTimes": {"Main.a": {"longest": 1e-6, "what": "thing"}}}',
             "is a law, a process or a thread, not 'thing'",

@@ -153,7 +153,7 @@ def said_and_run(seed: int) -> tuple[set[int], set[int]] | None:
         if len(world.trace) > COMMUNICATIONS:
             raise _EnoughError
 
-    # A loop whose delays are of no time in some instance would go on for ever.
+    # A loop whose delays are of no time in some instance would go on forever.
     with suppress(_EnoughError):
         execute(built.network, until=40_000_000, look=look)
     return said, run

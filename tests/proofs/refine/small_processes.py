@@ -121,7 +121,7 @@ class If:
 
 @dataclass(frozen=True)
 class Loop:
-    """``mu body``, for ever or until a test holds."""
+    """``mu body``, forever or until a test holds."""
 
     body: Statement
     until: Condition | None

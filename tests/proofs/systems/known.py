@@ -182,7 +182,7 @@ def client_server_ring(number: int) -> System:
 
 
 def beside_a_loop(system: System) -> System:
-    """The system, and two processes that communicate for ever and have nothing to do with it."""
+    """The system, and two processes that communicate forever and have nothing to do with it."""
     ask, answer = len(system.events), len(system.events) + 1
     first = len(system.components)
     pair = tuple(Component(name, (((ask, 1),), ((answer, 0),))) for name in ("loop asker", "loop answerer"))

@@ -24,7 +24,7 @@ OBSERVED = frozenset({"communication", "external", "sample"})
 """The kinds of events that are in the trace of a run."""
 
 _GIVEN = frozenset({"external", "sample", "miss", "ready"})
-"""The kinds of events that may wait for the environment, for ever."""
+"""The kinds of events that may wait for the environment, forever."""
 
 
 class Lost(Exception):  # noqa: N818

@@ -1,4 +1,4 @@
-"""A native program ends when it is to: after a signal, after it has told its end, and with its parent."""
+"""A native program ends when it is to: after a signal, after it has reported its end, and with its parent."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ def test_a_program_that_has_told_its_end_and_stays_is_killed() -> None:
     with stopping, subprocess.Popen(["sleep", "60"], start_new_session=True) as program, Keeper(program) as keeper:
         keeper.told()
         assert program.wait(timeout=20) == -signal.SIGKILL
-    assert str(keeper.account) == "the native program did not end within 2 s after it had told its end, and was killed"
+    assert (
+        str(keeper.account) == "the native program did not end within 2 s after it had reported its end, and was killed"
+    )
 
 
 ENDLESS = """\

@@ -1,4 +1,4 @@
-"""A refutation is a run that the program has: where it goes on for ever, comes to a halt, or refuses something."""
+"""A refutation is a run that the program has: where it goes on forever, comes to a halt, or refuses something."""
 
 from __future__ import annotations
 

@@ -242,7 +242,7 @@ assert Fills deadlock free
 
 
 def test_a_value_that_is_taken_from_a_buffer_writes_none() -> None:
-    """Two values enter and one leaves in each repetition, so that the writer waits for ever in the last one."""
+    """Two values enter and one leaves in each repetition, so that the writer waits forever in the last one."""
     (answer,) = answers_to({"case.csp": KEPT})
     assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason
 

@@ -1,4 +1,4 @@
-"""What goes on for ever was stepped through until everything was as before; a loop that may come to an end was not."""
+"""What goes on forever was stepped through until everything was as before; a loop that may come to an end was not."""
 
 from __future__ import annotations
 

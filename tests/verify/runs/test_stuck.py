@@ -122,7 +122,7 @@ def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_who_is_abandoned_at_once_does_not_come() -> None:
-    """The writer stops before it has written, so that its reader waits for ever."""
+    """The writer stops before it has written, so that its reader waits forever."""
     text = """process Main {
       communication {
         var x : int = 0

@@ -69,7 +69,7 @@ def read_manifest(folder: str, target: str, *, force: bool) -> Manifest:
     place = os.path.join(folder, manifest_name(target))
     if not os.path.lexists(place):
         return NOTHING
-    foreign = "it is a link" if os.path.islink(place) else "it is no list of files"
+    foreign = "it is a link" if os.path.islink(place) else "it is not a list of files"
     if os.path.isfile(place) and not os.path.islink(place):
         with suppress(UnicodeDecodeError), open(place, encoding="utf-8") as file:
             program, digests = _parsed(file.read())
@@ -79,7 +79,7 @@ def read_manifest(folder: str, target: str, *, force: bool) -> Manifest:
             foreign = f"it names {outside!r}"
     if force:
         return NOTHING
-    raise UsageError(f"{place} was not written by cspdiag: {foreign} (--force does without it)")
+    raise UsageError(f"{place} was not written by cspdiag: {foreign} (--force ignores that)")
 
 
 def _parsed(text: str) -> tuple[str, dict[str, set[str]]]:

@@ -118,7 +118,7 @@ def _refuse_obstacles(folder: str, paths: Iterable[str]) -> None:
             raise UsageError(f"{place} is in the way: it is a folder, and a file has this name")
         while (place := os.path.dirname(place)) and len(place) > len(folder):
             if os.path.lexists(place) and not os.path.isdir(place):
-                raise UsageError(f"{place} is in the way: it is no folder")
+                raise UsageError(f"{place} is in the way: it is not a folder")
 
 
 def _write(path: str, text: str) -> None:

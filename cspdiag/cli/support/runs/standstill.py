@@ -116,5 +116,5 @@ class Standstill:
         at_work = f"; at work: {', '.join(places)}" if places else ""
         return (
             f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}{at_work}: Ctrl-C ends the run, "
-            f"and verify shows who goes on for ever without passing a port (assert {self._top} livelock free)"
+            f"and verify shows which process runs forever without passing a port (assert {self._top} livelock free)"
         )

@@ -92,7 +92,7 @@ class BranchNeverChosen(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.earlier is None:
-            return "leave the branch away, or mend the condition"
+            return "remove the branch, or correct the condition"
         return "put this branch before the one that is always ready, or use the fair `[]`"
 
     @property
@@ -111,7 +111,7 @@ class SamePortTwice(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"two branches of this alternative are guarded by `{self.port}`, and nothing tells which one to choose"
+        return f"two branches of this alternative are guarded by `{self.port}`, and nothing decides which one to choose"
 
     @property
     def help(self) -> str | None:
@@ -156,7 +156,7 @@ class TimeOutNeverElapses(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.port is None and self.period:
-            return "leave one of the two away, or put a `when` before the shorter one"
+            return "remove one of the two, or put a `when` before the shorter one"
         if self.port is None:
             return "a time-out is for an alternative that waits: leave one of the two away"
         waits = duration(self.waits)

@@ -73,7 +73,9 @@ class ParallelWriters(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.said is not None:
-            return f"only `any` takes values from several writers, one at a time; this channel says `{self.said}`"
+            return (
+                f"only `any` takes values from several writers, one at a time; this channel is declared `{self.said}`"
+            )
         if self.outermost:
             return "write `-> any ->` if the values may come in any order, or run one writer after the other"
         return "write `-> any ->` so that the channel takes from one writer at a time, or run them one after the other"
@@ -100,7 +102,7 @@ class ParallelReaders(Diagnostic):
     @property
     def help(self) -> str | None:
         said = "" if self.said is None else f" instead of `{self.said}`"
-        return f"say `broadcast` (each of them gets every value) or `any` (one of them gets it){said}"
+        return f"write `broadcast` (each of them gets every value) or `any` (one of them gets it){said}"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -37,8 +37,8 @@ class InstanceNeverRun(Diagnostic):
     def message(self) -> str:
         if self.is_named:
             return (
-                f"`{self.instance}` never runs: no turn of the replicators in the composition of `{self.process}` runs "
-                "it"
+                f"`{self.instance}` never runs: no iteration of the replicators in the composition of "
+                f"`{self.process}` runs it"
             )
         return f"`{self.instance}` never runs: the composition of `{self.process}` does not name it"
 
@@ -46,7 +46,7 @@ class InstanceNeverRun(Diagnostic):
     def help(self) -> str | None:
         if self.is_named:
             return "let the replicators run every instance that is declared, or declare an array of as many as they run"
-        return f"put `{self.instance}` where it belongs in the composition, or leave the instance away"
+        return f"put `{self.instance}` where it belongs in the composition, or remove the instance"
 
 
 @record
@@ -92,9 +92,10 @@ class ReadBeforeWrite(Diagnostic):
     def help(self) -> str | None:
         if self.is_variable:
             return (
-                f"give it an initial value (`var {self.variable} : ... = ...`), or write it before on every way to here"
+                f"give it an initial value (`var {self.variable} : ... = ...`), or write it before on every path to "
+                "this point"
             )
-        return "run the writer before the reader on every way to here, or the two in parallel"
+        return "run the writer before the reader on every path to this point, or the two in parallel"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -114,15 +115,15 @@ class Unreachable(Diagnostic):
 
     @property
     def message(self) -> str:
-        return "this part is never reached: what stands before it never ends by itself"
+        return "this part is never reached: what comes before it never ends by itself"
 
     @property
     def help(self) -> str | None:
-        return "leave it away, or let the part before it end (`mu ... until ...`)"
+        return "remove it, or let the part before it end (`mu ... until ...`)"
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return (Label(self.endless, "this never comes to its end"),)
+        return (Label(self.endless, "this never ends"),)
 
 
 @record
@@ -132,7 +133,7 @@ class EndlessLoop(Diagnostic):
 
     conditional: bool
     may_end_first: bool = False
-    """Whether its condition may hold after the first turn, and so end it."""
+    """Whether its condition may hold after the first iteration, and so end it."""
     delay: Span | None = None
     """A delay inside that is over at once."""
 
@@ -144,7 +145,7 @@ class EndlessLoop(Diagnostic):
     def message(self) -> str:
         if self.may_end_first:
             return (
-                "this loop never waits, and nothing inside changes its condition: it ends after its first turn, or "
+                "this loop never waits, and nothing inside changes its condition: it ends after its first iteration, or "
                 "time stands still"
             )
         if self.conditional:
@@ -154,7 +155,7 @@ class EndlessLoop(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.delay is not None:
-            return "a delay of no or a negative duration is over at once: let it last longer"
+            return "a delay of zero or negative duration ends immediately: make it longer"
         if self.may_end_first:
-            return "leave the loop away if one turn is meant; else put a communication or a `wait` into it"
+            return "remove the loop if one iteration is meant; otherwise put a communication or a `wait` into it"
         return "put a communication or a `wait` into the loop"

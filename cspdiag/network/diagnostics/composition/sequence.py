@@ -22,12 +22,12 @@ class RendezvousInSequence(Diagnostic):
     def message(self) -> str:
         return (
             f"`{self.channel}` is `{self.kind}`, but {self.writer.who} and {self.reader.who} run in sequence: "
-            "each would wait for the other for ever"
+            "each would wait for the other forever"
         )
 
     @property
     def help(self) -> str | None:
-        return f"leave `{self.kind}` away, so that the channel keeps the value, or put the two in parallel"
+        return f"remove `{self.kind}`, so that the channel keeps the value, or put the two in parallel"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -55,7 +55,7 @@ class BroadcastInSequence(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return "put the readers in parallel, or say `any` if each value goes to whichever of them runs"
+        return "put the readers in parallel, or write `any` if each value goes to whichever of them runs"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -79,7 +79,7 @@ class SampledInsideOnly(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return "say `@` and the period at this port too"
+        return "write `@` and the period at this port too"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -104,7 +104,7 @@ class SampleUnknown(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return "say `@` and the period at the port of the process that it reads or writes"
+        return "write `@` and the period at the port of the process that it reads or writes"
 
 
 @record

@@ -114,7 +114,7 @@ class SamplesMissed(Diagnostic):
             return f"this {self.meanwhile} and {takes} {taken} of {every}: {self._then}more are missed"
         match self.extent:
             case "two turns":
-                does = f"two turns of the loop can together {self._wait} and take {taken}"
+                does = f"two iterations of the loop can together {self._wait} and take {taken}"
             case "some turn":
                 does = f"a turn of the loop can {self._wait} and takes {taken}"
             case "two reads" | "two reads and a turn" | "every turn" | "every turn, at most":
@@ -138,7 +138,7 @@ class SamplesMissed(Diagnostic):
         if self.beside is not None:
             return f"{waits} {duration(self.waits)} after the event `{self.beside}`"
         if self.extent == "two reads and a turn":
-            return f"{waits} {duration(self.waits)} where a turn of the loop reads none"
+            return f"{waits} {duration(self.waits)} where an iteration of the loop reads none"
         return f"{waits} {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
 
     @property
@@ -153,7 +153,7 @@ class SamplesMissed(Diagnostic):
     def account(self) -> str:
         """What one that has missed a sample did meanwhile."""
         if self.extent in ("some turn", "two turns"):
-            turns = "a turn of its loop" if self.extent == "some turn" else "two turns of its loop"
+            turns = "an iteration of its loop" if self.extent == "some turn" else "two iterations of its loop"
             samples = "one sample" if self.reads == 1 else f"{self.reads} samples"
             return f"{turns} can {self._wait}, for {samples} of `{self.port}`"
         if self.reads == 1:
@@ -165,11 +165,11 @@ class SamplesMissed(Diagnostic):
     def _missed(self) -> str:
         is_as_long = self.slower is None and self.waits <= self.reads * self.period
         if self.extent in ("some turn", "two turns"):
-            misses = "enough such turns in a row miss samples"
+            misses = "enough such iterations in a row miss samples"
             return f"as soon as anything else takes time, {misses}" if is_as_long else misses
         if is_as_long:
             return "as soon as anything else takes time, samples are missed"
-        return "the others are missed" if self.is_certain else "after a few turns, samples are missed"
+        return "the others are missed" if self.is_certain else "after a few iterations, samples are missed"
 
     @property
     def help(self) -> str | None:
@@ -177,7 +177,7 @@ class SamplesMissed(Diagnostic):
             written = self.alternative
             remedy = "" if written is None else f", `mu ({written})`,"
             return (
-                f"let an alternative read whichever comes{remedy} or a process of its own read the slower one in "
+                f"let an alternative read whichever comes first{remedy} or a process of its own read the slower one in "
                 "parallel"
             )
         own = f"put what reads `{self.port}` into a process of its own, which follows the samples only while it runs"
