@@ -24,7 +24,7 @@ from cspdiag.network.diagnostics.samples.periods import SampleUnknown
 from cspdiag.network.elaborate.definitions import Definitions
 from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
 from cspdiag.network.infer.contexts import Contexts, Placed, Surroundings
-from cspdiag.network.infer.kinds import Asked, asked_kinds, check_outermost, infer_kinds
+from cspdiag.network.infer.kinds import RequestedKinds, check_outermost, infer_kinds, requested_kinds
 from cspdiag.network.infer.parameter_ranges import ranges_of
 from cspdiag.network.infer.period_origins import PeriodOrigins
 from cspdiag.network.infer.periods import Rates, check_event_ports, net_rates
@@ -48,7 +48,7 @@ class Analysis:
         self.definitions = Definitions(program)
         self.elaboration = Elaboration(program, self.definitions, report)
         self.relations = Relations()
-        self.asked: dict[Shape, Asked] = {}
+        self.requested: dict[Shape, RequestedKinds] = {}
         self.rates: dict[Shape, Rates] = {}
         self.contexts = Contexts(self.rates, report)
         self.flows: dict[Shape, Flow] = {}
@@ -99,7 +99,7 @@ class Analysis:
         raised.warn()
         for shape, surroundings in self._roots:
             if surroundings != "unknown" and not shape.incomplete:
-                check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)
+                check_outermost(shape, self.relations.of(shape), self.requested[shape], self.report)
                 check_event_ports(shape, self.rates[shape], self.report)
         outermost = [self.contexts.outermost(shape, surroundings) for shape, surroundings in self._roots]
         if not self.report.has_errors:
@@ -186,10 +186,10 @@ class Analysis:
 
     def _infer(self, shape: Shape) -> None:
         uses = self.relations.of(shape)
-        self.asked[shape] = asked_kinds(shape, self.asked)
+        self.requested[shape] = requested_kinds(shape, self.requested)
         self.rates[shape] = net_rates(shape, self.rates, self.report)
         check_runs(shape, uses, self.report)
-        infer_kinds(shape, uses, self.asked[shape], self.report)
+        infer_kinds(shape, uses, self.requested[shape], self.report)
         is_specification = isinstance(shape.definition, ast.ProcessDefinition) and self.definitions.is_specification(
             shape.definition
         )

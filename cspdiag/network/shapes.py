@@ -126,7 +126,7 @@ class InstanceShape:
 
 
 @record
-class AskedKind:
+class RequestedKind:
     """A kind that a relationship or a declaration asks for, with the capacity of a FIFO."""
 
     name: KindName
@@ -137,11 +137,10 @@ class AskedKind:
 class ChannelShape:
     """A channel that a process owns: declared, a variable, or the object of a relationship.
 
-    ``kind`` is inferred later; ``asked`` is the kind of the text.
+    ``kind`` is inferred later; ``requested`` is the kind of the text.
     """
 
     __slots__ = (
-        "asked",
         "capacity",
         "declaration",
         "excused",
@@ -149,6 +148,7 @@ class ChannelShape:
         "kind",
         "name",
         "replicators",
+        "requested",
         "span",
         "type",
     )
@@ -160,7 +160,7 @@ class ChannelShape:
         self.span = span
         self.excused = False
         """Whether something about it was reported, so that the rest is silence."""
-        self.asked: AskedKind | None = None
+        self.requested: RequestedKind | None = None
         self.kind: ChannelKind = "var"
         self.capacity: int | None = None
         self.initial: Expression | None = None
@@ -191,7 +191,7 @@ class Shape:
         self.ports: dict[str, PortShape] = {}
         self.instances: dict[str, InstanceShape] = {}
         self.channels: dict[Key, ChannelShape] = {}
-        self.asked: dict[Key, list[AskedKind]] = {}
+        self.requested: dict[Key, list[RequestedKind]] = {}
         """Kinds that relationships of this process ask for on its own ports."""
         self.port_spans: dict[Key, Span] = {}
         """First relationship or communication that uses a port of this process."""

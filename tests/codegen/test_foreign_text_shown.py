@@ -17,7 +17,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.cli.main import main
-from cspdiag.cli.support.diagnostic_formats import FORMATS, told_diagnostics
+from cspdiag.cli.support.diagnostic_formats import FORMATS, rendered_diagnostics
 from cspdiag.draw.layout.elk import engine_available
 from tests.codegen.hostile import FILE_NAMES, TEXTS, program
 from tests.codegen.skeleton import html
@@ -67,7 +67,7 @@ def test_a_diagnostic_in_a_file_of_any_name(format_: str, name: str) -> None:
     found = pipeline.check(
         SourceFile(name=name, text=BAD), lambda path: SourceFile(name=path, text="")
     ).report.diagnostics
-    said = "".join(told_diagnostics(found, format_, [name], colour=False))
+    said = "".join(rendered_diagnostics(found, format_, [name], colour=False))
     assert UNSEEN.search(said) is None
     match format_:
         case "json":

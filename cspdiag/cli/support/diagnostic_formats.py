@@ -12,7 +12,7 @@ from cspdiag.cli.support.terminal import put, wants_colour, write_out
 FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
 
 
-def told_diagnostics(
+def rendered_diagnostics(
     diagnostics: Sequence[Diagnostic], format_: str, files: Sequence[str], *, colour: bool
 ) -> tuple[str, str]:
     """What goes to standard output, and what to standard error; ``files`` are those that were looked at."""
@@ -48,7 +48,7 @@ def told_diagnostics(
 def show_findings(diagnostics: Sequence[Diagnostic], names: Sequence[str], arguments: Namespace) -> None:
     """Show what was found in files as ``--format`` and ``--color`` ask, and that nothing was found."""
     colour = wants_colour(arguments.color, sys.stderr)
-    stdout, stderr = told_diagnostics(diagnostics, arguments.format, names, colour=colour)
+    stdout, stderr = rendered_diagnostics(diagnostics, arguments.format, names, colour=colour)
     if arguments.format == "text" and names and not diagnostics:
         files = "1 file" if len(names) == 1 else f"{len(names)} files"
         stderr = f"checked {files}: no errors\n"

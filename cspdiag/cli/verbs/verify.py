@@ -14,7 +14,7 @@ from cspdiag.cli.support.diagnostic_formats import FORMATS
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import require_different, require_file
-from cspdiag.cli.support.proofs.answers import refused, told
+from cspdiag.cli.support.proofs.answers import refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def run(arguments: Namespace) -> int:
             return refused(found, arguments)
         answers = _answers(asked, arguments, cache.read)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
-        printed = Printed(code, *told(answers, found, arguments))
+        printed = Printed(code, *rendered_answers(answers, found, arguments))
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.keep(printed)
     write_out(printed.stdout)

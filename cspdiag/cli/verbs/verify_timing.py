@@ -14,7 +14,7 @@ from cspdiag.base.sources import read_source, require_ordinary_file
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import require_different, require_file
-from cspdiag.cli.support.proofs.answers import refused, told
+from cspdiag.cli.support.proofs.answers import refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, show_diagnostics, write_out
 
 if TYPE_CHECKING:
@@ -89,7 +89,9 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
             assert built.checked.program is not None
             process = built.network.class_named(built.network.top).definition
             question = schedulability_of(built.checked.program, process)
-            stdout, stderr = told([answer_of(question, report, seconds)], built.checked.report.diagnostics, arguments)
+            stdout, stderr = rendered_answers(
+                [answer_of(question, report, seconds)], built.checked.report.diagnostics, arguments
+            )
             write_out(stdout)
             put(stderr)
 

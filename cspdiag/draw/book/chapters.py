@@ -19,7 +19,7 @@ from cspdiag.draw.scene.shapes import Group, Scene
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 
-Told: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition | ast.SubmodelDefinition | ast.DriverDefinition
+Described: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 """The definitions that have a chapter."""
 
 _SECTIONS = {
@@ -114,14 +114,14 @@ def chapters(pictures: Pictures) -> list[Chapter]:
 
     Raises what ``lay_out`` raises.
     """
-    told = _told(pictures)
-    links = {name: f"#{anchor(name)}" for name in told}
-    users: dict[str, list[str]] = {name: [] for name in told}
-    for name, definition in told.items():
+    described = _described(pictures)
+    links = {name: f"#{anchor(name)}" for name in described}
+    users: dict[str, list[str]] = {name: [] for name in described}
+    for name, definition in described.items():
         for part in _parts(definition):
             if part in users and name not in users[part]:
                 users[part].append(name)
-    written_chapters = [_chapter(pictures, told[name], links, tuple(users[name])) for name in told]
+    written_chapters = [_chapter(pictures, described[name], links, tuple(users[name])) for name in described]
     order = list(_SECTIONS.values())
     return sorted(written_chapters, key=lambda chapter: order.index(chapter.section))
 
@@ -133,21 +133,21 @@ def declarations(program: Program, links: Mapping[str, str]) -> list[list[Piece]
     return highlighted("\n".join(texts), links) if texts else []
 
 
-def _told(pictures: Pictures) -> dict[str, Told]:
+def _described(pictures: Pictures) -> dict[str, Described]:
     definitions = pictures.program.definitions
     own = [item for item in pictures.program.main.items if isinstance(item, tuple(_SECTIONS))]
     first = pictures.outermost()
     pending: list[object] = [*([first] if first else []), *own]
-    found: dict[str, Told] = {}
+    found: dict[str, Described] = {}
     while pending:
         definition = pending.pop(0)
-        if isinstance(definition, Told) and definition.name.text not in found:
+        if isinstance(definition, Described) and definition.name.text not in found:
             found[definition.name.text] = definition
             pending[:0] = [definitions[name] for name in _parts(definition) if name in definitions]
     return found
 
 
-def _parts(definition: Told) -> tuple[str, ...]:
+def _parts(definition: Described) -> tuple[str, ...]:
     """The names of the definitions of the instances, in text order."""
     items: list[ast.Node] = []
     match definition:
@@ -173,7 +173,7 @@ def _flat(items: Iterable[ast.Declaration]) -> Iterator[ast.Declaration]:
             yield from _flat(item.declarations)
 
 
-def _chapter(pictures: Pictures, definition: Told, links: Mapping[str, str], used_by: tuple[str, ...]) -> Chapter:
+def _chapter(pictures: Pictures, definition: Described, links: Mapping[str, str], used_by: tuple[str, ...]) -> Chapter:
     return Chapter(
         name=definition.name.text,
         section=_SECTIONS[type(definition)],
@@ -188,7 +188,7 @@ def _chapter(pictures: Pictures, definition: Told, links: Mapping[str, str], use
     )
 
 
-def _parameters(definition: Told) -> tuple[ParameterRow, ...]:
+def _parameters(definition: Described) -> tuple[ParameterRow, ...]:
     if isinstance(definition, ast.EnvironmentDefinition):
         return ()
     return tuple(
@@ -197,7 +197,7 @@ def _parameters(definition: Told) -> tuple[ParameterRow, ...]:
     )
 
 
-def _ports(pictures: Pictures, definition: Told) -> tuple[PortRow, ...]:
+def _ports(pictures: Pictures, definition: Described) -> tuple[PortRow, ...]:
     assert not isinstance(definition, ast.EnvironmentDefinition)
     rows: list[PortRow] = []
     for ports in definition.ports:

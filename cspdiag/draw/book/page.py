@@ -35,14 +35,14 @@ def book(pictures: Pictures) -> str:
         autoescape=True,
         finalize=_visible,
     )
-    told = chapters(pictures)
-    links = {chapter.name: f"#{anchor(chapter.name)}" for chapter in told}
+    described = chapters(pictures)
+    links = {chapter.name: f"#{anchor(chapter.name)}" for chapter in described}
     source = pictures.program.main.source.name
     return environment.get_template("book.html").render(
         title=os.path.basename(source).removesuffix(".csp"),
         file=os.path.basename(source),
         version=__version__,
-        sections=[(name, list(group)) for name, group in groupby(told, key=lambda chapter: chapter.section)],
+        sections=[(name, list(group)) for name, group in groupby(described, key=lambda chapter: chapter.section)],
         declarations=declarations(pictures.program, links),
         links=links,
         light=custom_properties(Scheme.LIGHT),

@@ -269,8 +269,8 @@ class _Level:
             runs.append(TextRun(f": {store.type}", ink=Ink.FAINT))
         if store.initial is not None and not self.hidden.hides("types", store.key):
             runs.append(TextRun(f" = {store.initial}", ink=Ink.FAINT))
-        if store.asked is not None and not self.hidden.hides("kinds"):
-            kind = store.asked if store.capacity is None else f"{store.asked} {store.capacity}"
+        if store.requested is not None and not self.hidden.hides("kinds"):
+            kind = store.requested if store.capacity is None else f"{store.requested} {store.capacity}"
             runs.append(TextRun(f" {kind}", Face.ITALIC, Ink.FAINT))
         return Caption((tuple(runs),), LABEL_SIZE)
 
@@ -289,8 +289,8 @@ class _Level:
         type_ = self._type_of(arrow)
         if type_ and not self.hidden.hides("types", arrow.label or ""):
             words.append(TextRun(f": {type_}" if words else type_, ink=Ink.FAINT))
-        if arrow.asked is not None and not self.hidden.hides("kinds"):
-            kind = arrow.asked if arrow.capacity is None else f"{arrow.asked} {arrow.capacity}"
+        if arrow.requested is not None and not self.hidden.hides("kinds"):
+            kind = arrow.requested if arrow.capacity is None else f"{arrow.requested} {arrow.capacity}"
             words.append(TextRun(f"{' ' if words else ''}{kind}", Face.ITALIC, Ink.FAINT))
         if arrow.repeated and not self.hidden.hides("labels"):
             text = ", ".join(arrow.repeated)

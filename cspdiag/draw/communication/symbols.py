@@ -140,8 +140,8 @@ def symbol_of(arrow: Arrow) -> Symbol | None:
         return None
     if len(arrow.kinds) > 1:
         return "several"
-    if arrow.kinds[0] == "event" and arrow.asked in ("broadcast", "any"):
-        return "broadcast" if arrow.asked == "broadcast" else "any"
+    if arrow.kinds[0] == "event" and arrow.requested in ("broadcast", "any"):
+        return "broadcast" if arrow.requested == "broadcast" else "any"
     return arrow.kinds[0]
 
 

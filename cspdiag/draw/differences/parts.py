@@ -109,8 +109,8 @@ def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[
                 text = f"{vertex.key}{size} : {vertex.definition}{written}"
                 parts["instance", vertex.key] = DefinitionPart(text, aspects, vertex.key, place)
             case Store():
-                asked = " ".join(part for part in (vertex.asked, vertex.capacity) if part)
-                aspects = {"type": vertex.type, "initial value": vertex.initial or "", "kind": asked}
+                requested = " ".join(part for part in (vertex.requested, vertex.capacity) if part)
+                aspects = {"type": vertex.type, "initial value": vertex.initial or "", "kind": requested}
                 initial = f" = {vertex.initial}" if vertex.initial else ""
                 subject = "channel" if vertex.form == "channel" else "variable"
                 parts[subject, vertex.key] = DefinitionPart(
@@ -128,8 +128,10 @@ def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[
 
 def _arrow_part(arrow: Arrow) -> DefinitionPart:
     sources, sinks = (", ".join(_end(str(end)) for end in ends) for ends in (arrow.sources, arrow.sinks))
-    asked = " ".join(part for part in (arrow.asked, arrow.capacity) if part)
-    medium = f"{arrow.label or ''}{f' : {arrow.type}' if arrow.type else ''}{f' {asked}' if asked else ''}".strip()
+    requested = " ".join(part for part in (arrow.requested, arrow.capacity) if part)
+    medium = (
+        f"{arrow.label or ''}{f' : {arrow.type}' if arrow.type else ''}{f' {requested}' if requested else ''}".strip()
+    )
     repeated = ", ".join(arrow.repeated)
     text = f"{sources} -> {f'{medium} -> ' if medium else ''}{sinks}{f' for {repeated}' if repeated else ''}"
     aspects = {
@@ -137,8 +139,8 @@ def _arrow_part(arrow: Arrow) -> DefinitionPart:
         "from": sources,
         "to": sinks,
         "type": arrow.type or "",
-        "kind": asked,
-        "inferred kind": _words(arrow.kinds) if not asked else "",
+        "kind": requested,
+        "inferred kind": _words(arrow.kinds) if not requested else "",
         "replicator": repeated,
     }
     return DefinitionPart(text, aspects, arrow.key, arrow.spans[0] if arrow.spans else None)

@@ -13,7 +13,7 @@ from cspdiag.draw.communication.diagram import draw_communication
 from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.differences.change import Action, Change
 from cspdiag.draw.differences.programs import Difference, Pair
-from cspdiag.draw.differences.render_text import sentence, told
+from cspdiag.draw.differences.render_text import reported, sentence
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, Element
 from cspdiag.draw.elements.marks import WHOLE, Mark, MarkKind
 from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved, stacked
@@ -140,7 +140,7 @@ def _picture(pair: Pair) -> Scene:
 def _listed(changes: Iterable[Change], *, name_definitions: bool = False) -> Group | None:
     """The changes below each other; None for none."""
     rows = []
-    for change in told(changes):
+    for change in reported(changes):
         of = f"{change.kind} {change.definition}: " if name_definitions and (change.subject or change.aspect) else ""
         rows.append(Note(Mark(_MARKS[change.action]), "", f"{of}{sentence(change)}", ""))
     return notes(rows, 0) if rows else None

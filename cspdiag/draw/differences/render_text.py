@@ -19,7 +19,7 @@ def render(changes: Iterable[Change], *, colour: bool = False) -> str:
     """All changes, grouped by definition; an empty text for none."""
     lines: list[str] = []
     heading = ""
-    for change in told(changes):
+    for change in reported(changes):
         of = f"{change.kind} {change.definition}"
         if change.subject == "" and change.action != "changed":
             lines.append(_painted(f"{SIGNS[change.action]} {_whole(change)}", change, colour))
@@ -32,7 +32,7 @@ def render(changes: Iterable[Change], *, colour: bool = False) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def told(changes: Iterable[Change]) -> list[Change]:
+def reported(changes: Iterable[Change]) -> list[Change]:
     """The changes without those that others say as well: a short composition is told as a whole, a long one by its
     steps.
     """

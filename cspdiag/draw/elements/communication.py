@@ -115,7 +115,7 @@ class _Extraction:
                     self._store(Store(key=item.name.text, form="variable", type="", initial=initial), item, item.type)
                 case ast.Channel():
                     name, capacity = texts.kind(item.kind)
-                    channel = Store(key=item.name.text, form="channel", type="", capacity=capacity, asked=name)
+                    channel = Store(key=item.name.text, form="channel", type="", capacity=capacity, requested=name)
                     self._store(channel, item, item.type)
                 case ast.RepeatedDeclarations():
                     self._declare(item.declarations, (*repeated, texts.replicator(item.replicator)))
@@ -150,7 +150,7 @@ class _Extraction:
         )
         if not sinks and item.label is not None:
             sinks = (End(item.label.text),)
-        asked, capacity = texts.kind(item.kind)
+        requested, capacity = texts.kind(item.kind)
         flow = self._flow(item, (*sources, *sinks))
         label = item.label.text if item.label is not None and item.sinks else None
         self._arrow(
@@ -162,7 +162,7 @@ class _Extraction:
                 sinks=sinks,
                 label=label,
                 type=texts.optional(item.type),
-                asked=asked,
+                requested=requested,
                 kinds=flow.kinds,
                 capacity=capacity,
                 periods=flow.periods,

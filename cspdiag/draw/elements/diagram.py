@@ -94,7 +94,7 @@ class Store(Element):
     form: Literal["variable", "label", "channel"]
     type: str
     initial: str | None = None
-    asked: str | None = None
+    requested: str | None = None
     kinds: tuple[FlowKind, ...] = ()
     capacity: str | None = None
 
@@ -131,14 +131,14 @@ class Arrow(Element):
 
     ``label`` and ``type`` are those of the communication object; ``repeated`` are the replicators around it
     (``i < n``). ``kinds`` has the inferred kinds: none where nothing is known, several where instances of the process
-    differ. ``asked`` is the kind as written.
+    differ. ``requested`` is the kind as written.
     """
 
     sources: tuple[End, ...]
     sinks: tuple[End, ...]
     label: str | None = None
     type: str | None = None
-    asked: str | None = None
+    requested: str | None = None
     kinds: tuple[FlowKind, ...] = ()
     capacity: str | None = None
     periods: tuple[int, ...] = ()

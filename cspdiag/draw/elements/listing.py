@@ -56,7 +56,7 @@ def _vertex(vertex: Vertex) -> Iterator[str]:
             yield f"{vertex.direction} {vertex.key}{type_}{default}{period}{immediate}{safe}{_kinds(vertex.kinds)}"
         case Store():
             initial = f" = {vertex.initial}" if vertex.initial else ""
-            asked = f" {vertex.asked}" if vertex.asked else ""
+            requested = f" {vertex.requested}" if vertex.requested else ""
             capacity = f" {vertex.capacity}" if vertex.capacity else ""
             yield f"{vertex.form} {vertex.key} : {vertex.type}{initial}{asked}{capacity}{_kinds(vertex.kinds)}"
         case WrittenValue():
@@ -72,8 +72,8 @@ def _arrow(arrow: Arrow) -> str:
     type_ = f" : {arrow.type}" if arrow.type else ""
     capacity = f" {arrow.capacity}" if arrow.capacity else ""
     repeated = "".join(f" for {replicator}" for replicator in arrow.repeated)
-    asked = f" {arrow.asked}{capacity}" if arrow.asked else ""
-    through = f"{label}{type_}{asked}{_kinds(arrow.kinds)}"
+    requested = f" {arrow.requested}{capacity}" if arrow.requested else ""
+    through = f"{label}{type_}{requested}{_kinds(arrow.kinds)}"
     sign = "~>" if arrow.by_composition else "->"
     middle = f" {sign}{through} {sign} " if through else f" {sign} "
     return f"{', '.join(map(str, arrow.sources))}{middle}{', '.join(map(str, arrow.sinks))}{repeated}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
 from cspdiag.network.relations import Pair
-from cspdiag.network.shapes import AskedKind
+from cspdiag.network.shapes import RequestedKind
 
 
 @record
@@ -48,7 +48,7 @@ class KindsDisagree(Diagnostic):
 
     channel: str
     kind: str
-    other: AskedKind
+    other: RequestedKind
 
     @property
     def message(self) -> str:

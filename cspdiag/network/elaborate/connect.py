@@ -23,7 +23,6 @@ from cspdiag.network.elaborate.expression import LoweringContext, lower_expressi
 from cspdiag.network.elaborate.places import ChannelPlace, Endpoint, InstancePort, Places, ProcessPort
 from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.shapes import (
-    AskedKind,
     Attached,
     AttachmentShape,
     ChannelShape,
@@ -32,6 +31,7 @@ from cspdiag.network.shapes import (
     InstanceShape,
     OwnChannel,
     OwnPort,
+    RequestedKind,
     Shape,
     Unresolved,
     element_name,
@@ -136,14 +136,14 @@ class _Connector:
             channel.replicators = dict(_known(values))
             channel.initial = lower_expression(self.program, item.initial, LoweringContext(values=channel.replicators))
         if isinstance(item, ast.Channel) and item.kind is not None:
-            channel.asked = self._asked(item.kind, values)
+            channel.requested = self._requested(item.kind, values)
         self.shape.channels[name] = channel
 
-    def _asked(self, kind: ast.Kind, values: Values) -> AskedKind:
+    def _requested(self, kind: ast.Kind, values: Values) -> RequestedKind:
         capacity = None
         if kind.capacity is not None:
             capacity = self.sizes.size(kind.capacity, f"the `{kind.name}`", values) or 1
-        return AskedKind(kind.name, kind.span, capacity)
+        return RequestedKind(kind.name, kind.span, capacity)
 
     def _relationship(self, item: ast.Connection, values: Values) -> None:
         """Whole arrays are connected element by element."""
@@ -226,7 +226,7 @@ class _Connector:
         if item.label is not None:
             self.places.aliases[self._label_name(item, values, None)] = place
         if item.kind is not None:
-            self.shape.asked.setdefault(place.key, []).append(self._asked(item.kind, values))
+            self.shape.requested.setdefault(place.key, []).append(self._requested(item.kind, values))
         return OwnPort(place.key)
 
     def _report_joined(self, ends: _Ends) -> None:
@@ -263,7 +263,7 @@ class _Connector:
             known = self.sizes.type_of(item.type, self.program.types.get(item.type, known), values)
         channel = ChannelShape(name, item, known, span)
         if item.kind is not None:
-            channel.asked = self._asked(item.kind, values)
+            channel.requested = self._requested(item.kind, values)
         return self.shape.channels.setdefault(name, channel)
 
     def _attach(

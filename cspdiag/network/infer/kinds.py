@@ -13,21 +13,21 @@ from cspdiag.network.diagnostics.composition.parallel import EventReadInParallel
 from cspdiag.network.diagnostics.composition.sequence import BroadcastInSequence, RendezvousInSequence
 from cspdiag.network.diagnostics.kinds import KindContradicts, KindsDisagree, MixedRelation
 from cspdiag.network.relations import Pair, Uses, UsesByKey
-from cspdiag.network.shapes import AskedKind, ChannelShape, Key, Shape, attached_key, element_name
+from cspdiag.network.shapes import ChannelShape, Key, RequestedKind, Shape, attached_key, element_name
 from cspdiag.syntax import ast
 
-Asked: TypeAlias = "dict[Key, dict[str, AskedKind]]"
+RequestedKinds: TypeAlias = "dict[Key, dict[str, RequestedKind]]"
 """For every port and channel the kinds that relationships ask for, at this process and inside its instances."""
 
 _NOBODY = Uses()
 
 
-def asked_kinds(shape: Shape, inside: Mapping[Shape, Asked]) -> Asked:
+def requested_kinds(shape: Shape, inside: Mapping[Shape, RequestedKinds]) -> RequestedKinds:
     """The kinds asked for at the ports and channels of a shape; ``inside`` has those of its instances."""
-    asked: Asked = {key: {kind.name: kind for kind in kinds} for key, kinds in shape.asked.items()}
+    requested: RequestedKinds = {key: {kind.name: kind for kind in kinds} for key, kinds in shape.requested.items()}
     for channel in shape.channels.values():
-        if channel.asked is not None:
-            asked[channel.name] = {channel.asked.name: channel.asked}
+        if channel.requested is not None:
+            requested[channel.name] = {channel.requested.name: channel.requested}
     for instance in shape.instances.values():
         theirs = inside.get(instance.shape)
         if not theirs:
@@ -35,20 +35,20 @@ def asked_kinds(shape: Shape, inside: Mapping[Shape, Asked]) -> Asked:
         for element, attached in instance.attachments.items():
             key, kinds = attached_key(attached), theirs.get(element_name(*element))
             if key is not None and kinds:
-                ours = asked.setdefault(key, {})
+                ours = requested.setdefault(key, {})
                 for name, kind in kinds.items():
                     ours.setdefault(name, kind)
-    return asked
+    return requested
 
 
-def infer_kinds(shape: Shape, uses: UsesByKey, asked: Asked, report: Report) -> None:
+def infer_kinds(shape: Shape, uses: UsesByKey, requested: RequestedKinds, report: Report) -> None:
     """Decide the kind of every channel of a shape, and report relations that allow none."""
     for channel in shape.channels.values():
         use = uses.get(channel.name, _NOBODY)
         if channel.is_variable:
             _check_variable(channel, use, report)
         else:
-            _infer(shape, channel, use, asked.get(channel.name, {}), report)
+            _infer(shape, channel, use, requested.get(channel.name, {}), report)
 
 
 def _check_variable(channel: ChannelShape, use: Uses, report: Report) -> None:
@@ -59,8 +59,8 @@ def _check_variable(channel: ChannelShape, use: Uses, report: Report) -> None:
         report.add(Race(span=pair[0].span, variable=channel.name, one=pair[0], other=pair[1], both_write=both_write))
 
 
-def _infer(shape: Shape, channel: ChannelShape, use: Uses, asked: dict[str, AskedKind], report: Report) -> None:
-    kind = _asked_kind(channel, asked, report)
+def _infer(shape: Shape, channel: ChannelShape, use: Uses, requested: dict[str, RequestedKind], report: Report) -> None:
+    kind = _requested_kind(channel, requested, report)
     word = None if kind is None else kind.name
     channel.capacity = None if kind is None else kind.capacity
     channel.kind = word or ("sync" if use.parallel else "var")
@@ -83,8 +83,8 @@ def _infer(shape: Shape, channel: ChannelShape, use: Uses, asked: dict[str, Aske
         _check_several(channel, use, word, report)
 
 
-def _asked_kind(channel: ChannelShape, asked: dict[str, AskedKind], report: Report) -> AskedKind | None:
-    kinds = list(asked.values())
+def _requested_kind(channel: ChannelShape, requested: dict[str, RequestedKind], report: Report) -> RequestedKind | None:
+    kinds = list(requested.values())
     if len(kinds) > 1:
         first, second = kinds[:2]
         report.add(KindsDisagree(span=second.span, channel=channel.name, kind=second.name, other=first))
@@ -92,7 +92,7 @@ def _asked_kind(channel: ChannelShape, asked: dict[str, AskedKind], report: Repo
     return kinds[0] if kinds else None
 
 
-def _check_sequential(channel: ChannelShape, use: Uses, kind: AskedKind | None, report: Report) -> None:
+def _check_sequential(channel: ChannelShape, use: Uses, kind: RequestedKind | None, report: Report) -> None:
     if use.parallel_look is not None and kind is None:
         one, other = use.parallel_look
         _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, both_write=False), report)
@@ -134,10 +134,10 @@ def _refuse(channel: ChannelShape, diagnostic: Diagnostic, report: Report) -> No
     report.add(diagnostic)
 
 
-def check_outermost(shape: Shape, uses: UsesByKey, asked: Asked, report: Report) -> None:
+def check_outermost(shape: Shape, uses: UsesByKey, requested: RequestedKinds, report: Report) -> None:
     """The ports of the outermost process meet the environment, which neither waits nor blocks."""
     for port, _, key in shape.port_elements():
-        use, kinds = uses.get(key, _NOBODY), asked.get(key, {})
+        use, kinds = uses.get(key, _NOBODY), requested.get(key, {})
         writers, readers = _of_two(use.parallel_writes), _of_two(use.parallel_reads)
         refused = ["any", "buffer", "overwrite", "sync"] if port.period is not None else ["buffer", "overwrite", "sync"]
         if port.direction == "out":

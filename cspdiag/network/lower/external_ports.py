@@ -12,15 +12,24 @@ from cspdiag.network.shapes import AskedKind, Key, PortShape, Shape
 from cspdiag.syntax import ast
 
 
-def external_ports(program: Program, shape: Shape, asked: Asked, report: Report) -> tuple[ExternalPort, ...]:
+def external_ports(
+    program: Program, shape: Shape, requested: RequestedKinds, report: Report
+) -> tuple[ExternalPort, ...]:
     """Every port of the outermost process, an array of ports element by element."""
     return tuple(
-        _external(program, shape, port, index, key, asked, report) for port, (_, index), key in shape.port_elements()
+        _external(program, shape, port, index, key, requested, report)
+        for port, (_, index), key in shape.port_elements()
     )
 
 
 def _external(
-    program: Program, shape: Shape, port: PortShape, index: int | None, key: Key, asked: Asked, report: Report
+    program: Program,
+    shape: Shape,
+    port: PortShape,
+    index: int | None,
+    key: Key,
+    requested: RequestedKinds,
+    report: Report,
 ) -> ExternalPort:
     declaration = port.symbol.declaration
 
@@ -41,7 +50,7 @@ def _external(
         immediate=declaration.immediate,
         safe=safe,
         default=value(declaration.default),
-        kind=_kind(asked.get(key, {})),
+        kind=_kind(requested.get(key, {})),
     )
 
 

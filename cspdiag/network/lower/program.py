@@ -121,7 +121,7 @@ def lower(
         return None
     classes = Classes(program, analysis.definitions, analysis.relations, report)
     classes.make(occurrences.found)
-    ports = external_ports(program, shape, analysis.asked[shape], report)
+    ports = external_ports(program, shape, analysis.requested[shape], report)
     instances, nets = walk_instances(outermost, classes, ports)
     if own:
         refuse_missing(program, process, own, instance_names(outermost))

@@ -82,7 +82,7 @@ process Net {{
 def test_the_kind_that_was_asked_for_is_known_with_its_capacity(kind: str) -> None:
     line = arrow(drawn(KINDS.format(kind=kind, composition="source || drain || other"), "Net"), "line")
     name, _, capacity = kind.partition(" ")
-    assert line.asked == name
+    assert line.requested == name
     assert line.capacity == (capacity or None)
 
 

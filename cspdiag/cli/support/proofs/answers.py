@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.base.standard_streams import standard_error
-from cspdiag.cli.support.diagnostic_formats import told_diagnostics
+from cspdiag.cli.support.diagnostic_formats import rendered_diagnostics
 from cspdiag.cli.support.failure import UNSUCCESSFUL
 from cspdiag.cli.support.terminal import put, wants_colour, write_out
 
@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
     """Tell why nothing can be proved of a program, as ``check`` tells it."""
     colour = wants_colour(arguments.color, standard_error())
-    stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
+    stdout, stderr = rendered_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
     write_out(stdout)
     put(stderr)
     return UNSUCCESSFUL
 
 
-def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
+def rendered_answers(
+    answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace
+) -> tuple[str, str]:
     """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave
     warnings to standard error.
     """
@@ -33,8 +35,8 @@ def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: N
 
     colour = wants_colour(arguments.color, standard_error())
     if arguments.format in {"concise", "sarif", "github"}:
-        return told_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
-    _, before = told_diagnostics(warnings, "text", [], colour=colour)
+        return rendered_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
+    _, before = rendered_diagnostics(warnings, "text", [], colour=colour)
     match arguments.format:
         case "json":
             from cspdiag.proofs.answers.json import render as render_json

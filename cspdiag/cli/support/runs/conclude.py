@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import WRONG_USAGE, described
-from cspdiag.cli.support.runs.missed import told_of_timeout
+from cspdiag.cli.support.runs.missed import explained_timeout
 from cspdiag.cli.support.terminal import say
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def _tell(arguments: Namespace, result: Run, checked: Checked, written: list[str
             say(f"cspdiag: {described(error)}")
         return
     say(result.summary())
-    timeout = told_of_timeout(result, checked.report.diagnostics)
+    timeout = explained_timeout(result, checked.report.diagnostics)
     if timeout is not None:
         say(timeout)
     if written:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cspdiag.simulate.result import Run
 
 
-def told_of_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | None:
+def explained_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | None:
     """A line or two to stand below the summary; None where the run did not end with a missed sample.
 
     ``diagnostics`` are those of the program: where one of them has said what takes too long between two reads, that is
