@@ -63,7 +63,7 @@ def parse(text: str, name: str) -> LoadedProgram:
 
 
 class LoadedProgram:
-    """A program, as text; what is asked of it is worked out then."""
+    """A program, as text; everything about it is worked out when it is needed."""
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
@@ -199,7 +199,7 @@ class LoadedProgram:
         set: Mapping[str, Setting] | None = None,
         measured: Mapping[str, float] | None = None,
     ) -> TimingReport:
-        """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` tells them.
+        """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` shows them.
 
         ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what
         ``build`` raises, and ArgumentError for a path that there is not, or a negative time.
@@ -217,7 +217,7 @@ class LoadedProgram:
         at: Mapping[str, float] | None = None,
     ) -> LoopReport:
         """Stability and margins of the loops through the plant of an environment (the first one by default), as
-        ``cspdiag margins`` tells them.
+        ``cspdiag margins`` shows them.
 
         ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises,
         ``NoEnvironmentError``, ArgumentError for a state that the plant does not have, and ``NotLinearError`` where it
@@ -304,7 +304,7 @@ class LoadedProgram:
     ) -> list[Answer]:
         """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
 
-        Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for
+        Where nothing is asserted, freedom from deadlock and from livelock is checked. ``time_limit`` is in seconds, for
         each. Raises what ``build`` raises, ``VerificationError`` where nothing can be answered, and ArgumentError for a
         time limit that is no time.
         """

@@ -88,7 +88,7 @@ def require_states(environment: Environment, point: Iterable[str]) -> None:
 
 
 def definition_to_draw(pictures: Pictures, name: str | None) -> Drawn:
-    """The process or environment of that name, or the outermost process. Raises ArgumentError where there is none."""
+    """The process or environment of that name, or the outermost process. Raises ArgumentError for an unknown name."""
     from cspdiag.network.lower.program import suggestion
 
     definition = pictures.outermost() if name is None else pictures.named(name)

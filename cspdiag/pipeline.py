@@ -276,8 +276,8 @@ def generate(
 ) -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 
-    ``level`` is that of optimization, 0 or 1; at level 0 code tells and keeps everything. ``traced`` code tells an
-    observer of every communication, other code of those of external ports only; ``observed`` code tells it as well when
+    ``level`` is that of optimization, 0 or 1; at level 0 code reports and keeps everything. ``traced`` code reports to
+    an observer every communication, other code those of external ports only; ``observed`` code also reports when
     each process starts and ends, and who communicates; ``probed`` code keeps variables that have a unit as objects that
     can be watched. Hand-written modules that the program names are read relative to the file that names them.
     ``templates`` take the places of those of the target, by name. Raises KeyError for an unknown target, OSError for a

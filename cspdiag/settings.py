@@ -79,7 +79,7 @@ def parse_time_limit(text: str) -> int:
 
 
 _Place: TypeAlias = "tuple[str | int, ...]"
-"""An owner, what it owns, and the positions of a part in that; the place of the whole is the beginning of a part's."""
+"""An owner, what it owns, and the positions of a part in that; the place of the owner is a prefix of a part's."""
 
 
 @record

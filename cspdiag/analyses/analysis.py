@@ -14,7 +14,7 @@ from cspdiag.network.ir.network import CoreNetwork
 class Analysis:
     """A pass over the finished network.
 
-    ``concerns`` tells cheaply whether a program gives it anything to say; ``run`` reports what it finds.
+    ``concerns`` says cheaply whether a program gives it anything to report; ``run`` reports what it finds.
     """
 
     concerns: Callable[[Program], bool]

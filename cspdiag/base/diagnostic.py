@@ -1,4 +1,4 @@
-"""What is told to the person at the keyboard.
+"""What is reported to the user.
 
 Each kind of diagnostic is a subclass in the folder ``diagnostics`` of the layer that finds it. Its manual page
 (``cspdiag explain CODE``) is a file in ``manual/``.

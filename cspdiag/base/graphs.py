@@ -72,7 +72,9 @@ def is_circular(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> bo
 
 
 def shortest_circle(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> list[T]:
-    """A shortest circle through the first node of a component, each leading to the next; empty if there is none."""
+    """A shortest circle through the first node of a component, each leading to the next; empty if there is no
+    circle.
+    """
     start, members = component[0], set(component)
     came_from: dict[T, T] = {}
     pending = [start]

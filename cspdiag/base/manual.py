@@ -49,7 +49,7 @@ class ManualPage:
 
 
 def manual_page(code: str) -> ManualPage:
-    """The page of a code. Raises KeyError where there is none."""
+    """The page of a code. Raises KeyError for an unknown one."""
     for folder in FAMILIES:
         if folder[:2] == code[1:3]:
             try:

@@ -6,7 +6,7 @@ from cspdiag.base.diagnostic import Diagnostic, Label
 
 
 class Report:
-    """Diagnostics of one run, each told once.
+    """Diagnostics of one run, each reported once.
 
     The same kind of diagnostic at the same place is kept once, whatever the number of instances that lead to it.
     """

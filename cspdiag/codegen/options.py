@@ -1,4 +1,4 @@
-"""How a target is asked to generate, and what a target is."""
+"""The options of generating code, and what a target is."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from cspdiag.network.ir.network import CoreNetwork
 class Options:
     """How a target generates: ``level`` of optimization, 0 or 1.
 
-    ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of those of external
-    ports only. ``observed`` code tells it as well when each process starts and ends, and who communicates. ``probed``
+    ``traced`` code notifies an observer of every communication; other code, at level 1, of those of external
+    ports only. ``observed`` code also notifies it when each process starts and ends, and who communicates. ``probed``
     code keeps variables that have a unit as objects that can be watched. ``templates`` take the places of those of the
     target, by name.
     """

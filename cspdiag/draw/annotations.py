@@ -40,8 +40,8 @@ _SIGNS: dict[MarkKind, str] = {
 
 
 def heading(runs: Sequence[TextRun], doc: str | None, mark: Mark | None = None) -> Group:
-    """The name of what is drawn, at the origin, with the mark of the whole, and below it the first sentence of its doc
-    comment.
+    """The name of what is drawn, at the origin, with the mark of the diagram, and below it the first sentence of its
+    doc comment.
     """
     items: list[Item] = [Text(Point(0, ASCENT * HEADING_SIZE), tuple(runs), HEADING_SIZE)]
     if mark is not None:

@@ -116,7 +116,7 @@ class Pictures:
         return frozenset(found)
 
     def composition(self, definition: Drawn, depth: int = 1) -> CompositionDiagram | None:
-        """The elements of the composition diagram; None where there is none."""
+        """The elements of the composition diagram; None if the process has no composition."""
         if not isinstance(definition, ast.ProcessDefinition) or definition.composition is None:
             return None
         return composition_diagram(self.program.definitions, definition, depth)

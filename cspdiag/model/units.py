@@ -256,7 +256,7 @@ def _root(number: int, root: int) -> int | None:
 
 
 def _powers(text: str) -> dict[str, int]:
-    """The factors of a unit's spelling that has no parentheses; those of one that has are not told apart."""
+    """The factors of a unit's spelling that has no parentheses; those of one with parentheses are not distinguished."""
     powers: dict[str, int] = {}
     sign = 1
     if "(" in text:

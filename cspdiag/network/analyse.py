@@ -167,7 +167,7 @@ class Analysis:
         return self._ranks.get(shape.definition, 0)
 
     def _count(self, shape: Shape) -> None:
-        """The instances in a process with everything inside; too many are told where they first become so."""
+        """The instances in a process with everything inside; too many are reported where they first become too many."""
         inside = sum(self._sizes.get(instance.shape, 1) for instance in shape.instances.values())
         if inside > LARGEST_PROGRAM:
             what = f"the process `{shape.name}`, with everything inside it,"

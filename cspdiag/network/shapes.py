@@ -127,7 +127,7 @@ class InstanceShape:
 
 @record
 class RequestedKind:
-    """A kind that a relationship or a declaration asks for, with the capacity of a FIFO."""
+    """A kind that a relationship or a declaration requests, with the capacity of a FIFO."""
 
     name: KindName
     span: Span
@@ -192,7 +192,7 @@ class Shape:
         self.instances: dict[str, InstanceShape] = {}
         self.channels: dict[Key, ChannelShape] = {}
         self.requested: dict[Key, list[RequestedKind]] = {}
-        """Kinds that relationships of this process ask for on its own ports."""
+        """Kinds that relationships of this process request for its own ports."""
         self.port_spans: dict[Key, Span] = {}
         """First relationship or communication that uses a port of this process."""
         self.body: CoreAction | None = None

@@ -26,7 +26,7 @@ SHORTENING_SECONDS = 0.5
 """Time of the processor for finding the shortest trace, when a longer one has been found without search."""
 
 SMALL = 60
-"""Systems with at most so many components may have their traces shortened by search."""
+"""Systems with at most this number of components may have their traces shortened by search."""
 
 BRIEF_SECONDS = 0.3
 """Time of the processor for a search before the solver for invariants is started, which takes longer than that by
@@ -34,7 +34,7 @@ itself.
 """
 
 STATES_OF_EXAMINATION = 1000
-"""So many states are looked at from a candidate that invariants may still exclude."""
+"""The number of states examined from a candidate that invariants may still exclude."""
 
 Engine: TypeAlias = Callable[[StuckQuestion, Limits], Verdict]
 

@@ -79,14 +79,14 @@ class LimitError(BaseException):
 
 @dataclass
 class Limits:
-    """Time (seconds from now) and memory (bytes of the state store) that a method may use; it asks ``check`` now and
+    """Time (seconds from now) and memory (bytes of the state store) that a method may use; it calls ``check`` now and
     then.
     """
 
     seconds: float = 60.0
     memory: int = 2_000_000_000
     clock: Callable[[], float] = lambda: time.monotonic()
-    """What tells the time: that of the processor (``time.process_time``) where an answer must not depend on what else
+    """The clock: that of the processor (``time.process_time``) where an answer must not depend on what else
     the machine does.
     """
     started: float = field(init=False)

@@ -184,7 +184,7 @@ class Interrupt(Request):
 
     @property
     def completed(self) -> bool:
-        """Whether the body has ended, and what its guard asked for has happened where that was chosen."""
+        """Whether the body has ended, and what its guard requested has happened if that was chosen."""
         return self.done or (self.guard.done and self.body.ended)
 
     @property

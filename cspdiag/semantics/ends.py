@@ -1,4 +1,4 @@
-"""The reading ends and alternatives of a process: in which order they come to be, and whose they are."""
+"""The reading ends and alternatives of a process: in which order they are created, and whose they are."""
 
 from __future__ import annotations
 

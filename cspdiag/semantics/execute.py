@@ -35,7 +35,7 @@ def execute(
     «Scheduling and traces», «Environments and drivers»
 
     ``look`` is handed the state after each communication. ``scheduler`` makes the scheduler, where it is to be
-    another one. ``observer`` is told of everything as it happens.
+    another one. ``observer`` is notified of everything as it happens.
     """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     plant = None if chosen is None or chosen.system is None else Plant(chosen)
@@ -91,7 +91,7 @@ def _release(observer: Observer | None, network: Network, time: int) -> list[tup
 
 
 def waits(network: Network, environment: str | None, until: int | None, communication: int) -> tuple[str, ...]:
-    """What each process waits for once so many communications have been made. «Scheduling and traces»"""
+    """What each process waits for once this number of communications have been made. «Scheduling and traces»"""
     found: list[str] = []
 
     def look(world: Scheduler) -> None:

@@ -41,7 +41,7 @@ class Program:
         self.network = network
         self.world = world
         self.alternatives: dict[tuple[str, str], int] = {}
-        """By the process and the name in it: their numbers, in the order in which they come to be."""
+        """By the process and the name in it: their numbers, in the order in which they are created."""
 
 
 class ProcessInstance:
@@ -91,7 +91,7 @@ class ProcessInstance:
             self._number(_memory(choice))
 
     def _number(self, alternative: str) -> None:
-        """The alternatives of a process come to be after its instances."""
+        """The alternatives of a process are created after its instances."""
         numbers = self.program.alternatives
         numbers.setdefault((self.path, alternative), len(numbers))
 

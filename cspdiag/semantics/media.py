@@ -41,7 +41,7 @@ class World(Protocol):
         """A value passes to the environment. «Time»"""
 
     def notice(self) -> None:
-        """Wake whoever may go on now, because of one event. «Parties, channels and guards»"""
+        """Wake every task that may continue now, because of one event. «Parties, channels and guards»"""
 
 
 class Offering(Protocol):
@@ -235,7 +235,7 @@ class Fifo(Medium):
         self.values = [*self.values, offer.value][-self.capacity :]
 
     def take(self, offer: Offer) -> None:
-        """The oldest value comes to a reader."""
+        """The oldest value reaches a reader."""
         offer.value = self.values.pop(0)
 
 

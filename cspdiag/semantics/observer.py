@@ -6,7 +6,7 @@ from typing import Protocol
 
 
 class Observer(Protocol):
-    """Is told what happens, in order; times are in nanoseconds. «Traces»"""
+    """Is notified of what happens, in order; times are in nanoseconds. «Traces»"""
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port.

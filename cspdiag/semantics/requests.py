@@ -1,4 +1,4 @@
-"""What a process asks of the scheduler: everything at which it may wait."""
+"""The requests of processes to the scheduler: everything at which one may wait."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class Run(Protocol):
     """What a task does, from one request to the next; StopIteration at its end. «Scheduling and traces»"""
 
     def send(self, answer: Any, /) -> Request:
-        """Go on with what was asked for, at first with None."""
+        """Continue with the answer to the request, at first with None."""
 
     def throw(self, error: RaisedError, /) -> Request:
-        """Go on with an exception in the place of what was asked for."""
+        """Continue with an exception in place of the answer."""
 
 
 def no_steps() -> Steps:
@@ -33,7 +33,7 @@ def no_steps() -> Steps:
 
 
 class Parent(Protocol):
-    """What is told of the end of a branch. «Parallel», «Interrupt»"""
+    """What is known of the end of a branch. «Parallel», «Interrupt»"""
 
     def branch_ended(self, task: Task, error: RaisedError | None) -> None:
         """A branch has ended, by an exception if ``error`` is not None."""
@@ -64,7 +64,7 @@ class Task:
 
 
 class Scheduling(World, Protocol):
-    """What requests ask of the scheduler. «Scheduling and traces»"""
+    """What requests need of the scheduler. «Scheduling and traces»"""
 
     due: int
     """Delays and time-outs up to this instant are over."""
@@ -103,7 +103,7 @@ class Request:
 
     @property
     def completed(self) -> bool:
-        """Whether what was asked for has happened, or failed."""
+        """Whether what was requested has happened, or failed."""
         return self.done
 
     @property
@@ -157,7 +157,7 @@ class Request:
         raise AssertionError
 
     def outcome(self) -> Any:
-        """What the process is told."""
+        """The answer to the process."""
         return self.result
 
     def finish(self, result: Any = None) -> None:

@@ -149,7 +149,7 @@ class Scheduler:
             task.request.abandon()
 
     def notice(self) -> None:
-        """Wake whoever may go on now, because of one event. «Parties, channels and guards»"""
+        """Wake every task that may continue now, because of one event. «Parties, channels and guards»"""
         self._wake(sorted(self.waiting, key=lambda request: request.turn))
 
     def _wake(self, requests: Sequence[Request]) -> None:

@@ -35,8 +35,8 @@ class Ending(NamedTuple):
 
     def agrees_with(self, other: Ending) -> bool:
         """Whether it is the same end, as far as both sides know."""
-        told = None not in (self.message, other.message)
-        return self[:3] == other[:3] and (not told or self.message == other.message)
+        both_known = None not in (self.message, other.message)
+        return self[:3] == other[:3] and (not both_known or self.message == other.message)
 
     def __str__(self) -> str:
         error = "" if self.error is None else f" with {self.error}"

@@ -63,7 +63,7 @@ class Run(RunData):
         return name in self.signals
 
     def __getitem__(self, name: str) -> numpy.ndarray:
-        """Values of a signal; UnknownSignalError, a KeyError, with the known names if there is none of that name."""
+        """Values of a signal; UnknownSignalError, a KeyError, with the known names if the name is unknown."""
         return self._signal(name).value
 
     def time(self, name: str) -> numpy.ndarray:

@@ -55,8 +55,8 @@ class Parser:
         """Where the last token ended."""
         self._mended = (-1, 0)
         """Where the last mistake was, and how often it was mended there."""
-        self._told_last = ("", "", 0)
-        """Code, message and line of the last mistake: what is wrong in the same way all along a line is said once."""
+        self._last_reported = ("", "", 0)
+        """Code, message and line of the last mistake: the same mistake all along a line is reported once."""
         builder = DefinitionBuilder(source, report, self.lexer.docs)
         self._builders: list[Callable[..., Any] | None] = [
             getattr(builder, rule.build) if rule.build else None for rule in self.automaton.tables.rules
@@ -183,9 +183,9 @@ class Parser:
             # A name that is a word of the language was taken for that word.
             return
         same = (diagnostic.code, diagnostic.message, diagnostic.span.line)
-        if same != self._told_last and not self.lexer.reported_on_line(diagnostic.span.start):
+        if same != self._last_reported and not self.lexer.reported_on_line(diagnostic.span.start):
             self.report.add(diagnostic)
-        self._told_last = same
+        self._last_reported = same
 
     def _skip_after(self, diagnostic: Diagnostic) -> None:
         """Report, then forget the declaration or definition being read and go to the next one."""

@@ -128,7 +128,7 @@ def test_uses_of_time_are_known_by_submodel() -> None:
     assert [owner.span.text[:13] for owner in program.time_uses] == ["submodel Wave"]
 
 
-def test_later_passes_are_told_what_was_reported() -> None:
+def test_later_passes_know_what_was_reported() -> None:
     program, report = resolved(
         """
         process Main {

@@ -15,7 +15,7 @@ from cspdiag.analyses.margins.margin import frequency_response
 
 _COLOURS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99", "#555555", "#8a2d5c")
 _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
-"""Curves are told apart in grey print, too."""
+"""Curves are distinguishable in grey print, too."""
 _STYLE = {
     "font.family": "DejaVu Sans", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
     "axes.linewidth": 0.6, "lines.linewidth": 1.3, "legend.framealpha": 0.8, "legend.edgecolor": "none",

@@ -124,7 +124,7 @@ def linearize(
 
 
 def _once(found: list[Simplification]) -> list[Simplification]:
-    """Equations are evaluated for outputs and again for derivatives; what was simplified is told once."""
+    """Equations are evaluated for outputs and again for derivatives; what was simplified is reported once."""
     kept: dict[tuple[str, Any, bytes], Simplification] = {}
     for part in found:
         kept.setdefault((part.what, part.span, part.depends.tobytes()), part)

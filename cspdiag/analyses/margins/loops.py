@@ -153,9 +153,9 @@ def _relevant(point: Mapping[str, float], loops: Loops, opened: OpenLoop) -> dic
 
 
 def _within(loops: Loops, opened: OpenLoop) -> tuple[Simplification, ...]:
-    """Of what was simplified, that which depends on something within the loop, each told once."""
+    """Of what was simplified, that which depends on something within the loop, each once."""
     kept = set(opened.kept)
-    told: dict[tuple[str, Span | None], Simplification] = {}
+    simplified: dict[tuple[str, Span | None], Simplification] = {}
     answering = {name for kind, (port, _) in kept if kind in ("latch", "held") for name in loops.answering(port)}
     for kind, law in (("plant", loops.plant), *((path, loops.law(path)) for path in opened.laws)):
         leaves = (*law.discrete, *law.continuous)
@@ -163,8 +163,8 @@ def _within(loops: Loops, opened: OpenLoop) -> tuple[Simplification, ...]:
         inside += [kind != "plant" and _is_read_inside(loops, kept, answering, kind, leaf) for leaf in law.inputs]
         for part in law.simplifications:
             if any(part.depends[k] for k, is_inside in enumerate(inside) if is_inside):
-                told.setdefault((part.what, part.span), part)
-    return tuple(told.values())
+                simplified.setdefault((part.what, part.span), part)
+    return tuple(simplified.values())
 
 
 def _is_read_inside(loops: Loops, kept: set[tuple[str, Leaf]], answering: set[str], law: str, leaf: Leaf) -> bool:

@@ -31,7 +31,7 @@ class Margins:
 
     of an unstable loop, ``gain`` below 1 is the factor that would make it stable and ``phase`` what is missing.
     ``modulus`` is the distance of the Nyquist curve from -1, ``crossover`` and ``phase_crossover`` are in rad/s,
-    ``radius`` is the largest absolute eigenvalue of the closed loop, ``drifts`` tells that something beside the loop
+    ``radius`` is the largest absolute eigenvalue of the closed loop, ``drifts`` says that something beside the loop
     has no place of rest (an angle whose speed is controlled).
     """
 

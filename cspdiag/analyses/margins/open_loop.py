@@ -73,7 +73,7 @@ def minimal(loop: OpenLoop) -> tuple[Matrix, Matrix, Matrix, float]:
 
 
 def _closure(moves: Any, start: Any) -> Any:
-    """The states that can be reached from some, where ``moves[i, j]`` tells that j moves i."""
+    """The states that can be reached from some, where ``moves[i, j]`` says that j moves i."""
     reached = start.copy()
     while True:
         more = reached | (moves & reached[None, :]).any(axis=1)

@@ -26,7 +26,7 @@ DIGITS = 4
 
 @record
 class Wanted:
-    """What must be left: so many degrees, a factor of gain, seconds of delay, or merely stability."""
+    """What must be left: a number of degrees, a factor of gain, seconds of delay, or merely stability."""
 
     kind: Literal["phase", "gain", "delay", "stable"]
     value: float

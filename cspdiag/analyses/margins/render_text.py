@@ -20,7 +20,7 @@ def table(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | No
 
 def _lines(report: LoopReport, periods: Mapping[str, tuple[int | None, str]]) -> Iterator[str]:
     if not report.loops:
-        yield f"no loop goes through `{report.environment}` that margins could be told of"
+        yield f"no loop goes through `{report.environment}` that has margins"
     else:
         head = ("loop", "period", "closed loop", "gain", "", "phase", "delay", "modulus", "crossover")
         rows = [head, *(_row(loop) for loop in report.loops)]
@@ -82,13 +82,13 @@ def _explained(report: LoopReport) -> Iterator[str]:
     for loop in wider:
         inner = ", ".join(f"`{law.partition('.')[2]}`" for law in loop.opened.laws[1:])
         yield f"within `{loop.opened.cut.name}` the loop of {inner} is closed"
-    told: dict[str, dict[str, None]] = {}
+    simplified: dict[str, dict[str, None]] = {}
     for loop in report.loops:
         for part in loop.simplifications:
-            told.setdefault("" if part.span is None else _place(part.span), {})[part.what] = None
-    if told:
+            simplified.setdefault("" if part.span is None else _place(part.span), {})[part.what] = None
+    if simplified:
         yield "what is not linear:"
-        yield from (f"  {place}: {'; '.join(whats)}" for place, whats in told.items())
+        yield from (f"  {place}: {'; '.join(whats)}" for place, whats in simplified.items())
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -113,7 +113,7 @@ class Loops:
         return [other for other in usable if other in forward and path in self.reachable(other, [*usable, path])]
 
     def reachable(self, path: str, usable: list[str]) -> set[str]:
-        """Of some laws those that what a law writes comes to."""
+        """Of some laws those that read what a law writes."""
         reached: set[str] = set()
         pending = [path]
         while pending:

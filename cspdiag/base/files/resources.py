@@ -2,7 +2,7 @@
 library.
 
 A checkout (and an editable install) has ``grammars/`` and its kin at its top level; a wheel has them under
-``cspdiag/_resources/``. ``pathlib`` is imported only where a path is asked for: ``check`` starts without it.
+``cspdiag/_resources/``. ``pathlib`` is imported only where a path is needed: ``check`` starts without it.
 """
 
 from __future__ import annotations

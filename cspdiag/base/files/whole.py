@@ -50,7 +50,7 @@ def replace_files(files: Mapping[str, bytes]) -> None:
 
 
 def _write_through(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write to a device or a pipe; to wait for somebody who reads from a pipe could take forever."""
+    """Write to a device or a pipe; waiting for a reader of a pipe could take forever."""
     waits_not = getattr(os, "O_NONBLOCK", 0)
     try:
         number = os.open(path, os.O_WRONLY | waits_not)

@@ -1,4 +1,4 @@
-"""How diagnostics are told in each of the formats of ``check`` and ``verify``."""
+"""Diagnostics in each of the formats of ``check`` and ``verify``."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def rendered_diagnostics(
 
 
 def show_findings(diagnostics: Sequence[Diagnostic], names: Sequence[str], arguments: Namespace) -> None:
-    """Show what was found in files as ``--format`` and ``--color`` ask, and that nothing was found."""
+    """Show what was found in files in the requested format and colours, and that nothing was found."""
     colour = wants_colour(arguments.color, sys.stderr)
     stdout, stderr = rendered_diagnostics(diagnostics, arguments.format, names, colour=colour)
     if arguments.format == "text" and names and not diagnostics:

@@ -81,8 +81,8 @@ def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
     except FileNotFoundError:
         raise UsageError("reading a revision needs git, which is not installed") from None
     if done.returncode != 0:
-        told = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
-        if told.startswith("not a git repository"):
+        error = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
+        if error.startswith("not a git repository"):
             raise UsageError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
-        raise UsageError(f"git: {told or says}")
+        raise UsageError(f"git: {error or says}")
     return done.stdout

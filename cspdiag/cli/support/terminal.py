@@ -51,7 +51,7 @@ def write_out(text: str | bytes) -> None:
 
 def complete_streams() -> None:
     """Give a process that was started with closed streams (``>&-``) streams again: of standard output and standard
-    input one that refuses what is asked of it, so that who needs it says so.
+    input one that refuses every call, so that its user reports the error.
 
     Otherwise the next file that is opened would take their place, and what somebody prints would go there.
     """
@@ -73,8 +73,8 @@ def say(text: str) -> None:
 
 
 def put(text: str) -> None:
-    """Write to standard error as it is. Where that is gone, as when its terminal was closed, nobody is told, and the
-    command goes on.
+    """Write to standard error as it is. Where that is gone, as when its terminal was closed, nothing is reported, and
+    the command goes on.
     """
     try:
         stream = standard_error()

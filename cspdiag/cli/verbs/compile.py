@@ -53,7 +53,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Generate the package, or print what was asked for."""
+    """Generate the package, or print the requested representation."""
     match arguments.emit:
         case "ast":
             return _emit_tree(arguments)

@@ -106,7 +106,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Draw what was asked for; a program with errors is drawn only to show them."""
+    """Draw what was requested; a program with errors is drawn only to show them."""
     _find_file(arguments)
     _refuse_senseless(arguments)
     require_different({"the program": arguments.file, "--book": arguments.book, "-o": arguments.output})
@@ -157,10 +157,10 @@ def _refuse_senseless(arguments: Namespace) -> None:
         _refuse_book(arguments)
     if output is None or output == STANDARD_INPUT:
         return
-    told = _format_of_name(output)
-    if arguments.format is not None and told not in (None, arguments.format):
+    named = _format_of_name(output)
+    if arguments.format is not None and named not in (None, arguments.format):
         raise UsageError(f"-o {output} contradicts --format {arguments.format}")
-    if not _is_folder(arguments) and told is None and arguments.format is None:
+    if not _is_folder(arguments) and named is None and arguments.format is None:
         raise UsageError(
             f"-o {output}: the name must end in .svg, .png, .pdf, .dot, .mmd or .graphml, or give --format"
         )

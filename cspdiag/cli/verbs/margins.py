@@ -54,7 +54,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Linearize, measure, tell; fine where there are loops and all of them are stable."""
+    """Linearize, measure, report; fine where there are loops and all of them are stable."""
     from cspdiag.analyses.margins.linear import NotLinearError
     from cspdiag.analyses.margins.period import wanted
 

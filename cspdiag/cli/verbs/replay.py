@@ -39,7 +39,7 @@ def run(arguments: Namespace) -> int:
     except (BodyError, LimitError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
     if not arguments.quiet:
-        say("\n".join(_told(network, trace, result)))
+        say("\n".join(_report(network, trace, result)))
     return FINE if result.succeeded else UNSUCCESSFUL
 
 

@@ -75,7 +75,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def _level(text: str) -> int | str:
-    """What ``-O`` with a text behind it asks for; ``-O0`` and ``-O1`` are options of their own."""
+    """The level that ``-O`` with a text behind it means; ``-O0`` and ``-O1`` are options of their own."""
     levels: dict[str, int | str] = {"0": 0, "1": 1, "reference": "reference"}
     if text not in levels:
         raise ArgumentTypeError(f"there is no -O{text}: choose -O0, -O1 or -O reference")

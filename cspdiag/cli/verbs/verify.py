@@ -83,7 +83,7 @@ def _positive(text: str) -> float:
 
 
 def run(arguments: Namespace) -> int:
-    """Prove, and tell; the exit code says whether everything was proved."""
+    """Prove, and report; the exit code says whether everything was proved."""
     if arguments.timing or arguments.gantt is not None or arguments.wcet_from is not None:
         from cspdiag.cli.verbs.verify_timing import run_timing
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def run_timing(arguments: Namespace) -> int:
-    """Analyse the program, tell what was found, draw the schedule; fine where every deadline is proved to be met."""
+    """Analyse the program, report what was found, draw the schedule; fine where every deadline is proved to be met."""
     _check_options(arguments)
     measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
     built = _built(arguments)

@@ -1,6 +1,6 @@
 """Networks as Promela models, for SPIN.
 
-The state of every component is a variable, and every event one indivisible step that asks for and changes the states of
+The state of every component is a variable, and every event one indivisible step that tests and changes the states of
 all its parties. So an event with any number of parties needs no protocol, and SPIN stores exactly the states of the
 transition system: one more for each in which everything has ended.
 """

@@ -42,7 +42,7 @@ _MET: Mapping[FlowKind, str] = {
     "var": "a variable",
     "sync": "a rendezvous",
     "broadcast": "a broadcast",
-    "any": "whoever is there first",
+    "any": "the first one there",
     "buffer": "a buffer",
     "overwrite": "an overwriting buffer",
     "sampled": "the sample clock",

@@ -25,7 +25,7 @@ _KINDS: tuple[tuple[symbols.Symbol, str], ...] = (
     ("sync", "rendezvous"),
     ("var", "variable: the last value written"),
     ("broadcast", "broadcast: each reader gets every value"),
-    ("any", "any: whoever is there first"),
+    ("any", "any: the first one there"),
     ("buffer", "buffer"),
     ("overwrite", "overwriting buffer"),
     ("sampled", "sampled at the period @"),

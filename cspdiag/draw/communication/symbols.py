@@ -1,4 +1,4 @@
-"""The shapes of communication diagrams: told from each other without colour."""
+"""The shapes of communication diagrams: distinguishable without colour."""
 
 from __future__ import annotations
 

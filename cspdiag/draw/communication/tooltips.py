@@ -28,7 +28,7 @@ def box_tooltip(box: Box) -> str:
     """An instance, with its arguments and what its definition says."""
     size = f"[{box.size}]" if box.size else ""
     arguments = f"({', '.join(box.arguments)})" if box.arguments else ""
-    return _told(
+    return _lines(
         f"{box.kind} {box.key}{size} : {box.definition}{arguments}",
         f"runs every {_durations(box.samples)}" if box.samples else "",
         f"hand-written in {box.language}" if box.language else "",
@@ -43,7 +43,7 @@ def port_tooltip(port: BoxPort) -> str:
     default = f" = {port.default}" if port.default is not None else ""
     period = f" @ {port.period}" if port.period else ""
     state = "" if port.is_connected else "left to its default" if port.default is not None else "not connected"
-    return _told(
+    return _lines(
         f"{port.direction} {port.key} : {port.type}{default}{period}",
         f"every {_durations(port.periods)}" if port.periods else "",
         state,
@@ -55,7 +55,7 @@ def port_tooltip(port: BoxPort) -> str:
 def parent_port_tooltip(port: ParentPort) -> str:
     """A port of the process that is drawn."""
     period = f" @ {port.period}" if port.period else ""
-    return _told(
+    return _lines(
         f"{port.direction} {port.key}{port.size or ''} : {port.type}{period}",
         f"every {_durations(port.periods)}" if port.periods else "",
         "handed over at once" if port.immediate else "",
@@ -72,7 +72,7 @@ def store_tooltip(store: Store) -> str:
     initial = f" = {store.initial}" if store.initial else ""
     what = "variable" if store.form == "label" else store.form
     kinds = "" if store.form != "channel" else _kinds(store.kinds)
-    return _told(f"{what} {store.key} : {store.type}{initial}", kinds, _words(store.doc), _place(store))
+    return _lines(f"{what} {store.key} : {store.type}{initial}", kinds, _words(store.doc), _place(store))
 
 
 def arrow_tooltip(arrow: Arrow) -> str:
@@ -80,7 +80,7 @@ def arrow_tooltip(arrow: Arrow) -> str:
     ends = f"{', '.join(map(str, arrow.sources))} → {', '.join(map(str, arrow.sinks))}"
     named = f"{arrow.label or ''}{f' : {arrow.type}' if arrow.type else ''}".strip()
     capacity = f" {arrow.capacity}" if arrow.capacity else ""
-    return _told(
+    return _lines(
         named,
         ends,
         "read or written by the process itself" if arrow.by_composition else "",
@@ -92,7 +92,7 @@ def arrow_tooltip(arrow: Arrow) -> str:
     )
 
 
-def _told(*parts: str) -> str:
+def _lines(*parts: str) -> str:
     return "\n".join(part for part in parts if part)
 
 

@@ -35,7 +35,7 @@ _MIDDLE = Point(SAMPLE / 2, ROW / 2)
 
 
 def explanations(diagram: CompositionDiagram) -> Iterator[Entry]:
-    """The entries of the legend, always in the same order; a sequence is told by its arrows."""
+    """The entries of the legend, always in the same order; a sequence is shown by its arrows."""
     elements = list(diagram.elements())
     operators = {(each.operator, each.prioritized) for each in elements if isinstance(each, Chain | Replication)}
     for (operator, prioritized), words in _OPERATORS.items():

@@ -68,7 +68,7 @@ def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def definition_at(program: Program, path: Sequence[str]) -> ast.ProcessDefinition | None:
-    """The definition of the process at a path that begins with the outermost one; None where there is none."""
+    """The definition of the process at a path that begins with the outermost one; None if it is unknown."""
     definition = program.definitions.get(path[0])
     for part in path[1:]:
         if not isinstance(definition, ast.ProcessDefinition) or definition.communication is None:
@@ -110,7 +110,7 @@ def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[StuckPr
     for arrow in diagram.arrows:
         ends = (*arrow.sources, *arrow.sinks)
         names = {arrow.label, *(_INDEX.sub("", str(end)).replace("..", ".") for end in ends)}
-        found = [note for name, told in channels.items() if name in names for note in told]
+        found = [note for name, notes in channels.items() if name in names for note in notes]
         if found:
             mark = Mark("highlighted", (), "\n".join(found))
             marks[arrow.key] = mark

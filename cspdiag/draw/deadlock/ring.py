@@ -24,7 +24,7 @@ _ACROSS = 56.0
 _DOWN = 44.0
 """Between the boxes of a ring, from left to right and from top to bottom."""
 _COMPOSITIONS = 4
-"""So many compositions are shown."""
+"""At most this number of compositions are shown."""
 _COLUMNS = 6
 """A ring grows downwards beyond these."""
 _PADDING = 12.0
@@ -51,7 +51,7 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
     """The ring of waiting processes and, given the program, the communication diagram around them and their
     compositions, with them highlighted.
 
-    Numbers tell which box and which step stands for which process of the ring; a composition is there where it is known
+    Numbers show which box and which step belongs to which process of the ring; a composition is there where it is known
     at which step a process waits. Raises what ``lay_out`` raises.
     """
     ring = draw_ring(deadlock)
@@ -69,12 +69,12 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
 def draw_ring(deadlock: Deadlock) -> Scene:
     """The waiting processes alone, which takes no layout engine."""
     title = (TextRun(deadlock.title, Face.BOLD, Ink.ACCENT), TextRun(f" in {deadlock.top}"))
-    told = (
+    explained = (
         "each process waits for the one that its arrow leads to"
         if deadlock.cycle
         else "nothing that a process waits for can come any more"
     )
-    parts: list[Item] = [heading(title, told)]
+    parts: list[Item] = [heading(title, explained)]
     if deadlock.cycle:
         parts.append(Group("ring", tuple(_ring(deadlock.cycle, deadlock.top))))
         if deadlock.besides:
@@ -87,7 +87,7 @@ def draw_ring(deadlock: Deadlock) -> Scene:
         room = bounds(part)
         placed.append(moved(part, -room.x, y - room.y))
         y += room.height + 22
-    return fitted(placed, title=deadlock.title, description=told, name="deadlock")
+    return fitted(placed, title=deadlock.title, description=explained, name="deadlock")
 
 
 def _ring(cycle: Sequence[StuckProcess], top: str) -> Iterator[Item]:

@@ -36,7 +36,7 @@ class Change:
     """One difference. ``definition`` is the definition it is in, ``kind`` what that is (``process``); ``subject`` and
     ``name`` are empty for the definition itself.
 
-    ``aspect`` tells what about a changed part differs; ``before`` and ``after`` are texts, None where there is nothing.
+    ``aspect`` says what about a changed part differs; ``before`` and ``after`` are texts, None where there is nothing.
     """
 
     action: Action

@@ -32,7 +32,7 @@ KINDS: dict[type[ast.Node], str] = {
     ast.DriverDefinition: "driver",
     ast.EnvironmentDefinition: "environment",
 }
-"""What definitions are called, in the order in which changes are told."""
+"""What definitions are called, in the order in which changes are reported."""
 
 
 def definition_parts(definition: ast.Definition) -> Parts:
@@ -165,8 +165,8 @@ def _port_aspects(port: ParentPort, own: set[str]) -> dict[str, str]:
         "safe value": port.safe or "",
     }
     if port.period and port.period not in own:
-        # The period as it works out, which a constant may change from afar; that of a parameter is told where its value
-        # is given.
+        # The period as it works out, which a constant may change from afar; that of a parameter is reported where its
+        # value is given.
         aspects["period"] = " or ".join(duration(period) for period in port.periods) or port.period
     return aspects
 

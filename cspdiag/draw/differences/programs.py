@@ -217,7 +217,7 @@ class _Comparison:
 def _composition_changes(
     composition: Compared, old: ast.Definition, new: ast.Definition, whole: Change
 ) -> list[Change]:
-    """The change of the whole composition, and each of its steps; nothing where the two are the same."""
+    """The change of the whole composition, and each of its steps; nothing if the two are the same."""
     if (
         not composition.changes
         or not isinstance(old, ast.ProcessDefinition)

@@ -10,7 +10,7 @@ SIGNS: dict[Action, str] = {"added": "+", "removed": "-", "changed": "~", "renam
 _COLOURS: dict[Action, str] = {"added": "32", "removed": "31", "changed": "33", "renamed": "33"}
 
 WHOLE = 160
-"""Characters of the compositions before and after that are told together."""
+"""Characters of the compositions before and after that are shown together."""
 LONGEST = 60
 """Characters of the name of a changed connection that are shown."""
 
@@ -33,7 +33,7 @@ def render(changes: Iterable[Change], *, colour: bool = False) -> str:
 
 
 def reported(changes: Iterable[Change]) -> list[Change]:
-    """The changes without those that others say as well: a short composition is told as a whole, a long one by its
+    """The changes without those that others include: a short composition is reported as a whole, a long one by its
     steps.
     """
     given = list(changes)

@@ -54,7 +54,7 @@ class Box(Element):
 
     ``size`` is what is written between the brackets of an array (``8``, ``i < 8``). ``language`` is that of a
     hand-written body. ``samples`` are the periods in nanoseconds at which a submodel runs. ``inside`` is drawn within
-    the box where that was asked for.
+    the box where that was requested.
     """
 
     kind: BoxKind

@@ -64,7 +64,7 @@ def _related(
 
 
 def mark_of_rest(diagnostics: Mapping[int, Diagnostic], placed: Iterable[Mark]) -> dict[str, Mark]:
-    """The mark of the whole diagram for the diagnostics that belong to none of the elements that were marked."""
+    """The mark of the diagram for the diagnostics that belong to none of the marked elements."""
     numbers = {number for mark in placed if mark.kind != "highlighted" for number in mark.numbers}
     rest = [number for number in diagnostics if number not in numbers]
     return {WHOLE: _mark([diagnostics[number] for number in rest], rest)} if rest else {}

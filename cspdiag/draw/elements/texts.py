@@ -67,5 +67,5 @@ def arguments(items: Iterable[ast.Argument]) -> tuple[str, ...]:
 
 
 def kind(item: ast.Kind | None) -> tuple[str | None, str | None]:
-    """The kind that was asked for and its capacity."""
+    """The requested kind and its capacity."""
     return (None, None) if item is None else (item.name, optional(item.capacity))

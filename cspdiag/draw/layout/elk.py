@@ -27,8 +27,8 @@ def engine_available() -> bool:
 def lay_out(graph: Graph) -> Layout:
     """Where everything goes.
 
-    Raises LayoutError where the engine fails, MissingToolError where there is none, and ValueError for a graph that is
-    not one.
+    Raises LayoutError where the engine fails, MissingToolError if it is not installed, and ValueError for a graph that
+    is not one.
     """
     question = make_question(graph)
     try:

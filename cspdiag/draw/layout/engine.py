@@ -29,26 +29,26 @@ var clearTimeout = function () {}, clearInterval = clearTimeout;
 var console = { log: function () {}, warn: function () {}, error: function () {} };
 var module = { exports: {} }, exports = module.exports;
 """
-"""What elkjs expects around it: a worker that is asked by messages."""
+"""What elkjs expects around it: a worker that receives messages."""
 
 _WORKER = """
 var answer = null, worker = new module.exports.Worker();
 worker.onmessage = function (message) { answer = message.data; };
 worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
-var told = function () {
+var reply = function () {
   var error = answer.error;
   return JSON.stringify(error ? { error: String(error.message || error) } : answer);
 };
 """
-"""Errors of elkjs refer to themselves, so that only their message can be told."""
+"""Errors of elkjs refer to themselves, so only their message can be passed on."""
 
 _NODE = """
 const { Worker } = require(process.argv[1]);
 const worker = new Worker();
-let asked = false;
+let requested = false;
 worker.onmessage = (message) => {
-  if (!asked) {
-    asked = true;
+  if (!requested) {
+    requested = true;
     const graph = JSON.parse(require("fs").readFileSync(0, "utf8"));
     worker.postMessage({ id: 1, cmd: "layout", graph, layoutOptions: {}, options: {} });
   } else {
@@ -160,7 +160,7 @@ def _ask(context: Any, graph: str) -> str:
             "options: {} })"
         )
         _finish_jobs(context)
-        text = context.eval("told()")
+        text = context.eval("reply()")
     except quickjs.JSException as problem:
         raise LayoutError(f"the layout failed: {problem}") from None
     return str(text)

@@ -1,6 +1,6 @@
 """What is laid out, and the layout that comes out of it.
 
-The records know sizes, not looks: whoever makes a graph has measured its texts. Identifiers are unique in the whole
+The records know sizes, not looks: the maker of a graph has measured its texts. Identifiers are unique in the whole
 graph, ports and labels included. Lengths are in pixels, places are absolute.
 """
 
@@ -161,7 +161,7 @@ class Layout:
     ports: Mapping[str, Point] = EMPTY
     """The points on the border where edges end."""
     sides: Mapping[str, Side] = EMPTY
-    """The sides of their nodes at which the ports came to stand."""
+    """The sides of their nodes at which the ports were placed."""
     labels: Mapping[str, Rectangle] = EMPTY
     routes: Mapping[str, Route] = EMPTY
 

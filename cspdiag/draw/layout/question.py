@@ -155,7 +155,7 @@ def _node(question: ElkGraph, node: Node) -> Json:
     made: Json = {"id": node.id, "layoutOptions": options, "individualSpacings": spacings, "ports": _ports(node)}
     if node.children:
         padding = sizes.children_padding(node)
-        # What a graph is told does not hold for the graphs inside its nodes.
+        # Options of a graph do not apply to the graphs inside its nodes.
         options |= _options(question) | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
         options["elk.padding"] = (
             f"[top={padding.top},left={padding.left},bottom={padding.bottom},right={padding.right}]"

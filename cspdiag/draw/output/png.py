@@ -13,7 +13,7 @@ from cspdiag.draw.scene.text_metrics import is_measured
 from cspdiag.draw.scene.typefaces import typefaces
 
 LARGEST = 100_000_000
-"""Pixels beyond which a picture is made smaller than it was asked for: a few hundred megabytes of memory."""
+"""Pixels beyond which a picture is made smaller than requested: a few hundred megabytes of memory."""
 
 
 def render_png(scene: Scene, scheme: Scheme = Scheme.LIGHT, *, scale: float = 2.0) -> bytes:

@@ -1,6 +1,6 @@
 """Scenes as SVG: groups with classes and identifiers, tooltips, text as text, colours as CSS custom properties.
 
-The text is the same, to the byte, for the same scene. Every text is told its width, so that it keeps to its room in
+The text is the same, to the byte, for the same scene. Every text is given its width, so that it keeps to its room in
 whatever typeface the viewer has.
 """
 

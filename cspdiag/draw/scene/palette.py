@@ -17,7 +17,7 @@ class Scheme(Enum):
     LIGHT = "light"
     DARK = "dark"
     AUTO = "auto"
-    """As whoever looks at it prefers; light on paper."""
+    """As the viewer prefers; light on paper."""
 
 
 LIGHT: dict[Ink, str] = {

@@ -65,7 +65,7 @@ class Anchor(Enum):
 
 
 class Dash(Enum):
-    """How a line is broken; each is told from the others without colour."""
+    """How a line is broken; each can be distinguished from the others without colour."""
 
     SOLID = "solid"
     DASHED = "dashed"

@@ -65,7 +65,7 @@ def index(typer: ExpressionTyper, node: ast.Index) -> Type:
 
 
 def _owner_symbol(typer: ExpressionTyper, value: ast.Expression) -> Symbol | None:
-    """The enum or the instance that a member is asked of; None for values."""
+    """The enum or the instance that a member belongs to; None for values."""
     base = value
     while isinstance(base, ast.Index):
         base = base.value

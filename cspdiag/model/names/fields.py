@@ -1,4 +1,4 @@
-"""Fields of structs where only whole values can stand: what is to be said of them."""
+"""Diagnostics of fields of structs where only whole values are allowed."""
 
 from __future__ import annotations
 

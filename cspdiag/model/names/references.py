@@ -16,7 +16,7 @@ from cspdiag.syntax import ast
 
 
 def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type, ...]) -> Symbol | None:
-    """Bind the first name of a reference; None, and reported, where there is none.
+    """Bind the first name of a reference; None, and reported, if it is unknown.
 
     ``wanted`` and ``kinds`` are what would fit, for the name that was probably meant.
     """

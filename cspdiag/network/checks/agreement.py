@@ -18,7 +18,7 @@ class Agreement:
         self._refuted: set[tuple[type[Diagnostic], Span, str]] = set()
 
     def found(self, diagnostic: Diagnostic, name: str = "") -> None:
-        """A finding at its place; ``name`` tells several things that are declared at one place."""
+        """A finding at its place; ``name`` distinguishes several things that are declared at one place."""
         self._found.setdefault((type(diagnostic), diagnostic.span, name), diagnostic)
 
     def refuted(self, kind: type[Diagnostic], span: Span, name: str = "") -> None:

@@ -1,7 +1,7 @@
 """Definite assignment: no variable is read before it was written, and no part stands where nothing ever comes.
 
-Of a part that may be abandoned (``interrupt``, ``catch``) it is assumed that it came to its end: how far it came cannot
-be told. That parallel branches share a variable is a race, and reported as one.
+Of a part that may be abandoned (``interrupt``, ``catch``) it is assumed that it ended: how far it got cannot
+be known. That parallel branches share a variable is a race, and reported as one.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class _Process:
         }
 
     def written_by(self, instruction: Instruction) -> int:
-        """An element of an array is as good as the whole: which ones were written cannot be told."""
+        """An element of an array is as good as the whole: which ones were written cannot be known."""
         if isinstance(instruction, Call):
             keys = self._written_by_instance(self.instances[instruction.step.instance])
         else:

@@ -1,4 +1,4 @@
-"""Whether a program surely never comes to its end by itself."""
+"""Whether a program surely never ends by itself."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from cspdiag.syntax import ast
 
 @record
 class _Catch:
-    """A ``catch`` of a declared exception that never comes to it, in one of the shapes of its process."""
+    """A ``catch`` of a declared exception that never reaches it, in one of the shapes of its process."""
 
     process: ast.ProcessDefinition
     is_caught_inside: bool

@@ -153,7 +153,7 @@ def _paces(placed: Placed, read_by_process: frozenset[Key]) -> dict[str, Pace]:
 
 
 def _agrees(placed: Placed, instance: InstanceShape, period: int) -> bool:
-    """Whether the law is connected to nets of this period only; of two, the report has told."""
+    """Whether the law is connected to nets of this period only; two were reported."""
     keys = map(attached_key, instance.attachments.values())
     return all(key is None or placed.period(key) in (None, period) for key in keys)
 

@@ -7,7 +7,7 @@ from cspdiag.base.record import record
 from cspdiag.network.ir.network import Direction
 
 _SHOWN = 5
-"""How many of many names are told."""
+"""How many of many names are shown."""
 
 
 def _listed(names: list[str]) -> str:

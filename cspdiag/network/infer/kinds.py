@@ -17,13 +17,13 @@ from cspdiag.network.shapes import ChannelShape, Key, RequestedKind, Shape, atta
 from cspdiag.syntax import ast
 
 RequestedKinds: TypeAlias = "dict[Key, dict[str, RequestedKind]]"
-"""For every port and channel the kinds that relationships ask for, at this process and inside its instances."""
+"""For every port and channel the kinds that relationships request, at this process and inside its instances."""
 
 _NOBODY = Uses()
 
 
 def requested_kinds(shape: Shape, inside: Mapping[Shape, RequestedKinds]) -> RequestedKinds:
-    """The kinds asked for at the ports and channels of a shape; ``inside`` has those of its instances."""
+    """The kinds requested at the ports and channels of a shape; ``inside`` has those of its instances."""
     requested: RequestedKinds = {key: {kind.name: kind for kind in kinds} for key, kinds in shape.requested.items()}
     for channel in shape.channels.values():
         if channel.requested is not None:
@@ -122,7 +122,7 @@ def _check_several(channel: ChannelShape, use: Uses, word: str | None, report: R
 
 
 def _of_two(pair: Pair | None) -> Pair | None:
-    """A pair of different users: that an instance runs twice at the same time is told where it runs."""
+    """A pair of different users: that an instance runs twice at the same time is reported where it runs."""
     if pair is None:
         return None
     one, other = pair

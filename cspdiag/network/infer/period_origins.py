@@ -22,7 +22,7 @@ Refused = tuple[int, Span]
 
 
 class PeriodOrigins:
-    """Finds the origin of every refused period; each is told once, with the outermost port that uses it."""
+    """Finds the origin of every refused period; each is reported once, with the outermost port that uses it."""
 
     def __init__(self, program: Program, refused: Mapping[Shape, list[tuple[ast.Expression, int]]]) -> None:
         self.program = program

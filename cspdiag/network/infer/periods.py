@@ -21,14 +21,14 @@ class Rate:
     """A sample period in nanoseconds, or UNKNOWN_PERIOD, and the port that says it."""
 
     period: int
-    said: Span
+    declared: Span
 
 
 Rates: TypeAlias = "dict[Key, Rate]"
 
 
 def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Rates:
-    """The periods said at the ports and channels of a shape, by itself or by ports of its instances."""
+    """The periods declared at the ports and channels of a shape, by itself or by ports of its instances."""
     rates: Rates = {}
     for port, _, key in shape.port_elements():
         if port.period is not None:
@@ -44,16 +44,16 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
                 continue
             known = rates.setdefault(net, rate)
             if UNKNOWN_PERIOD in (known.period, rate.period):
-                rates[net] = Rate(UNKNOWN_PERIOD, known.said)
+                rates[net] = Rate(UNKNOWN_PERIOD, known.declared)
             elif known.period != rate.period:
                 report.add(
                     PeriodsDisagree(
                         span=attached.span,
                         net=net,
                         one=known.period,
-                        one_span=known.said,
+                        one_span=known.declared,
                         other=rate.period,
-                        other_span=rate.said,
+                        other_span=rate.declared,
                     )
                 )
     return rates
@@ -64,11 +64,12 @@ def check_event_ports(shape: Shape, rates: Rates, report: Report) -> None:
     for port, _, key in shape.port_elements():
         rate = rates.get(key)
         if port.period is None and rate is not None and rate.period != UNKNOWN_PERIOD:
-            report.add(SampledInsideOnly(span=port.span, port=key, period=rate.period, inner=rate.said))
+            report.add(SampledInsideOnly(span=port.span, port=key, period=rate.period, inner=rate.declared))
 
 
 class Samples:
-    """The sample period of each submodel instance of a shape, in nanoseconds; nothing for those where nothing tells.
+    """The sample period of each submodel instance of a shape, in nanoseconds; nothing for those where nothing defines
+    it.
 
     ``unknown``: the instances that have a period which is not known.
     """
@@ -130,7 +131,7 @@ class Samples:
     def _place(self, instance: InstanceShape, key: Key) -> Span:
         rate = self.rates.get(key)
         if rate is not None:
-            return rate.said
+            return rate.declared
         return next(a.span for a in instance.attachments.values() if attached_key(a) == key)
 
     def _spread(self, submodels: list[InstanceShape], pending: list[InstanceShape]) -> None:

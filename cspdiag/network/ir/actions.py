@@ -29,7 +29,7 @@ else:
 class PortEnd:
     """A port of the enclosing process class; ``index`` counts in an array of ports.
 
-    ``end`` tells apart the ends of a port that parallel parts of this process read (each takes every sample or
+    ``end`` distinguishes the ends of a port that parallel parts of this process read (each takes every sample or
     broadcast value for itself); parts in sequence share an end.
     """
 

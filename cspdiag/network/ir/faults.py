@@ -36,7 +36,7 @@ def may_fault(expression: Expression) -> bool:
     """Whether evaluating the expression can fault.
 
     Overflow of whole numbers, division by zero (also of reals), conversions out of range and indexes out of range are
-    faults, and so is the value of a variable that was not written, which is not looked at here: whoever moves an
+    faults, and so is the value of a variable that was not written, which is not considered here: a pass that moves an
     expression over a write of its variables has to know.
     """
     return any(map(operation_may_fault, walk(expression)))

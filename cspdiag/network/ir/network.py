@@ -33,7 +33,7 @@ MediumKind: TypeAlias = Literal[
 class ClassParameter(Declared):
     """A constant that an instance is given.
 
-    ``derived`` tells what the compiler added: the sample period (name ``sample``, type double, in seconds),
+    ``derived`` says what the compiler added: the sample period (name ``sample``, type double, in seconds),
     coefficients of discretized operators, and constants passed on to instances inside.
     """
 
@@ -55,7 +55,7 @@ class Medium:
 
     ``kind`` is that of the channel, or for ports that reach the outside ``sampled`` and ``event`` (inputs), ``latched``
     (a sampled output), ``direct`` (an event output, or an immediate one), or ``constant`` and ``discard``.
-    ``guarded_reads`` and ``guarded_writes`` tell whether any alternative or interrupt has a guard on that side of the
+    ``guarded_reads`` and ``guarded_writes`` say whether any alternative or interrupt has a guard on that side of the
     channel, anywhere.
     """
 
@@ -164,7 +164,7 @@ class ProcessClass(Declared, Generic[A_co]):
 
     The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and
     ``states``, those of control laws that were inlined, and ``creation``: reading ends, instances and the names of
-    alternatives in the order in which they come to be without those passes, which decides who is served first where
+    alternatives in the order in which they are created without those passes, which decides who is served first where
     several wait for one event.
     """
 

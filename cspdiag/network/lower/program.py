@@ -159,7 +159,7 @@ def selection(
 ) -> tuple[ast.ProcessDefinition, tuple[ast.EnvironmentDefinition, ...]]:
     """The outermost process and its environments, the chosen one first; see ``lower``.
 
-    Others, where none was asked for by name, are those that give the process the same arguments. Raises SelectionError.
+    Others, if none was requested by name, are those that give the process the same arguments. Raises SelectionError.
     """
     chosen = _chosen_environment(program, top, environment)
     if environment is not None and chosen is None:

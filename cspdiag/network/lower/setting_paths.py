@@ -1,6 +1,6 @@
 """Paths to parameters of instances, as settings write them: ``follow.law.kp``, ``philosopher[3].id``.
 
-A path begins inside an outermost process or an environment. What is asked here goes by the text alone; how many
+A path begins inside an outermost process or an environment. What is decided here follows from the text alone; how many
 elements an array has is known only when the program is elaborated.
 """
 

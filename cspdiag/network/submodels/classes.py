@@ -55,7 +55,7 @@ def flatten(
     """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
 
     The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
-    where something is wrong that was reported. ``environment`` tells that there is a ``time``. ``overrides`` are values
+    where something is wrong that was reported. ``environment`` says that there is a ``time``. ``overrides`` are values
     of parameters of the instances inside, by path.
     """
     draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, overrides=overrides)

@@ -135,7 +135,7 @@ class Draft:
         equation = self.equations.get(name.name)
         if not isinstance(equation, SubmodelEquation):
             return None
-        # Whoever meets the name again on the way to its value is in a loop, which is reported elsewhere.
+        # If the name occurs again on the way to its value, that is a loop, which is reported elsewhere.
         self._values[name.name] = None
         value = self._values[name.name] = self.value_of(equation.value)
         if value is None:

@@ -51,7 +51,7 @@ class Inlining(SubmodelSignals):
         return self.inner.get(name)
 
     def refuse_instance(self, name: str, indexes: Sequence[ast.Expression]) -> None:
-        """There is no such instance inside this one; where it is none of an array that is told."""
+        """There is no such instance inside this one; one of an array is reported."""
         self.draft.complete = False
         for item in self.definition.items:
             if isinstance(item, ast.Instance) and item.name.text == name and item.size is not None and indexes:

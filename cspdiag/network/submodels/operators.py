@@ -93,7 +93,7 @@ def _constant(draft: Draft, use: Application, name: str, value: Expression) -> E
 
 
 def _initial(draft: Draft, use: Application) -> Expression:
-    """The argument ``init``, zero where there is none."""
+    """The argument ``init``, zero if it is missing."""
     return use.arguments.get("init", number(0.0, use.type))
 
 

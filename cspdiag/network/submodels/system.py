@@ -91,7 +91,7 @@ def _computed_first(
 
 
 def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
-    """A loop, told from the outermost of its equations on; what the compiler named is shown as it was written."""
+    """A loop, from the outermost of its equations on; what the compiler named is shown as it was written."""
     start = min(range(len(loop)), key=lambda index: loop[index].name.count("."))
     turned = loop[start:] + loop[:start]
     places = tuple((draft.written.get(item.name, item.name), item.span) for item in turned)

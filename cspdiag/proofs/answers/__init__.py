@@ -1,1 +1,1 @@
-"""Assertions: what is asked of a process, and what the proofs answer."""
+"""Assertions: the questions about a process, and what the proofs answer."""

@@ -20,7 +20,7 @@ class Answer:
     """A verdict on a question, with what people need to believe it.
 
     ``reason`` is a sentence: why it holds, or why nothing is known. ``candidate`` are the lines of a state that could
-    not be excluded. ``abstractions`` are what the transition system leaves open; ``replayed`` tells whether the program
+    not be excluded. ``abstractions`` are what the transition system leaves open; ``replayed`` says whether the program
     itself was stepped through the counterexample.
     """
 

@@ -63,7 +63,7 @@ def _said(names: list[str], words: str) -> str:
 
 
 def diagnostics_of(answers: Iterable[Answer]) -> list[Diagnostic]:
-    """What is wrong with all that was asked."""
+    """What is wrong in all the answers."""
     return [found for answer in answers if (found := diagnostic_of(answer)) is not None]
 
 

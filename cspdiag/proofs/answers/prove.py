@@ -1,4 +1,4 @@
-"""From a question to an answer: which proof is asked, and what its verdict means."""
+"""From a question to an answer: which proof is used, and what its verdict means."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
 
 
 def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
-    """The process in question and its specification, if there is one: of the inputs that this one tells apart, both
+    """The process in question and its specification, if there is one: of the inputs that this one distinguishes, both
     have the same values.
     """
     if question.specification is None:

@@ -1,4 +1,4 @@
-"""What is asked: an assertion of the text, or what is asked of a program that asserts nothing."""
+"""A question: an assertion of the text, or what is expected of a program that asserts nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.syntax import ast
 Property: TypeAlias = Literal["deadlock free", "livelock free", "terminates", "schedulable", "refines"]
 
 EXPECTED: tuple[Property, ...] = ("deadlock free", "livelock free")
-"""What a process is expected to be without being asked."""
+"""What a process is expected to be without an assertion."""
 
 
 @record
@@ -66,14 +66,14 @@ def questions_of(program: Program, process: str | None = None) -> tuple[Question
 
 
 def expected_of(program: Program, process: str) -> tuple[Question, ...]:
-    """What is asked of a process about which nothing is asserted: freedom from deadlock and from livelock."""
+    """What is expected of a process about which nothing is asserted: freedom from deadlock and from livelock."""
     definition = program.definitions[process]
     assert isinstance(definition, ast.ProcessDefinition)
     return tuple(Question(process, expected, definition.name.span, asserted=False) for expected in EXPECTED)
 
 
 def schedulability_of(program: Program, process: str) -> Question:
-    """Whether a process is schedulable, as the text asserts it or, where it does not, as it is asked anyway."""
+    """Whether a process is schedulable, as the text asserts it or, where it does not, as an expectation."""
     asserted = (question for question in questions_of(program, process) if question.claim == "schedulable")
     return next(asserted, Question(process, "schedulable", program.definitions[process].name.span, asserted=False))
 

@@ -20,7 +20,7 @@ def schedulable(question: Question, network: CoreNetwork) -> Answer:
 
 
 def answer_of(question: Question, report: TimingReport, seconds: float) -> Answer:
-    """What a timing report, made in so many seconds, says to the question."""
+    """The answer of a timing report, made in this number of seconds, to the question."""
     outcomes: dict[bool | None, Outcome] = {True: "proved", False: "refuted", None: "unknown"}
     found = diagnostic_of(report, question.span)
     return Answer(question, outcomes[report.is_schedulable], None, report.reason, seconds, found=found)

@@ -30,8 +30,8 @@ def summary(answers: Sequence[Answer]) -> str:
     """``3 assertions: 2 proved, 1 refuted in 0.31 s``."""
     counts = Counter(answer.outcome for answer in answers)
     listed = ", ".join(f"{counts[outcome]} {outcome}" for outcome in _COLOURS if counts[outcome])
-    asked = "assertion" if all(answer.question.asserted for answer in answers) else "property"
-    plural = {"assertion": "assertions", "property": "properties"}[asked] if len(answers) != 1 else asked
+    singular = "assertion" if all(answer.question.asserted for answer in answers) else "property"
+    plural = {"assertion": "assertions", "property": "properties"}[singular] if len(answers) != 1 else singular
     return f"{len(answers)} {plural}: {listed} in {sum(answer.seconds for answer in answers):.2f} s"
 
 
@@ -49,7 +49,7 @@ def _lines(answer: Answer, colour: bool) -> Iterator[str]:
     # The last two lines count diagnostics; here answers are counted.
     yield from drawn[:-2]
     if answer.counterexample is not None:
-        yield from _told(answer)
+        yield from _explanation(answer)
     if answer.abstractions and answer.outcome == "unknown":
         yield "  left open in the proof:"
         for abstraction in answer.abstractions[:_MOST_ABSTRACTIONS]:
@@ -63,7 +63,7 @@ def _lines(answer: Answer, colour: bool) -> Iterator[str]:
 _MOST_ABSTRACTIONS = 6
 
 
-def _told(answer: Answer) -> Iterator[str]:
+def _explanation(answer: Answer) -> Iterator[str]:
     assert answer.counterexample is not None
     steps = table(answer.counterexample)
     if steps:

@@ -2,8 +2,8 @@
 
 A loop in which a process makes requests as well as serving them is what closes circles in client-server networks
 (Welch, Justo and Willcock, "High-level paradigms for deadlock-free high-performance systems", 1993; Martin and Jassim,
-"How to design deadlock-free networks using CSP and verification tools", 1997): it may serve before it asks, or whenever
-it is asked.
+"How to design deadlock-free networks using CSP and verification tools", 1997): it may serve before it requests, or
+whenever it is requested.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "can
 
 
 def is_shown(kind: str, parties: int) -> bool:
-    """Whether people are told a step of a kind in which so many take part."""
+    """Whether people are shown a step of a kind in which this number of parties take part."""
     return kind not in SILENT or (kind == "ready" and parties > 1)
 
 
@@ -50,7 +50,7 @@ class Step:
 
     @property
     def shown(self) -> bool:
-        """Whether people are told, also of a guard of an interrupt that is seen to be ready."""
+        """Whether people are shown it, also of a guard of an interrupt that is seen to be ready."""
         return is_shown(self.kind, len(self.parties))
 
 

@@ -1,4 +1,4 @@
-"""Rounds of loops that a counterexample goes round many times, told once."""
+"""Rounds of loops that a counterexample repeats many times, shown once."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party,
 LONGEST = 24
 """A round of more steps is not found."""
 FEWEST = 8
-"""Rounds of the trace itself are told one by one where they are fewer; the first and the last one always are."""
+"""Rounds of the trace itself are shown one by one where they are fewer; the first and the last one always are."""
 
 
 @record
 class Repeated:
-    """Steps that follow each other so many times."""
+    """Steps that are repeated a number of times."""
 
     times: int
     steps: tuple[Step, ...]

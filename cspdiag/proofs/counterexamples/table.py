@@ -26,7 +26,7 @@ def table(found: Counterexample, width: int = 120) -> str:
     if not names:
         return silent
     files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
-    rows = list(_rows((*steps, *cycle), names, found.process, told_files=len(files) > 1))
+    rows = list(_rows((*steps, *cycle), names, found.process, shows_files=len(files) > 1))
     lines = _aligned([["", "", *names], *rows])
     legend = [f"lines of {printable(file)}" for file in files] if len(files) == 1 else []
     legend.append(_key(cell for row in rows for cell in row[2:]))
@@ -51,17 +51,17 @@ def _key(cells: Iterable[str]) -> str:
     return ", ".join(f"{mark} {meaning}" for mark, meaning in _MARKS.items() if mark in marks)
 
 
-def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, told_files: bool) -> Iterator[list[str]]:
+def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, shows_files: bool) -> Iterator[list[str]]:
     """A row for each step, or for all rounds of a loop; steps are counted one by one."""
     number = 1
     for part in shortened(steps):
         last = number + part.times * len(part.steps) - 1
         if part.times > 1:
-            at = {party.name: _place(party, told_files) for step in reversed(part.steps) for party in step.parties}
+            at = {party.name: _place(party, shows_files) for step in reversed(part.steps) for party in step.parties}
             cells = (f"*{at[name]}" if name in at else "" for name in names)
             yield [f"{number}-{last}", f"{part.times} more rounds{_given(part, process)}", *cells]
         else:
-            yield _row(number, part.steps[0], names, process, told_files)
+            yield _row(number, part.steps[0], names, process, shows_files)
         number = last + 1
 
 
@@ -70,9 +70,9 @@ def _given(part: Repeated, process: str) -> str:
     return "".join(f", {step.channel.removeprefix(f'{process}.')} {step.value}" for step in part.steps if step.value)
 
 
-def _row(number: int, step: Step, names: Sequence[str], process: str, told_files: bool) -> list[str]:
+def _row(number: int, step: Step, names: Sequence[str], process: str, shows_files: bool) -> list[str]:
     taking_part = {party.name: party for party in step.parties}
-    cells = (_cell(step, taking_part[name], told_files) if name in taking_part else "" for name in names)
+    cells = (_cell(step, taking_part[name], shows_files) if name in taking_part else "" for name in names)
     return [str(number), event_text(step, process), *cells]
 
 
@@ -85,15 +85,15 @@ def event_text(step: Step, process: str) -> str:
     return " ".join(filter(None, (_KINDS.get(step.kind, ""), channel))) + value
 
 
-def _cell(step: Step, party: Party, told_file: bool) -> str:
-    return f"{_direction(step, party)}{_place(party, told_file)}"
+def _cell(step: Step, party: Party, shows_file: bool) -> str:
+    return f"{_direction(step, party)}{_place(party, shows_file)}"
 
 
-def _place(party: Party, told_file: bool) -> str:
+def _place(party: Party, shows_file: bool) -> str:
     if party.span is None:
         return ""
     return (
-        f" {on_one_line(party.span.file).rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
+        f" {on_one_line(party.span.file).rpartition('/')[2]}:{party.span.line}" if shows_file else str(party.span.line)
     )
 
 
@@ -102,14 +102,14 @@ def _direction(step: Step, party: Party) -> str:
         return "*"
     if party.role:
         return party.role
-    told = _told_direction(party)
+    direction = _known_direction(party)
     others = [other for other in step.parties if other is not party]
-    if told is None and len(others) == 1 and step.kind == "communication":
-        return {"!": "?", "?": "!"}.get(_told_direction(others[0]) or "", "*")
-    return told or "*"
+    if direction is None and len(others) == 1 and step.kind == "communication":
+        return {"!": "?", "?": "!"}.get(_known_direction(others[0]) or "", "*")
+    return direction or "*"
 
 
-def _told_direction(party: Party) -> str | None:
+def _known_direction(party: Party) -> str | None:
     if "to write" in party.words:
         return None if "to read" in party.words else "!"
     return "?" if "to read" in party.words else None

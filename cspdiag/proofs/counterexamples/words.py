@@ -9,7 +9,7 @@ from cspdiag.proofs.counterexamples.table import event_text
 
 MOST_OTHERS = 8
 MOST_STEPS = 5
-"""So many steps of a counterexample are told in a sentence."""
+"""This number of steps of a counterexample is shown in a sentence."""
 
 
 def supposed_lines(found: Counterexample) -> Iterator[str]:
@@ -31,19 +31,19 @@ def _alone(step: Step) -> str:
 
 def waiting_lines(found: Counterexample, *, supposed: bool = False) -> Iterator[str]:
     """A line for each process that never goes on, those that wait for each other first; ``supposed`` where no run was
-    found that comes to it.
+    found that leads to it.
     """
     by_name = {entry.name: entry for entry in found.waiting}
     following = (*found.ring[1:], *found.ring[:1])
     for name, partner in zip(found.ring, following, strict=True):
-        yield f"{_told(by_name[name])}, for `{partner}`"
+        yield f"{_explained(by_name[name])}, for `{partner}`"
     others = [entry for entry in found.waiting if entry.name not in found.ring]
     for entry in others[:MOST_OTHERS]:
         partners = listed(entry.partners[:MOST_OTHERS])
         if entry.partners and entry.ended == entry.partners:
             have = "would have" if supposed else "has" if len(entry.ended) == 1 else "have"
             partners += f", which {have} ended"
-        yield f"{_told(entry)}, for {partners}" if partners else _told(entry)
+        yield f"{_explained(entry)}, for {partners}" if partners else _explained(entry)
     if len(others) > MOST_OTHERS:
         yield f"and {len(others) - MOST_OTHERS} more"
 
@@ -53,7 +53,7 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names)
 
 
-def _told(entry: BlockedProcess) -> str:
+def _explained(entry: BlockedProcess) -> str:
     place = "" if entry.span is None else f" ({entry.span})"
     return f"`{entry.name}` {entry.words}{place}"
 

@@ -176,7 +176,7 @@ def _without_ends(states: int, sources: Edges, targets: Edges, limits: Limits) -
 
 
 def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limits) -> Endless:
-    """The cycle that a walk through the states left comes to, and a shortest trace to it."""
+    """The cycle that a walk through the remaining states reaches, and a shortest trace to it."""
     endless = set(left.tolist())
     sets = ClosedSets(part, limits)
 

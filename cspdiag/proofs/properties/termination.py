@@ -1,4 +1,4 @@
-"""Termination: every run comes to an end in which all processes have ended, whatever the environment offers, provided
+"""Termination: every run reaches an end in which all processes have ended, whatever the environment offers, provided
 it does not stop offering.
 """
 

@@ -1,4 +1,4 @@
-"""What a specification sees of an event: the port that it passes, and the value where both sides tell values apart."""
+"""What a specification sees of an event: the port that it passes, and the value where both sides distinguish values."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ END: Label = ("", None)
 
 @record
 class Labels:
-    """The labels of a process's events as its specification tells them apart; those of ``hidden`` ports have none."""
+    """The labels of a process's events as its specification distinguishes them; those of ``hidden`` ports have none."""
 
     specification: System
     hidden: Collection[str] = ()
 
     @cached_property
     def told_apart(self) -> frozenset[str]:
-        """The ports of which the specification tells values apart."""
+        """The ports of which the specification distinguishes values."""
         return frozenset(
             port(event)
             for event in self.specification.events

@@ -69,7 +69,7 @@ def _refines(
 
 
 def _up_to_missed_samples(system: System) -> System:
-    """The process, which after a missed sample that nobody catches neither ends nor rests: what is said of it is said
+    """The process, which after a missed sample that nobody catches neither ends nor rests: what holds of it holds
     of its runs up to there.
     """
     components = tuple(
@@ -90,7 +90,7 @@ def _up_to_missed_samples(system: System) -> System:
 
 def _undecided(nodes: tuple[NormalNode, ...], labels: Labels) -> str | None:
     """Why it is not known what the specification allows: where it writes one of several values that it has read, those
-    that stand for each do not tell which.
+    that stand for each do not show which.
 
     Where it writes at most one value at a time, they do: of a run of the process whose inputs are all different, one
     value is written wrongly, and the run with the one that stands for each instead of it, and with others elsewhere,

@@ -15,10 +15,10 @@ from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, counted
 
 MOST_MOVES = 1_000_000
-"""A run that has not come round after so many moves is left to other methods."""
+"""A run that has not returned to a known state after this number of moves is left to other methods."""
 
 MOST_NAMES = 6
-"""So many components are named in an order; of a longer one the first and the last."""
+"""The number of components that are named in an order; of a longer one the first and the last."""
 
 
 def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:

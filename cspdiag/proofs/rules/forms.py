@@ -123,7 +123,7 @@ def _is_open(structure: Structure, component: int, shared: set[int]) -> bool:
 
 
 def _sorted(before: list[set[int]]) -> list[int] | None:
-    """A topological order in which each comes after those ``before`` it, or None if there is none."""
+    """A topological order in which each comes after those ``before`` it, or None if none exists."""
     after: list[list[int]] = [[] for _ in before]
     for component, earlier in enumerate(before):
         for other in earlier:

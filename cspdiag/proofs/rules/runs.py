@@ -1,4 +1,4 @@
-"""Networks in which nobody chooses: one run tells all, as in networks of I/O-PAR and I/O-SEQ processes.
+"""Networks in which nobody chooses: one run shows everything, as in networks of I/O-PAR and I/O-SEQ processes.
 
 A component is **steady** when it never takes an offer back except by accepting it: in no state do two of its edges
 carry the same event, and two different ones may be taken in either order with the same result. Networks of steady
@@ -95,8 +95,8 @@ def at_rest(structure: Structure, run: PeriodicRun) -> set[int]:
 
 
 def moves_of(structure: Structure, run: PeriodicRun) -> tuple[Move, ...]:
-    """The moves of a run, with the events of the system: one that all parties offer, of those that need not be told
-    apart.
+    """The moves of a run, with the events of the system: one that all parties offer, of those that need not be
+    distinguished apart.
     """
     system = structure.system
     state = list(system.initial)
@@ -104,7 +104,7 @@ def moves_of(structure: Structure, run: PeriodicRun) -> tuple[Move, ...]:
     for taken in run.taken:
         parties = system.events[taken].parties if taken >= 0 else (~taken,)
         offers = [dict(system.components[party].edges[state[party]]) for party in parties]
-        event = INTERNAL if taken < 0 else _told_apart(structure, taken, offers)
+        event = INTERNAL if taken < 0 else _representative(structure, taken, offers)
         targets = [offered[event] for offered in offers]
         for party, after in zip(parties, targets, strict=True):
             state[party] = after
@@ -112,7 +112,7 @@ def moves_of(structure: Structure, run: PeriodicRun) -> tuple[Move, ...]:
     return tuple(moves)
 
 
-def _told_apart(structure: Structure, taken: int, offers: list[dict[int, int]]) -> int:
+def _representative(structure: Structure, taken: int, offers: list[dict[int, int]]) -> int:
     return next(
         event
         for event in offers[0]

@@ -17,13 +17,13 @@ from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 SMALL = 60
-"""Traps of systems with at most so many components are made smaller before they are used."""
+"""Traps of systems with at most this number of components are made smaller before they are used."""
 
 MOST_REFINEMENTS = 2000
 """Candidates that are excluded one by one before a method gives up."""
 
 MOST_TRAPS = 100
-"""Candidates that are excluded by traps alone; where so many do not suffice, invariants are needed."""
+"""Candidates that are excluded by traps alone; if this number does not suffice, invariants are needed."""
 
 Refinement: TypeAlias = Callable[[StuckQuestion, Encoding, Sequence[int]], list[Clause]]
 """Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
@@ -35,7 +35,7 @@ Examination: TypeAlias = Callable[[Sequence[int], Sequence[int]], Refuted | None
 """A refutation that a candidate and its stuck components lead to."""
 
 FIRST_EXAMINATION = 4
-"""After so many candidates that traps do not exclude one is examined, then after twice as many, and so on."""
+"""After this number of candidates that traps do not exclude one is examined, then after twice as many, and so on."""
 
 
 def by_sat(question: StuckQuestion, limits: Limits) -> Proved | Unknown:
@@ -55,7 +55,8 @@ def refine(
     known: int = 0,
     most: int = MOST_REFINEMENTS,
 ) -> Verdict:
-    """Exclude at most so many candidates by ``refinements``, tried in their order, until none is left or one stays.
+    """Exclude at most this number of candidates by ``refinements``, tried in their order, until none is left or one
+    stays.
 
     ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a
     candidate now and then, before it is excluded.

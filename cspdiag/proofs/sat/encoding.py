@@ -1,9 +1,9 @@
 """A deadlock or a knot as a formula: one variable for every state of every component, and one for "is in the stuck
 set".
 
-Every model is a choice of states in which each two neighbours may be together and the chosen set waits for itself; if
-there is none, no reachable state is a deadlock or a knot (Antonino, Gibson-Robinson and Roscoe, iFM 2016, with the set
-of those that are stuck added).
+Every model is a choice of states in which each two neighbours may be together and the chosen set waits for itself. If
+no model exists, no reachable state is a deadlock or a knot (Antonino, Gibson-Robinson and Roscoe, iFM 2016, with the
+set of those that are stuck added).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from cspdiag.proofs.structure.pairs import Neighbour, Structure
 from cspdiag.proofs.structure.waiting import WaitingOrder
 
 LARGEST_PAIRWISE = 6
-"""Up to so many variables are made exclusive two by two, more through a chain of others."""
+"""Up to this number, variables are made exclusive two by two, more through a chain of others."""
 
 
 class Encoding:
@@ -24,7 +24,7 @@ class Encoding:
     ``variables[i][state]`` is the variable of a state of component ``i``; ``stuck[i]`` that of its membership in the
     stuck set, 0 for those that are never in it. ``together``: all components are in the set (deadlock), so that only
     waiting states have variables. A model is wanted for one of the ``goals``, each with literals to assume: for knots,
-    that a component (its number is given too) asks and is stuck. One that is refuted often excludes many others.
+    that a component (its number is given too) requests and is stuck. One that is refuted often excludes many others.
     """
 
     def __init__(self, structure: Structure, waiting: WaitingOrder, *, together: bool) -> None:
@@ -110,7 +110,7 @@ class Encoding:
                 self.clauses.append(here + [others[other] for other in spared])
 
     def _wait_in_meetings(self) -> None:
-        """Whoever offers an event of three or more parties waits for one of them that is stuck and does not."""
+        """A process that offers an event of three or more parties waits for one of them that is stuck and does not."""
         for roles, event in zip(self.structure.roles, self.structure.system.events, strict=True):
             if len(roles) < 3 or (event.kind == "failure" and not self.together):
                 continue
@@ -166,8 +166,8 @@ class Encoding:
         )
 
     def within(self, depth: int) -> tuple[int, list[Clause]]:
-        """A variable with the clauses that, if it is true, no component is further than so many steps from its initial
-        state.
+        """A variable with the clauses that, if it is true, no component is further than this number of steps from its
+        initial state.
         """
         near = self.fresh()
         return near, [

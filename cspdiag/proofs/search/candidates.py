@@ -1,7 +1,7 @@
 """From a candidate to a trace: a search that is drawn to the states of a candidate.
 
 A candidate of the SAT proof says in which states the stuck components would be. How far each of them is from there, by
-itself, tells which steps lead nearer. First only such steps are taken; where none is left, the most promising of all
+itself, shows which steps lead nearer. First only such steps are taken; where none is left, the most promising of all
 states found so far is followed (best-first search; Hart, Nilsson and Raphael, 1968). What is found is a real trace;
 that nothing is found says nothing.
 """
@@ -20,16 +20,18 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move, Refuted
 
 MOST_STATES = 30_000
-"""So many states are looked at before the search gives up, fewer of larger systems."""
+"""The number of states examined before the search gives up, fewer of larger systems."""
 
 MOST_PLACES = 1_000_000
 """The number of states times that of components that are looked at."""
 
 SMALL = 60
-"""In systems with at most so many components every state is examined for a knot, and a shortest trace is looked for."""
+"""In systems with at most this number of components every state is examined for a knot, and a shortest trace is looked
+for.
+"""
 
 FAR = 1 << 30
-"""The distance of a state from which a component never comes to its place in the candidate."""
+"""The distance of a state from which a component never reaches its place in the candidate."""
 
 
 def refute_by_candidate(
@@ -63,7 +65,7 @@ def refute_by_candidate(
         return Refuted(method, tuple(trace), offers.waiting(end))
     members = offers.knot(end)
     kept = causes(trace, members)
-    # What is left out may have kept a failure from happening, which would have been a way out.
+    # What is left out may have kept a failure from happening, which would have ended the wait.
     if not set(members) <= set(offers.knot(end_of(question.system.initial, kept))):
         kept = tuple(trace)
     return Refuted(method, kept, members)

@@ -17,7 +17,7 @@ Targets: TypeAlias = dict[int, tuple[int, ...]]
 
 
 class LocalDependence:
-    """Dependence of events within one component, worked out where it is asked for. All of it may raise LimitError."""
+    """Dependence of events within one component, worked out where it is needed. All of it may raise LimitError."""
 
     def __init__(self, states: Sequence[Targets], limits: Limits) -> None:
         self._states = states

@@ -35,7 +35,7 @@ class StateTable:
         self._store = [np.zeros(_SMALLEST, np.int64) for _ in range(words)]
         self._table = np.zeros(2 * _SMALLEST, np.int64)
         self._numbers = np.zeros(0, np.int32)
-        """Of each place in the table the number of its state; kept for states of several words, made when asked for
+        """Of each place in the table the number of its state; kept for states of several words, made when needed
         otherwise.
         """
         self._numbered = 0
@@ -124,7 +124,7 @@ class StateTable:
         return mixed.view(np.int64)
 
     def _reserve(self, more: int) -> None:
-        """Make room for so many more states, so that the table stays at most half full."""
+        """Make room for this number of further states, so that the table stays at most half full."""
         needed = self.count + more
         size = len(self._store[0])
         if needed > size:

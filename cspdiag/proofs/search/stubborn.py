@@ -22,7 +22,7 @@ from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Un
 State: TypeAlias = tuple[int, ...]
 
 _BYTES_PER_STATE = 500
-"""A parent with its move, a place in a dictionary, and edges; the tuple of the components' states comes to it."""
+"""A parent with its move, a place in a dictionary, and edges; the tuple of the components' states comes on top."""
 
 
 @dataclass

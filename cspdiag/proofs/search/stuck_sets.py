@@ -1,8 +1,8 @@
 """Who is stuck in a global state: the deadlocked processes, and the largest set of components that never move again.
 
 A component is stuck with others when every event that it offers needs another stuck component that does not offer it:
-whatever the rest does, none of them moves. A failure (a missed sample, a fault) that does not happen now is no way out:
-whoever could only be cancelled by one is stuck. The union of two such sets is such a set, so there is a largest one; it
+whatever the rest does, none of them moves. A failure (a missed sample, a fault) that does not happen now does not help:
+what could only be cancelled by one is stuck. The union of two such sets is such a set, so there is a largest one; it
 is a knot if one of its processes has not ended and offers an event. Unless a failure ends it, it stays.
 """
 

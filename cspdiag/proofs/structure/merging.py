@@ -1,4 +1,4 @@
-"""Events that nobody needs to tell apart.
+"""Events that nobody needs to distinguish.
 
 A channel that is written in two places of a process may have an event for each. If all parties but one take two events
 from the same states to the same states, the system does the same with both under one name: whether one of them can
@@ -17,7 +17,7 @@ Use: TypeAlias = frozenset[tuple[int, int]]
 
 
 def representatives(system: System) -> list[int]:
-    """For each event the first that it need not be told apart from, which may be itself."""
+    """For each event the first that it need not be distinguished from, which may be itself."""
     answer = list(range(len(system.events)))
     groups: dict[tuple[tuple[int, ...], bool], list[int]] = {}
     for number, event in enumerate(system.events):

@@ -30,7 +30,8 @@ LARGEST_PRODUCT = 250_000
 """Pairs with more states than this are taken to reach all of them."""
 
 LARGEST_MEETING = 4
-"""Every two parties of an event with so many are a pair; of a larger one only its first party with each of the others.
+"""Every two parties of an event with at most this number are a pair; of a larger one only its first party with each of
+the others.
 """
 
 
@@ -250,7 +251,7 @@ class Structure:
     """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its
     neighbours.
 
-    Of several events that nobody needs to tell apart only one has parties here. ``limits`` are those for all that is
+    Of several events that nobody needs to distinguish only one has parties here. ``limits`` are those for all that is
     found out about pairs.
     """
 
@@ -274,7 +275,7 @@ class Structure:
             self.events.append(events)
 
     def remembered(self, what: str, find: Callable[[], T]) -> T:
-        """What ``find`` returned when it was first asked for: it depends on the system alone."""
+        """What ``find`` returned the first time: it depends on the system alone."""
         if what not in self._remembered:
             self._remembered[what] = find()
         found: T = self._remembered[what]

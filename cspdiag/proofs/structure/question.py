@@ -1,4 +1,4 @@
-"""What is asked about a system, with what several methods need to answer it."""
+"""A question about a system, with what several methods need to answer it."""
 
 from __future__ import annotations
 

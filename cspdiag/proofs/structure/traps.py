@@ -69,7 +69,7 @@ class Traps:
         """The largest trap within some places, marked with 1; None if it holds no initial place. Raises LimitError."""
         self.structure.limits.check()
         leaving: dict[int, list[int]] = {}  # For each pair of event and party the places from which it leaves the set.
-        missing = self.parties.copy()  # The parties of each event that have no way out of the set yet.
+        missing = self.parties.copy()  # The parties of each event that cannot leave the set yet.
         gone = [place for place in range(self.total) if not inside[place]]
         while gone:
             for role, source in self.into[gone.pop()]:

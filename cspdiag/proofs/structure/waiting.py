@@ -1,11 +1,11 @@
 """Orders of waiting: the rule behind acyclic client-server networks and ordered resources.
 
-Whoever waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when one of
-the neighbours that it waits for has no state left, beside it, in which that neighbour could wait as well. What is
-struck off can never be part of a knot; when nothing is left the order of striking off is a proof: everybody waits only
-for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch, Justo
-and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How to
-design deadlock-free networks using CSP and verification tools", 1997), which find such an order from the form of the
+A process that waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when
+one of the neighbours that it waits for has no state left, beside it, in which that neighbour could wait as well. What
+is struck off can never be part of a knot; when nothing is left the order of striking off is a proof: everybody waits
+only for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch,
+Justo and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How
+to design deadlock-free networks using CSP and verification tools", 1997), which find such an order from the form of the
 processes.
 """
 
@@ -34,7 +34,7 @@ class WaitingOrder:
         return tuple(self._striking.order)
 
     def exclude(self, component: int) -> list[int]:
-        """Strike off the states in which a process asks, because it has been proved otherwise that it never waits for
+        """Remove the states in which a process requests, because it has been proved otherwise that it never waits for
         ever, and what follows from it.
 
         Returns the components that lost their last state.

@@ -22,7 +22,7 @@ from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.record import record
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
-"""Whatever else is asked for: the values of a program are defined to the last bit."""
+"""Whatever else is requested: the values of a program are defined to the last bit."""
 
 _LARGEST_CACHE = 256 * 1024 * 1024
 _BUILDING = "building-"
@@ -69,10 +69,10 @@ def find_compiler() -> Compiler:
 @cache
 def _version(command: tuple[str, ...]) -> str:
     try:
-        told = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+        done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
     except OSError as problem:
         raise CompilerError(f"{' '.join(command)} cannot be run: {problem.strerror}") from problem
-    return told.stdout.partition("\n")[0]
+    return done.stdout.partition("\n")[0]
 
 
 @record
@@ -87,7 +87,7 @@ class Build:
 
     @cached_property
     def compiler(self) -> Compiler:
-        """The compiler; CompilerError if there is none."""
+        """The compiler; CompilerError if none is installed."""
         return find_compiler()
 
     @cached_property

@@ -12,7 +12,7 @@ from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_sign
 from cspdiag.runtime.kernel.stopping import stopping
 
 PATIENCE = 2.0
-"""Seconds that a native program has to end, once a signal has come or it has reported its end."""
+"""Seconds that a native program has to end, once a signal has arrived or it has reported its end."""
 _LOOK = 0.05
 
 
@@ -23,7 +23,7 @@ class KilledError(CspdiagError):
 class Keeper:
     """Hands what ends a run on to the native program, which then ends by itself; if it does not in time, it is killed.
 
-    A thread does it: the main one reads what the program tells. ``signal`` is the first signal that came, ``killed``
+    A thread does it: the main one reads what the program reports. ``signal`` is the first signal that came, ``killed``
     whether the program was.
     """
 
@@ -37,7 +37,7 @@ class Keeper:
 
     @property
     def account(self) -> KilledError:
-        """What is said of a program that was killed."""
+        """The message about a program that was killed."""
         why = "after it had reported its end" if not self.signal else f"after {name_of_signal(self.signal)}"
         return KilledError(f"the native program did not end within {PATIENCE:g} s {why}, and was killed")
 
@@ -50,7 +50,7 @@ class Keeper:
         self._ended.set()
         self._thread.join()
 
-    def told(self) -> None:
+    def end_reported(self) -> None:
         """The program has reported its end: it has nothing left to do."""
         self._until = time.monotonic() + PATIENCE
 

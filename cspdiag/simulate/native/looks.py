@@ -1,4 +1,4 @@
-"""Where a native program is while it runs: what a thread of its own tells of its looks at the run."""
+"""Where a native program is while it runs: what a thread of its own reports of its looks at the run."""
 
 from __future__ import annotations
 

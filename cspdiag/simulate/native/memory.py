@@ -1,4 +1,4 @@
-"""The memory that a program in C takes: asked of the compiler, so of the machine that it compiles for."""
+"""The memory that a program in C takes, as its compiler lays it out for the target machine."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class FileFacts:
 class MemoryReport:
     """Bytes of a program: ``data`` are all its variables, ``stack`` the deepest that it goes.
 
-    ``exact`` tells whether the calls of all functions were known, so that the stack is a bound and not an estimate.
+    ``exact`` says whether the calls of all functions were known, so that the stack is a bound and not an estimate.
     """
 
     compiler: str
@@ -97,7 +97,7 @@ def _is_of_simulation(path: str) -> bool:
 
 
 def _facts(build: Build, path: str) -> FileFacts:
-    """Of one file, from the cache where it was asked before."""
+    """Of one file, from the cache if it was measured before."""
     place = build.cache / "facts" / f"{build.digest(path)}.json"
     try:
         found = json.loads(place.read_text(encoding="utf-8"))
@@ -110,11 +110,11 @@ def _facts(build: Build, path: str) -> FileFacts:
         pass
     made = build.assembled(path, ("-fstack-usage", "-fcallgraph-info=su"), ("-fstack-usage",), (), patience=_PATIENCE)
     facts = FileFacts(dict(_variables(made["s"])), _functions(made))
-    told = {
+    kept = {
         "variables": dict(facts.variables),
         "functions": {name: (function.stack, function.calls) for name, function in facts.functions.items()},
     }
-    build.keep_text(json.dumps(told), place)
+    build.keep_text(json.dumps(kept), place)
     return facts
 
 

@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from cspdiag.runtime.outcome import Ending
 
 Observed = Literal["all", "ports", "none"]
-"""Which communications are told: recording a few is much faster than recording all."""
+"""Which communications are reported: recording a few is much faster than recording all."""
 
 
 @record
 class NativeRun:
-    """A native program that runs: the later of what its records and looks at it tell."""
+    """A native program that runs: the later of what its records and the looks at it show."""
 
     reader: StreamReader
     looks: Looks
@@ -71,8 +71,8 @@ def simulate(
     """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the
     clock of a POSIX system.
 
-    With ``measured`` the recorder is told the longest step of each process. ``fused`` programs run processes as one
-    where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present
+    With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one
+    where that is possible, and do not report when each starts and ends. ``on_start`` is handed what knows the present
     instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an exception. Raises
     NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
@@ -96,7 +96,7 @@ def simulate(
 
 
 def _wanted(sources: list[str], real_time: bool) -> list[str]:
-    """The sources of the simulation: of the places to run, the one that is asked for."""
+    """The sources of the simulation: of the places to run, the requested one."""
     port = "csp_port_posix.c" if real_time else "csp_port_simulation.c"
     return [path for path in sources if "csp_port_" not in path or path.endswith(port)]
 
@@ -112,15 +112,15 @@ def _run(
     flattened: bool,
 ) -> Outcome:
     # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is
-    # told. Against the clock it tells people itself how late it met the instants.
-    told = None if real_time else subprocess.PIPE
+    # reported. Against the clock it reports itself how late it met the instants.
+    errors = None if real_time else subprocess.PIPE
     with (
         stopping,
         Looks() as looks,
         subprocess.Popen(
             [*command, "--looks", str(looks.descriptor)],
             stdout=subprocess.PIPE,
-            stderr=told,
+            stderr=errors,
             start_new_session=True,
             pass_fds=[looks.descriptor],
         ) as running,
@@ -134,7 +134,7 @@ def _run(
             on_start(run)
         try:
             reader.read()
-            keeper.told()
+            keeper.end_reported()
             _, said = running.communicate()
         except EOFError:
             if not keeper.signal:
@@ -159,7 +159,7 @@ def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, ne
         if not keeper.signal:
             return None
         outcome = Outcome("stopped", run.now, wall_time=run.looks.wall_time, signal=keeper.signal)
-        # Otherwise it has come out of a step that hung by itself, with its outputs released and no time to tell.
+        # Otherwise it has come out of a step that hung by itself, with its outputs released and no time to report.
         if keeper.killed:
             outcome.release_errors.append(keeper.account)
         return outcome

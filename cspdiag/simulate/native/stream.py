@@ -1,4 +1,4 @@
-"""Reads what a native program tells of its run: the records of ``csp_stream.h``."""
+"""Reads what a native program reports of its run: the records of ``csp_stream.h``."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class StreamReader:
             handlers[kind]()
 
     def _has(self, size: int) -> bool:
-        """Whether there are so many bytes from here, which are then in memory."""
+        """Whether this number of bytes follows here; they are then in memory."""
         while len(self._data) - self._position < size:
             more = self.stream.read1(_CHUNK)  # What there is, so that it is known at once.
             if not more:

@@ -95,7 +95,7 @@ def _field(type_: Type) -> tuple[Any, ...]:
 
 
 def _plain(value: Any, type_: Type) -> Any:
-    """Lists for arrays and tuples for structs, which is how numpy tells them apart."""
+    """Lists for arrays and tuples for structs, which is how numpy distinguishes them."""
     match type_:
         case ArrayType(element=element):
             return [_plain(part, element) for part in value]

@@ -33,7 +33,7 @@ class BodyError(CspdiagError):
 def chosen_environment(network: CoreNetwork, name: str | None) -> Environment | None:
     """The environment of that name, or the first; None for a program without ports and environments.
 
-    Raises NoEnvironmentError, with a message for people, where there is none to be had.
+    Raises NoEnvironmentError, with a message for people, if no environment can be had.
     """
     names = [environment.name for environment in network.environments]
     if name is not None:

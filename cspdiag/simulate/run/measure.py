@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def measure(running: RunningNetwork, recorder: Recorder) -> None:
-    """Let every law tell ``recorder`` how long it computes, from now on.
+    """Let every law report to ``recorder`` how long it computes, from now on.
 
     Laws that ``-O1`` has made part of their processes are no objects any more, and are not measured.
     """

@@ -65,7 +65,7 @@ KindName: TypeAlias = Literal["sync", "broadcast", "any", "buffer", "overwrite"]
 
 @node
 class Kind(Node):
-    """A kind of channel that was asked for, with the capacity of a FIFO."""
+    """A requested kind of channel, with the capacity of a FIFO."""
 
     name: KindName
     capacity: Expression | None = None

@@ -124,7 +124,7 @@ class ExpressionBuilder(Construction):
         return ast.Replicator(span=span, name=name, count=count)
 
     def index(self, span: Span, value: ast.Expression) -> list[ast.Expression | ast.Identifier]:
-        """One index of a reference; a list, so that ``reference`` tells it from the member."""
+        """One index of a reference; a list, so that ``reference`` can distinguish it from the member."""
         return [value]
 
     def reference(

@@ -46,7 +46,7 @@ class ExpressionFormatter:
         self.enclosed(pairs, lambda separator: self._bare(node, separator), before)
 
     def enclosed(self, pairs: int, write: Callable[[Separator], None], before: Separator) -> None:
-        """What stands within so many pairs of parentheses."""
+        """What is inside this number of pairs of parentheses."""
         if pairs == 0:
             write(before)
             return

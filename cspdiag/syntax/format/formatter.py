@@ -124,7 +124,7 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
             self._hidden(len(node.hidden))
 
     def _hidden(self, number: int) -> None:
-        """``hide`` with so many ports, on a line of its own where the assertion is too long."""
+        """``hide`` with this number of ports, on a line of its own where the assertion is too long."""
         with self.writer.group(), self.writer.indented():
             self.token(SPACE)
             with self.writer.group(), self.writer.indented():

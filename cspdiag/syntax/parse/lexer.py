@@ -17,7 +17,7 @@ WORDS_OF_THEIR_PLACE = frozenset(
         *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures", "hide"),
     ]
 )
-"""Keywords where the grammar asks for them, names everywhere else."""
+"""Keywords where the grammar expects them, names everywhere else."""
 
 _AFTER_A_NAME = re.compile(r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*(?:[?!:;.\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)")
 """What stands behind ``at`` in a composition where that is the name of a port, a variable or an instance."""
@@ -196,7 +196,7 @@ class Lexer:
         self.kind, self.text = self._words[meant], meant
 
     def _take_foreign(self) -> None:
-        """A name in letters that the language does not have; each is told once."""
+        """A name in letters that the language does not have; each is reported once."""
         from cspdiag.syntax.parse.ascii_names import ascii_name
 
         self.kind = "NAME"

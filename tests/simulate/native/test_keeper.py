@@ -32,9 +32,9 @@ def test_a_program_that_ignores_a_signal_is_killed() -> None:
     assert str(keeper.account) == "the native program did not end within 2 s after SIGTERM, and was killed"
 
 
-def test_a_program_that_has_told_its_end_and_stays_is_killed() -> None:
+def test_a_program_that_has_reported_its_end_and_stays_is_killed() -> None:
     with stopping, subprocess.Popen(["sleep", "60"], start_new_session=True) as program, Keeper(program) as keeper:
-        keeper.told()
+        keeper.end_reported()
         assert program.wait(timeout=20) == -signal.SIGKILL
     assert (
         str(keeper.account) == "the native program did not end within 2 s after it had reported its end, and was killed"

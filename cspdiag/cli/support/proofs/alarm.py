@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from cspdiag.proofs.verdict import LimitError, Limits
 
 LATER = 0.5
-"""Seconds after the time limit at which the alarm rings, and then again and again: whoever looks at the clock ends by
-himself before, and has more to tell.
+"""Seconds after the time limit at which the alarm rings, and then again and again: what looks at the clock ends by
+itself before, and has more to report.
 """
 
 SOON = 0.01

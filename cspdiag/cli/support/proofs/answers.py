@@ -1,4 +1,4 @@
-"""What ``verify`` prints: answers, warnings, and why nothing can be proved, in the format that was asked for."""
+"""What ``verify`` prints: answers, warnings, and why nothing can be proved, in the requested format."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
-    """Tell why nothing can be proved of a program, as ``check`` tells it."""
+    """Report why nothing can be proved of a program, as ``check`` reports it."""
     colour = wants_colour(arguments.color, standard_error())
     stdout, stderr = rendered_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
     write_out(stdout)

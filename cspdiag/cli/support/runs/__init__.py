@@ -1,1 +1,1 @@
-"""What a person is told of a run: while it goes on, where simulated time stands still, and when it has ended."""
+"""What users see of a run: its progress, where simulated time stands still, and its end."""

@@ -21,7 +21,7 @@ _Writer = Callable[[Path], object]
 
 
 def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
-    """Write what was asked for, tell how the run ended, and return the exit code.
+    """Write what was requested, report how the run ended, and return the exit code.
 
     The files of a run that was stopped are written like those of any other. A signal during that, after a run that
     ended by itself, ends the command.

@@ -1,4 +1,4 @@
-"""What a person is told of a run that ended with a missed sample: what the reader did meanwhile, and what helps."""
+"""The explanation of a run that ended with a missed sample: what the reader did meanwhile, and what helps."""
 
 from __future__ import annotations
 

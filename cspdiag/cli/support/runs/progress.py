@@ -1,4 +1,4 @@
-"""The line that tells while a program runs: simulated time, speed, and the mode of each part.
+"""The line that shows while a program runs: simulated time, speed, and the mode of each part.
 
 On a terminal it is rewritten all the time, unless somebody else works there now; into a file or a pipe a new one is
 written once in a while.

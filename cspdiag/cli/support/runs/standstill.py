@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Visited(Protocol):
-    """A program that runs, and can be asked who is at work."""
+    """A program that runs, and knows which process is at work."""
 
     @property
     def now(self) -> int:

@@ -80,5 +80,5 @@ def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
 
 
 def noted_at(place: str) -> list[Plain]:
-    """The look for a fault in a function that does not tell whether it has failed: its caller looks again."""
+    """The look for a fault in a function that does not report whether it has failed: its caller looks again."""
     return [run(call("csp_fault_in", quoted(place)))] if place else []

@@ -89,7 +89,7 @@ class Integration:
         return [name for name in self.held if name in self._read]
 
     def function(self, printer: Printer, writer: EquationWriter) -> list[Statement]:
-        """The function that evaluates the slopes. A fault is noted with its place, and whoever calls looks for it."""
+        """The function that evaluates the slopes. A fault is noted with its place, and the caller looks for it."""
         result = f"struct {self.name}" if self.several else "double"
         found: list[Statement] = []
         if self.several:
@@ -105,7 +105,7 @@ class Integration:
             equations, lambda name: LocalVariable(f"const {printer.types.type_name(kinds[name])}", self.local(name))
         )
         by_state = dict(self.derivatives)
-        # As everywhere, what has no place of its own is told at that of the statement before.
+        # As everywhere, what has no place of its own is reported at that of the statement before.
         place = writer.place(equations[-1]) if equations else ""
         if not self.several:
             body += writer.assign(LocalVariable("const double", "slope"), by_state[self.states[0]], None, place)
@@ -186,6 +186,6 @@ def _fraction(of: str) -> Code:
 
 
 def sub_steps(sample: Code, step: float) -> Code:
-    """How many steps of at most ``step`` nanoseconds a sample of so many seconds has."""
+    """How many steps of at most ``step`` nanoseconds a sample of this many seconds has."""
     nanoseconds = infix("*", PRODUCT, sample, Atom("1e9"))
     return cast("int64_t", call("ceil", infix("/", PRODUCT, call("rint", nanoseconds), Atom(repr(step)))))

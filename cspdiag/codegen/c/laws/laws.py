@@ -52,7 +52,7 @@ _SUB_STEP = "sub_step"
 
 
 def law_may_fault(class_: SubmodelClass) -> bool:
-    """Whether one run of the law can fault, so that whoever calls it has to look."""
+    """Whether one run of the law can fault, so that its caller has to look."""
     items = [part for equation in class_.equations for part in values(equation)]
     items += [value for _, value in class_.next_values]
     return bool(class_.derivatives) or any(map(may_fault, items))
@@ -131,8 +131,8 @@ class LawFiles:
 
     def _header(self) -> str:
         class_, guard = self.class_, f"{self.name.upper()}_H"
-        told = [*wrapped(class_.doc or f"The submodel {class_.definition}."), "", f"Source: {self._place(class_)}"]
-        rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", "", '#include "types.h"']
+        about = [*wrapped(class_.doc or f"The submodel {class_.definition}."), "", f"Source: {self._place(class_)}"]
+        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", "", '#include "types.h"']
         rows += sorted({f'#include "{body_name(item)}.h"' for item in self._calls})
         rows += ["", *lines([Block(tuple(self._fields()), f"struct {self.name}", "};")]), ""]
         rows += self._prototypes()

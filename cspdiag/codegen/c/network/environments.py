@@ -114,9 +114,9 @@ class EnvironmentFiles:
 
     def _header(self) -> str:
         environment, guard = self.environment, f"{self.name.upper()}_H"
-        told = [*wrapped(environment.doc or f"The environment {environment.name}."), ""]
-        told.append(f"Source: {self._place(environment)}")
-        rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", "", '#include "network.h"', ""]
+        about = [*wrapped(environment.doc or f"The environment {environment.name}."), ""]
+        about.append(f"Source: {self._place(environment)}")
+        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", "", '#include "network.h"', ""]
         rows += ["/* What stands behind the ports of the program. */"]
         rows += [f"extern const struct network_drivers {self.name}_drivers;"]
         rows += [f"extern const csp_environment {self.name};", "", "#endif", ""]

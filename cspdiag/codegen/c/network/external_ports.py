@@ -15,7 +15,7 @@ def port_key(port: ExternalPort) -> str:
 
 
 def is_event(port: ExternalPort) -> bool:
-    """Whether it tells of events, not of samples."""
+    """Whether it passes events, not samples."""
     return port.direction == "in" and port.period is None
 
 

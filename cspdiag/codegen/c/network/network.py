@@ -98,8 +98,8 @@ class _NetworkFiles:
 
     def header(self) -> str:
         """What runs a program needs."""
-        told = [f"The network of {self.network.top}: its processes, its channels, and what stands behind its ports."]
-        found = [*comment(told), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
+        about = [f"The network of {self.network.top}: its processes, its channels, and what stands behind its ports."]
+        found = [*comment(about), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
         found += ['#include "types.h"', ""] if self._events else [""]
         found += ["/* A device or a simulated one for every port. */"]
         members = [*_driver_members(self.network, self.types)] or [define("char", "unused")]

@@ -86,7 +86,7 @@ class Scenario:
 
 def lowered_for_c(network: CoreNetwork, level: int, *, observed: bool = False) -> Network:
     """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each
-    can be told of.
+    can be reported.
 
     The last one is kept as long as its network: the package and the question what it takes of memory need the same.
     """

@@ -1,4 +1,4 @@
-"""What a program takes of memory: which sizes to ask the compiler for, and what they mean."""
+"""What a program takes of memory: which sizes the compiler has to report, and what they mean."""
 
 from __future__ import annotations
 

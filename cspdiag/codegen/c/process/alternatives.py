@@ -30,7 +30,7 @@ from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputE
 from cspdiag.network.ir.faults import is_known_at_start
 
 FEW = 8
-"""Of so many branches each is asked for in turn; of more the chosen one is jumped to."""
+"""Up to this number of branches each is tested in turn; with more the chosen one is jumped to."""
 
 WORD = 64
 """Guards that need no further words; on machines of 32 bits the words are always there."""

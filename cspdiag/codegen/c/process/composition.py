@@ -79,7 +79,7 @@ class CompositionWriter(Writer):
     """Writes the step functions of one process class."""
 
     def statements(self, action: Action) -> list[Statement]:
-        """An action as statements; control does not come to their end where it does not come to the end of
+        """An action as statements; control does not reach their end where it does not reach the end of
         the action.
         """
         match action:
@@ -179,8 +179,8 @@ class CompositionWriter(Writer):
         return [While(None, (*setup, *choose(negated(condition), [run("break")]), *body)), *behind]
 
     def _body(self, action: Repeat | WhileLoop) -> tuple[list[Statement], list[Statement]]:
-        """The body of a loop and what follows the loop: one in which the process cannot wait is told of, as no state of
-        the process tells of it.
+        """The body of a loop and what follows the loop: one in which the process cannot wait gets a comment, as no
+        state of the process shows it.
         """
         waiting = self._waiting_places()
         body = self.statements(action.body)

@@ -1,4 +1,4 @@
-"""Whether control comes to the end of an action, as a C compiler sees it."""
+"""Whether control reaches the end of an action, as a C compiler sees it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The function that initializes a process: everything comes to be in the order that decides who is served first."""
+"""The function that initializes a process: everything is created in the order that decides who is served first."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ class _Initialization:
         return found
 
     def _created(self) -> list[Statement]:
-        """Reading ends, instances and alternatives, in the order in which they come to be."""
+        """Reading ends, instances and alternatives, in the order in which they are created."""
         found: list[Statement] = []
         pending: list[CreatedInstance | End] = []
         outlines = Outlines(self.members)
@@ -279,7 +279,7 @@ class _Initialization:
         return [*found, run(call(f"{struct}_initialize", *arguments, *given))]
 
     def _flag(self, connection: Connection) -> Code | None:
-        """A pointer to what tells whether the variable at a connection was written; None where that is sure."""
+        """A pointer to the flag whether the variable at a connection was written; None where that is sure."""
         members = self.members
         match connection.attachment:
             case ChannelEnd(channel=channel):

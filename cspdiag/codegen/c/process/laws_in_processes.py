@@ -111,7 +111,7 @@ def reset(writer: Writer, step: ResetInstance) -> list[Statement]:
 def read_inputs(writer: Writer, step: ReadInputs) -> list[Statement]:
     """The inputs of an inlined law; they are members, because reading waits."""
     reads = [_Read(writer.members.source(read.source), writer.printer.signal(read.name)) for read in step.reads]
-    return _reading(writer, step, "inputs", reads, told=True)
+    return _reading(writer, step, "inputs", reads, with_remark=True)
 
 
 def write_outputs(writer: Writer, step: WriteOutputs) -> list[Statement]:
@@ -126,7 +126,7 @@ def write_outputs(writer: Writer, step: WriteOutputs) -> list[Statement]:
         slot = writer.slot(sink.name, sink.type, "sent" if number == 1 else f"sent_{number}")
         found += writer.evaluated(slot, write.value, writer.where(step))
         writes.append(_Write(sink, slot))
-    return [*found, *_writing(writer, step, "outputs", writes, told=True)]
+    return [*found, *_writing(writer, step, "outputs", writes, with_remark=True)]
 
 
 def run_inlined_law(writer: Writer, step: RunLaw) -> list[Statement]:
@@ -152,8 +152,8 @@ def run_inlined_law(writer: Writer, step: RunLaw) -> list[Statement]:
     )
     writer.add_function(law.functions)
     unread = [run(ignored(code(name))) for signal, name in local.items() if signal in law.unread]
-    told = f"{step.law}: {' '.join(step.doc.split())}" if step.doc else step.law
-    return [Remark(f"{told} ({writer.where(step)})"), *in_block([*law.statements, *unread])]
+    text = f"{step.law}: {' '.join(step.doc.split())}" if step.doc else step.law
+    return [Remark(f"{text} ({writer.where(step)})"), *in_block([*law.statements, *unread])]
 
 
 def reset_law_states(writer: Writer, step: ResetStates) -> list[Statement]:
@@ -164,9 +164,11 @@ def reset_law_states(writer: Writer, step: ResetStates) -> list[Statement]:
 # ---- Several communications at once
 
 
-def _reading(writer: Writer, step: Step, name: str, reads: Sequence[_Read], *, told: bool = False) -> list[Statement]:
+def _reading(
+    writer: Writer, step: Step, name: str, reads: Sequence[_Read], *, with_remark: bool = False
+) -> list[Statement]:
     """Reads all; with no more than one that can wait, that is a plain communication."""
-    remark = [writer.remark(step)] if told else []
+    remark = [writer.remark(step)] if with_remark else []
     waiting = [read for read in reads if read.source is not None and not read.source.at_once]
     at_once = [statement for read in reads if read not in waiting for statement in _had(writer, step, read)]
     if not waiting:
@@ -194,11 +196,13 @@ def _had(writer: Writer, step: Step, read: _Read, offers: _Offers | None = None)
     return [*(offers.given_up(looked) if offers is not None else looked), store(read.into, read.source.pointer)]
 
 
-def _writing(writer: Writer, step: Step, name: str, writes: Sequence[_Write], *, told: bool = False) -> list[Statement]:
+def _writing(
+    writer: Writer, step: Step, name: str, writes: Sequence[_Write], *, with_remark: bool = False
+) -> list[Statement]:
     """Writes all; see ``_reading``. An output of the program that is written after another communication was begun
     needs an offer too.
     """
-    remark = [writer.remark(step)] if told else []
+    remark = [writer.remark(step)] if with_remark else []
     waiting = [write for write in writes if not write.sink.at_once]
     first = writes.index(waiting[0]) if waiting else len(writes)
     late = any(write.sink.access in EXTERNAL for write in writes[first:])

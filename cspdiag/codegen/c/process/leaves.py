@@ -37,8 +37,8 @@ def ports_header(class_: ProcessClass, names: PackageNames, types: CTypes) -> di
     assert class_.external is not None
     struct, layout = names.classes[class_.name], PortLayout(class_)
     guard, place = f"{struct.upper()}_PORTS_H", names.place(class_.span.file, class_.span.line)
-    told = [f"What the process {class_.definition}, written by hand in {class_.external.target}, is connected to."]
-    found = [*comment([*told, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]
+    about = [f"What the process {class_.definition}, written by hand in {class_.external.target}, is connected to."]
+    found = [*comment([*about, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]
     found += ['#include "csp.h"', '#include "csp_leaf.h"', '#include "types.h"', "", f"struct {struct};", ""]
     members = tuple(
         run(f"csp_connection {layout.names[port.name]}{'' if port.size is None else f'[{port.size}]'}")

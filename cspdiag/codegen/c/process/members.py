@@ -167,7 +167,7 @@ class Members:
         return self._plain[name]
 
     def written(self, name: str) -> Code | None:
-        """The member that tells whether a variable was written; None where that is sure."""
+        """The member that says whether a variable was written; None where that is sure."""
         if name not in self.unwritten.variables[self.process.name]:
             return None
         return own(self._element(self.names[f"{self._plain[name]} written"], name))

@@ -35,7 +35,7 @@ class PortLayout:
         return self.element(self.names[port.name], port, index)
 
     def written(self, port: Port, index: int | None) -> str:
-        """The member for the pointer to what tells whether the variable behind a port was written."""
+        """The member for the pointer to the flag whether the variable behind a port was written."""
         suffix = "" if index is None else f"_{index}"
         return self.names[f"{self.names[port.name]}{suffix} written"]
 

@@ -83,8 +83,8 @@ class _Writer:
 
     def header(self) -> str:
         guard, struct = f"{self.struct.upper()}_H", self.struct
-        told = [*wrapped(self.process.doc or f"The process {self.process.definition}."), "", f"Source: {self.place}"]
-        rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", ""]
+        about = [*wrapped(self.process.doc or f"The process {self.process.definition}."), "", f"Source: {self.place}"]
+        rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", ""]
         rows += [f'#include "{name}"' for name in ("csp.h", "types.h", *self._included())]
         ports = self.members.port_members()
         if ports:

@@ -1,5 +1,5 @@
-"""Named groups, and processes that were flattened into the one that ran them: what observers are told, and ends that
-close.
+"""Named groups, and processes that were flattened into the one that ran them: what observers are notified of, and ends
+that close.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from cspdiag.network.ir.actions import Group, ProcessScope, ReportCommunication
 
 
 def group(writer: Writer, step: Group) -> list[Statement]:
-    """A labelled part: observers are told when it begins and ends, in whatever way."""
+    """A labelled part: observers are notified when it begins and ends, however it ends."""
     return _watched(writer, step, step.label, [])
 
 
@@ -42,8 +42,8 @@ def _watched(writer: Writer, step: Group | ProcessScope, name: str, closing: lis
     ending: list[Statement] = [*closing, run(call("csp_observe_end", number))]
     passes = ends(step.body)
     doc = step.doc if isinstance(step, ProcessScope) else None
-    told = f"{name}: {' '.join(doc.split())}" if doc else f"{name}:"
-    begun: list[Statement] = [Remark(f"{told} ({writer.where(step)})"), run(call("csp_observe_begin", number))]
+    text = f"{name}: {' '.join(doc.split())}" if doc else f"{name}:"
+    begun: list[Statement] = [Remark(f"{text} ({writer.where(step)})"), run(call("csp_observe_begin", number))]
     whole = [*begun, *body, *(ending if passes else [])]
     failed = [*ending, go(writer.failing())] if inner.reached or inner.needed else []
     return writer.protected(whole, inner, failed, passes=passes, where=writer.where(step))

@@ -83,7 +83,7 @@ class Writer:
         self._routine("", None, process.body)
 
     def statements(self, action: Action) -> list[Statement]:
-        """An action as statements; control does not come to their end where it does not come to the end of
+        """An action as statements; control does not reach their end where it does not reach the end of
         the action.
         """
         raise NotImplementedError
@@ -126,7 +126,7 @@ class Writer:
         return routine
 
     def prefixed(self, name: str) -> str:
-        """A name in the present branch or flattened process, told apart from like ones elsewhere in the class."""
+        """A name in the present branch or flattened process, distinguished from equal ones elsewhere in the class."""
         around = self.current.title or (identifier(self.scope) if self.scope else "")
         return f"{around}_{name}" if around and not _begins_with(name, around) else name
 

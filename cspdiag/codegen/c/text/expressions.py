@@ -130,7 +130,7 @@ class Printer:
     """Prints the expressions of one class; the functions give the C lvalue of a name where the expression stands.
 
     C does not say which operand comes first, so operands that can fault are evaluated before the statement, in their
-    order, where there is more than one. ``written`` gives a pointer to what tells whether a variable was written, where
+    order, where there is more than one. ``written`` gives a pointer to the flag whether a variable was written, where
     that is not sure.
     """
 

@@ -31,7 +31,7 @@ class Spelling:
     type: Type
     name: str
     written: Code | None = None
-    """A pointer to what tells whether a variable was written, where that is not sure."""
+    """A pointer to the flag whether a variable was written, where that is not sure."""
 
     @property
     def at_once(self) -> bool:

@@ -22,12 +22,12 @@ class Findings:
         self.placed = placed
         self.report = report
         self.tolerated = False
-        """Whether nothing is said of the parts that are joined now: a missed sample is caught there, or it is not
+        """Whether nothing is reported for the parts that are joined now: a missed sample is caught there, or it is not
         certain that they are reached.
         """
         self.limit = NEVER
         """Within how many nanoseconds the parts that are joined now are surely cut off."""
-        self.said: set[tuple[Key, Span]] = set()
+        self.reported: set[tuple[Key, Span]] = set()
 
     def add_first(self, late: Late) -> None:
         """Report what every run misses."""
@@ -43,9 +43,9 @@ class Findings:
             return False
         if between.duration + period >= self.limit:
             return False
-        is_said = (book[0], between.cause) in self.said
-        self.said.add((book[0], between.cause))
-        if not is_said:
+        is_reported = (book[0], between.cause) in self.reported
+        self.reported.add((book[0], between.cause))
+        if not is_reported:
             reads = 1 + max(between.credit, 0) // period
             self._report(book[0], between, one.span, other.span, reads, is_certain=True, extent=extent)
         return True
@@ -91,8 +91,8 @@ class Findings:
         assert turn.cause is not None
         period = sample_period(self.placed, key)
         turns = 2 + 2 * period // turn.late if turn.late else 1
-        if turns * turn.duration + period < self.limit and (key, turn.cause) not in self.said:
-            self.said.add((key, turn.cause))
+        if turns * turn.duration + period < self.limit and (key, turn.cause) not in self.reported:
+            self.reported.add((key, turn.cause))
             is_certain = is_endless and extent in ("every turn", "every turn, at most")
             reads = turn.credit // period
             self._report(key, turn, read, read, reads, is_certain=is_certain, slower=slower, extent=extent)

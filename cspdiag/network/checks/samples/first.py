@@ -1,8 +1,8 @@
 """The beginning of the outermost process, stepped through as far as nothing in it is left open: there it is known when
 each sample comes.
 
-It starts at time 0. A first read waits for the next sample, unless the process follows that period already; whoever
-comes two periods after the sample that was read last has missed one. Where anything else decides (data, events,
+It starts at time 0. A first read waits for the next sample, unless the process follows that period already; a process
+that comes two periods after the sample that was read last has missed one. Where anything else decides (data, events,
 partners, parallel parts) nothing more is said.
 """
 

@@ -3,7 +3,7 @@ come.
 
 From its first read on, and until the process ends, each sample of an input is taken before the next one comes. So a
 sequential part is summed up by what lies before its reads of each input, after them, and between (``sample_reads``).
-Ways are those that may be taken: whatever conditions come to, and events whenever they like, but only one between two
+Paths are those that may be taken: whatever the conditions, and with events at any time, but only one between two
 reads. Times are the least that is certain: what nobody knows (a partner, computing) takes no time, and a loop without
 reads one turn. What parallel branches both read has books of its own in each, and is left alone.
 """

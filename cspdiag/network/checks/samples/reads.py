@@ -2,7 +2,7 @@
 the parts are.
 
 How late a process is, is the time since the sample came that it has read last. A delay makes it later; a read takes a
-period off, or all of it where the process waits for the sample. It is too late where it comes to a read two periods
+period off, or all of it where the process waits for the sample. It is too late where it reaches a read two periods
 after. So each part turns one lateness into another: the greatest one, on any way.
 """
 
@@ -55,8 +55,8 @@ class Reads:
 
 @node
 class Part:
-    """What a part of a composition takes: ``time`` on a way through it, None where there is none; ``exits`` are what it
-    does before it raises an exception.
+    """What a part of a composition takes: ``time`` on a path through it, None if there is no path; ``exits`` are what
+    it does before it raises an exception.
     """
 
     time: Gap | None

@@ -1,1 +1,1 @@
-"""What is said of compositions: alternatives, parallels, sequences, and runs that do not come to what follows."""
+"""Diagnostics of compositions: alternatives, parallels, sequences, and parts that are never reached."""

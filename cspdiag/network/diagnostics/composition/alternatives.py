@@ -184,7 +184,7 @@ class ReleaseNotToldApart(Diagnostic):
     def message(self) -> str:
         return (
             f"`{self.port}` comes when it becomes true and when it becomes false, and nobody looks at "
-            f"`{self.variable}` to tell the two apart"
+            f"`{self.variable}` to distinguish the two"
         )
 
     @property

@@ -31,7 +31,7 @@ class InstanceNeverRun(Diagnostic):
     instance: str
     process: str
     is_named: bool
-    """Whether the composition names it where a replicator never comes to it."""
+    """Whether the composition names it where a replicator never reaches it."""
 
     @property
     def message(self) -> str:

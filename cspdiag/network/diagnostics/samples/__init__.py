@@ -1,1 +1,1 @@
-"""What is said of sample periods, of rates that do not fit, and of outputs that are released too late."""
+"""Diagnostics of sample periods, of rates that do not fit, and of outputs that are released too late."""

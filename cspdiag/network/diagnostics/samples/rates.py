@@ -65,7 +65,7 @@ Extent: TypeAlias = Literal[
     "two reads", "two reads and a turn", "every turn", "every turn, at most", "some turn", "two turns"
 ]
 """Where the time passes: between two reads, perhaps with a turn of a loop that reads none; in each turn of a loop that
-takes so many samples, or at most so many; in a turn that may be taken; in two of them together.
+takes this number of samples, or at most this number; in an iteration that may be taken; in two of them together.
 """
 
 

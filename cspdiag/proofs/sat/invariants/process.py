@@ -137,7 +137,9 @@ class _Program:
 
 
 def limit_memory(more: int) -> None:
-    """Let this process take so many bytes more than it has; only on Linux, which alone says how much that is."""
+    """Let this process take this number of bytes more than it has; only on Linux, which alone reports how much it
+    has.
+    """
     try:
         resource = import_module("resource")
         with open("/proc/self/statm", encoding="ascii") as file:

@@ -25,7 +25,7 @@ from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000
-"""For systems with more edges than this no solver is asked for further weights."""
+"""For systems with more edges than this no solver searches for further weights."""
 
 DENOMINATORS = (1, 2, 6, 12, 60, 2520)
 """Weights are rounded to fractions with denominators up to each of these in turn."""

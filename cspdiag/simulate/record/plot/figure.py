@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 _LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
 _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
-"""Colours are told apart on a screen, dashes in grey print as well."""
+"""Colours are distinguishable on a screen, dashes in grey print as well."""
 _THIN = "   ·   thin: nobody read it"
 _SAFE = "   ·   ▾ ▴ safe value, off the scale"
 _MOST_COLUMNS = 3
@@ -244,14 +244,15 @@ def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
     curves = column.panels.get(row, [])
     for series, below in zip(curves, lying_below(curves, end), strict=True):
         color, dashes = next(styles)
-        # Curves that lie on each other are told apart by widths: the ones below show on both sides of those above.
+        # Curves that lie on each other are distinguished by their widths: the ones below show on both sides of those
+        # above.
         wide: dict[str, Any] = {"linewidth": _LINE_WIDTH + _WIDER * min(below, 4), "alpha": 0.55} if below else {}
-        told = shortened(series.name) if len(series.time) else f"{shortened(series.name)} (no value)"
+        label = shortened(series.name) if len(series.time) else f"{shortened(series.name)} (no value)"
         is_read = not series.unread.all() or not len(series.time)
         if is_read:
             axes.plot(
                 *stairs(series, end, unread=False),
-                label=told,
+                label=label,
                 color=color,
                 linestyle=(0, dashes),
                 **wide,
@@ -264,7 +265,7 @@ def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
                 "linewidth": 0.45,
                 "linestyle": (0, tuple(2.5 * part for part in dashes)),
             }
-            axes.plot(*stairs(series, end, unread=True), label=None if is_read else told, **thin, **_mark(series))
+            axes.plot(*stairs(series, end, unread=True), label=None if is_read else label, **thin, **_mark(series))
         if series.is_event:
             again = apart(series.repeated, end)
             axes.plot(again.time, again.value, linestyle="", marker="|", markersize=5, color=color)

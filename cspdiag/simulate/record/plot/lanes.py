@@ -182,7 +182,7 @@ def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float) -> dict
     """Draws bars; the colours of those that have no room for their names, by name."""
     from matplotlib.patches import Rectangle
 
-    told = set()
+    shown = set()
     for bar in bars:
         axes.add_patch(
             Rectangle(
@@ -192,15 +192,15 @@ def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float) -> dict
             )
         )  # fmt: skip
         if bar.text and (len(bar.text) + 0.7) * letter <= bar.end - bar.start:
-            told.add(bar.text)
+            shown.add(bar.text)
             axes.text(
                 (bar.start + bar.end) / 2, row + 0.52, bar.text, ha="center", va="center", fontsize=7, color="#222222"
             )
-    return {bar.text: bar.color for bar in bars if bar.text and bar.text not in told}
+    return {bar.text: bar.color for bar in bars if bar.text and bar.text not in shown}
 
 
 def _joined(bars: Sequence[Bar], end: float) -> list[Bar]:
-    """Bars that are too narrow to be told apart as one."""
+    """Bars that are too narrow to be distinguished, as one."""
     joined: list[Bar] = []
     for bar in bars:
         last = joined[-1] if joined else None
@@ -250,6 +250,6 @@ def _legend(axes: Axes, names: dict[tuple[str, str], str]) -> None:
 
     words, pairs = {name for _, name in names}, {(name, color) for (_, name), color in names.items()}
     several = not len(words) == len(set(names.values())) == len(pairs)
-    told = {f"{sort}: {name}" if several else name: color for (sort, name), color in names.items()}
-    patches = [Patch(facecolor=color, edgecolor=INK, linewidth=0.5, label=name) for name, color in told.items()]
+    labels = {f"{sort}: {name}" if several else name: color for (sort, name), color in names.items()}
+    patches = [Patch(facecolor=color, edgecolor=INK, linewidth=0.5, label=name) for name, color in labels.items()]
     axes.legend(handles=patches[:20], loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)

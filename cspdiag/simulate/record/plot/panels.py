@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _MOST_CURVES = 6
 """Of one panel; more have another one."""
 _LIKE = 100
-"""The least of the curves of a panel is seen if the greatest is at most so many times as large."""
+"""The least of the curves of a panel is seen if the greatest is at most this many times as large."""
 _ON_EACH_OTHER = 0.02
 """Part of a panel's height within which two curves look like one."""
 _LOOKED_AT = 200

@@ -26,7 +26,7 @@ class Series:
     """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end
     of the run.
 
-    ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something
+    ``unread`` are the values of a sampled input that nobody read. ``is_event`` marks values that come when something
     happens. Durations are in seconds.
     """
 
@@ -54,7 +54,7 @@ class Series:
 
     @property
     def repeated(self) -> Series:
-        """The values that are the same as the one before: nothing of a held line tells that they came."""
+        """The values that are the same as the one before: nothing in a held line shows that they came."""
         import numpy
 
         again = numpy.setdiff1d(numpy.arange(len(self.value)), self.changes)
@@ -127,7 +127,7 @@ def thinned(time: numpy.ndarray, value: numpy.ndarray, end: float) -> tuple[nump
 
 
 def apart(series: Series, end: float) -> Series:
-    """Of values that come too close to each other to be told apart, the first."""
+    """Of values that come too close together to be distinguished, the first."""
     import numpy
 
     column = (series.time * (_COLUMNS / max(end, 1e-12))).astype(int)
@@ -176,5 +176,5 @@ def unit_of_time(longest: float) -> tuple[str, float]:
 
 
 def shortened(name: str, longest: int = 30) -> str:
-    """A name that leaves room for what it names; both ends tell it from others."""
+    """A name shortened in the middle; both ends distinguish it from others."""
     return name if len(name) <= longest else f"{name[: longest // 2 - 1]}…{name[-(longest - longest // 2) :]}"
