@@ -16,7 +16,7 @@ Severity = Literal["error", "warning"]
 
 @record
 class Label:
-    """A further place that belongs to a diagnostic, and what is to be seen there."""
+    """A further place that belongs to a diagnostic, and what it shows."""
 
     span: Span
     message: str
@@ -24,7 +24,7 @@ class Label:
 
 @record
 class Edit:
-    """A change of the text: what stands at ``span``, which may be empty, gives way to ``replacement``."""
+    """A change of the text: ``replacement`` for what is at ``span``, which may be empty."""
 
     span: Span
     replacement: str
@@ -32,7 +32,7 @@ class Edit:
 
 @record
 class Diagnostic:
-    """One thing that is wrong, where, why, and how to mend it.
+    """One thing that is wrong, where, why, and how to correct it.
 
     A subclass is a ``record`` that sets ``code`` and ``title`` and adds the facts it needs as fields;
     ``message``, ``help`` and ``labels`` make sentences of them.
@@ -51,19 +51,19 @@ class Diagnostic:
 
     @property
     def label(self) -> str:
-        """A few words for under the marked source; may be empty."""
+        """A few words below the marked source; may be empty."""
         return ""
 
     @property
     def help(self) -> str | None:
-        """How to mend it, or None where nothing useful can be said."""
+        """How to correct it, or None if there is no useful advice."""
         return None
 
     @property
     def edits(self) -> tuple[Edit, ...]:
         """The mend, where there is exactly one that is surely meant: changes that belong together, none inside another.
 
-        What is not sure is said in ``help`` only.
+        What is not sure is only in ``help``.
         """
         return ()
 
@@ -80,7 +80,7 @@ class Diagnostic:
         return ()
 
     def with_labels(self, further: tuple[Label, ...]) -> Self:
-        """The same with further places, of which who has found it knows nothing."""
+        """The same with further places, which its finder does not know."""
         copied = replaced(self)
         vars(copied)["_further"] = further
         return copied

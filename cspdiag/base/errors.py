@@ -1,4 +1,4 @@
-"""What is raised where something cannot be done: one class above all exceptions of the library."""
+"""The exceptions of the library, with one class above all of them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class FileError(CspdiagError, OSError):
 
 
 def file_error(problem: OSError) -> FileError:
-    """The same problem as an exception of the library."""
+    """The problem as an exception of the library."""
     if isinstance(problem, FileError):
         return problem
     kind: type[FileError] = FileError

@@ -13,7 +13,7 @@ T = TypeVar("T", bound=Hashable)
 
 
 def strong_components(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[list[T]]:
-    """The strongly connected components that can be reached, ``after`` gives where edges lead.
+    """The strongly connected components that can be reached, ``after`` gives the targets of edges.
 
     Those that are led to come first; of the members of one, those reached last. Tarjan, "Depth-first search and linear
     graph algorithms", 1972, without recursion.
@@ -67,7 +67,7 @@ def final_components(after: Sequence[Sequence[int]]) -> Iterator[list[int]]:
 
 
 def is_circular(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> bool:
-    """Whether a way leads from a member of a component back to itself."""
+    """Whether a path leads from a member of a component back to itself."""
     return len(component) > 1 or component[0] in after(component[0])
 
 

@@ -28,7 +28,7 @@ _KINDS = (
 def read_source(path: str) -> SourceFile:
     """The text of a file, or of standard input for ``-``, with line ends as ``\\n``.
 
-    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is none, is not UTF-8 text or is too
+    Raises OSError, with a ``strerror`` for people, for what cannot be read, is not a file, is not UTF-8 text or is too
     large.
     """
     try:
@@ -44,10 +44,10 @@ def read_source(path: str) -> SourceFile:
 
 
 def require_ordinary_file(path: str) -> None:
-    """Raise OSError for what is there and is no file: from a pipe or a device nothing may ever come.
+    """Raise OSError for what exists and is not a file: a pipe or a device may never deliver anything.
 
-    Standard input by its name, and what the process was started with, are read as they are. What is not there is left
-    to who opens it.
+    Standard input by its name, and what the process was started with, are read as they are. What does not exist is left
+    to the caller.
     """
     place = os.path.abspath(path)
     if place == "/dev/stdin" or os.path.dirname(place) in _OPEN_ALREADY:

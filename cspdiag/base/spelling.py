@@ -42,7 +42,7 @@ class Speller:
 def is_slip(written: str, meant: str) -> bool:
     """Whether a name is surely the slip of another one.
 
-    That is one in letters of another size, with two neighbours exchanged, or with a letter inside it lost or added.
+    That is one in letters of another case, with two neighbours exchanged, or with a letter inside it lost or added.
     A digit, the first letter or the last often distinguish two things, and so does any letter in a short name.
     """
     if written.lower() == meant.lower():

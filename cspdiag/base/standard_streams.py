@@ -1,4 +1,4 @@
-"""The standard streams of a command, whatever the program that it runs sets or closes in their stead.
+"""The standard streams of a command, whatever the program that it runs sets or closes instead.
 
 Generated packages carry this module in their runtime.
 """
@@ -13,7 +13,7 @@ _kept: dict[str, TextIO] = {}
 
 
 def keep() -> None:
-    """From now on they are those of this moment: called by a command that a process consists of."""
+    """Fix the present streams as the standard ones; called by a command that is its own process."""
     _kept.update(stdout=sys.stdout, stderr=sys.stderr)
 
 

@@ -62,9 +62,7 @@ class Verb(Protocol):
 
 
 class _StoreOnce(Action):
-    """Stores the value of an option; a second one that differs is refused, as one of them would be lost without
-    a word.
-    """
+    """Stores the value of an option; a second, different one is refused, as one of them would be lost silently."""
 
     _first: object = None
 
@@ -224,7 +222,7 @@ def _refuse(message: str, *, lines: bool = False) -> int:
 
 
 def _unwritten(problem: OSError, code: int) -> int:
-    """The exit code where something cannot be read or written; of a verb that has done its work with ``code`` that is
+    """The exit code if something cannot be read or written; of a verb that has done its work with ``code`` that is
     what it prints.
     """
     _drop_broken_output()
@@ -242,7 +240,7 @@ def _drop_broken_output() -> None:
 
 
 def _accept_any_character() -> None:
-    """Let a terminal of a small character set show what it has no character for by its number."""
+    """Let a terminal with a small character set show other characters by their numbers."""
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

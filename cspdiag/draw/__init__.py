@@ -1,1 +1,1 @@
-"""Programs → pictures: what is drawn, where it stands, and how it looks."""
+"""Programs → pictures: what is drawn, where, and how it looks."""

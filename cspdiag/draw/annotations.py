@@ -1,4 +1,4 @@
-"""What stands around a picture: its heading, its legend, and the messages that its marks refer to."""
+"""What surrounds a picture: its heading, its legend, and the messages that its marks refer to."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def wrapped(text: str, size: float, width: float, face: Face = Face.SANS) -> lis
 
 
 def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[tuple[TextRun, ...]]:
-    """Lines no wider than ``width`` pixels, but for single words; what stands between backticks is set as code, without
+    """Lines no wider than ``width`` pixels, but for single words; what is between backticks is set as code, without
     them.
     """
     words: list[list[TextRun]] = []
@@ -98,7 +98,7 @@ def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[t
 
 
 def _merged(runs: list[TextRun]) -> tuple[TextRun, ...]:
-    """Neighbours of one look as one run."""
+    """Neighbours with the same look as one run."""
     merged: list[TextRun] = []
     for run in runs:
         if merged and (merged[-1].face, merged[-1].ink) == (run.face, run.ink):

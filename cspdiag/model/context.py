@@ -34,7 +34,7 @@ class Context:
         """Whether types are found by trying, where local values and operators with memory need each other's."""
 
     def refuse(self, diagnostic: Diagnostic, *poisoned: ast.Node) -> None:
-        """Report, and have later passes be silent about the nodes."""
+        """Report, and silence later passes about the nodes."""
         self.report.add(diagnostic)
         self.program.poisoned.update(poisoned)
 
@@ -46,7 +46,7 @@ class Context:
 
 @node
 class Surroundings:
-    """Where an expression stands: what names mean there and which of them have a value.
+    """The place of an expression: what names mean there and which of them have a value.
 
     ``constant`` is what must be known before the program runs (sizes, periods, arguments, initial values).
     """

@@ -70,7 +70,7 @@ Symbol: TypeAlias = (
 class Scope:
     """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order.
 
-    ``undeclared``: names without a declaration about which something is said at one place; further uses are silent.
+    ``undeclared``: names without a declaration that were reported at one place; further uses are silent.
     ``incomplete``: names may be missing because of what was already reported.
     """
 

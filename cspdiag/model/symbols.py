@@ -1,4 +1,4 @@
-"""How messages speak of what a name means, and where that was declared."""
+"""How messages describe what a name means, and where it was declared."""
 
 from __future__ import annotations
 

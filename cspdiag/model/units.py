@@ -132,9 +132,8 @@ def _scaled(exponents: tuple[int, ...], numerator: int, denominator: int, pi_pow
 
 @cache
 def parse_unit(text: str) -> Unit | None:
-    """The unit that ``text`` spells (``kg*m^2``, ``N*m*s/rad``, ``J/(kg*K)``, ``1/s``); None if it is none.
-
-    ``/`` divides by the factor (or the parenthesis) that follows it only.
+    """The unit that ``text`` spells (``kg*m^2``, ``N*m*s/rad``, ``J/(kg*K)``, ``1/s``); None if it is not a unit. ``/``
+    divides by the factor (or the parenthesis) that follows it only.
     """
     if len(text) > _LONGEST:
         return None
@@ -222,7 +221,8 @@ def _product(left: Unit, right: Unit, sign: int) -> Unit:
 def power(unit: Unit, exponent: int, root: int = 1) -> Unit | None:
     """The ``root``-th root of ``unit`` to the power ``exponent``.
 
-    None where a base unit would get a broken exponent, as in the square root of a metre, or a scale that is not exact.
+    None where a base unit would get a fractional exponent, as in the square root of a metre, or a scale that is not
+    exact.
     """
     raised = _raised(unit, exponent, root)
     if raised is None or not _reasonable(raised):

@@ -1,4 +1,4 @@
-"""How messages speak of types, and of the conversions between them."""
+"""How messages describe types, and the conversions between them."""
 
 from __future__ import annotations
 

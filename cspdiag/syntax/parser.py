@@ -1,7 +1,8 @@
 """Text to syntax tree.
 
-An LALR(1) automaton over the tables that Lark made of the grammar. It is a loop over explicit stacks, so the depth of a
-text is no concern of Python's; the tree it makes is at most ``DEEPEST`` levels deep, so that later passes may recurse.
+An LALR(1) automaton over the tables that Lark made of the grammar. It is a loop over explicit stacks, so Python's
+recursion limit does not matter for the text; the tree it makes is at most ``DEEPEST`` levels deep, so that later passes
+may recurse.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ _MOST_STATES = 25 * DEEPEST
 def parse(source: SourceFile, report: Report) -> ast.SourceTree:
     """The tree of a file.
 
-    Where the text is broken, this is reported and reading goes on at the next declaration or definition; the tree
-    then lacks the broken ones and is no program.
+    Where the text is broken, this is reported and reading continues at the next declaration or definition; the tree
+    then lacks the broken ones and is not a program.
     """
     return Parser(source, report).run()
 
@@ -54,7 +55,7 @@ class Parser:
         self._taken_to = 0
         """Where the last token ended."""
         self._mended = (-1, 0)
-        """Where the last mistake was, and how often it was mended there."""
+        """Where the last mistake was, and how often it was repaired there."""
         self._last_reported = ("", "", 0)
         """Code, message and line of the last mistake: the same mistake all along a line is reported once."""
         builder = DefinitionBuilder(source, report, self.lexer.docs)
@@ -134,7 +135,7 @@ class Parser:
         self._skip_after(NestedTooDeeply(Span(self.source, lexer.start, end), DEEPEST))
 
     def _mend(self) -> None:
-        """The present token cannot be taken: say why, and make the best of it."""
+        """The present token cannot be taken: report why, and repair it."""
         # A text without mistakes does not pay for this.
         from cspdiag.syntax.unexpected.situation import Situation
         from cspdiag.syntax.unexpected.token import explain
@@ -160,7 +161,7 @@ class Parser:
         self._apply(repair)
 
     def _apply(self, repair: Repair) -> None:
-        """Go on as if the present token were another one, or were not there, or had another one before it."""
+        """Continue as if the present token were another one, were missing, or had another one before it."""
         lexer = self.lexer
         match repair.action:
             case "replace":
@@ -172,7 +173,7 @@ class Parser:
                 lexer.insert(repair.terminal)
 
     def _tell_misuse(self, diagnostic: KeywordAsName) -> None:
-        """Once for each word: where it stands again the mistake is the same."""
+        """Once for each word: where it occurs again the mistake is the same."""
         if diagnostic.word not in self.lexer.misused:
             self._tell(diagnostic)
             self.lexer.misused.add(diagnostic.word)
@@ -206,7 +207,7 @@ class Parser:
 
 
 def _arguments(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
-    """What a builder is given of the children of a rule: lists spliced in, None for what is absent."""
+    """The children of a rule as a builder gets them: lists spliced in, None for what is absent."""
     arguments: list[Any] = []
     for position in kept:
         if position is None:

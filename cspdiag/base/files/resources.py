@@ -1,7 +1,7 @@
 """Finds what ships beside the code: the grammar, the templates, the manual pages, the benchmarks and the bundled
 library.
 
-A checkout (and an editable install) has ``grammars/`` and its kin at its top level; a wheel has them under
+A checkout (and an editable install) has ``grammars/`` and the others at its top level; a wheel has them under
 ``cspdiag/_resources/``. ``pathlib`` is imported only where a path is needed: ``check`` starts without it.
 """
 
@@ -61,9 +61,7 @@ def benchmark_folder() -> Path:
 
 
 def library_source(name: str) -> str | None:
-    """The text of a bundled library by the name that ``import`` gives it (``std.control``), or None if there
-    is none.
-    """
+    """The text of a bundled library by the name that ``import`` gives it (``std.control``), or None if unknown."""
     parts = name.split(".")
     if len(parts) < 2 or parts[0] != "std" or not all(part.isidentifier() for part in parts):
         return None

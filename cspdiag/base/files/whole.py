@@ -21,7 +21,7 @@ def write_whole(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def replace_files(files: Mapping[str, bytes]) -> None:
-    """Give files that there are other contents, by path.
+    """Replace the contents of existing files, by path.
 
     All are written beside their places first, so that none changes where one cannot be written, and then moved there.
     Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name given.

@@ -16,7 +16,7 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
 
 
 def place(span: Span | None) -> dict[str, Any]:
-    """``file``, ``line`` and ``column``; nothing where there is no place."""
+    """``file``, ``line`` and ``column``; empty without a place."""
     if span is None:
         return {}
     line, column = span.source.position(span.start)

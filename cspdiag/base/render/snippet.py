@@ -27,7 +27,7 @@ Paint = Callable[[str, Role], str]
 
 @record
 class Mark:
-    """A range to be marked, with the words to stand beside it; the primary one is where the diagnostic is."""
+    """A range to be marked, with the words next to it; the primary one is where the diagnostic is."""
 
     span: Span
     message: str
@@ -203,7 +203,7 @@ class _Brackets:
         return self._row(lambda first, last: "/" if number == first else "|" if first < number <= last else " ")
 
     def below_line(self, number: int) -> str:
-        """The margin of what stands below a source line, or between it and the next one shown."""
+        """The margin of what is below a source line, or between it and the next one shown."""
         return self._row(lambda first, last: "|" if first <= number < last else " ")
 
     def ends(self, line: _Line) -> list[str]:

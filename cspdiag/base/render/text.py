@@ -1,4 +1,4 @@
-"""Diagnostics for people at a terminal: the source with the places marked, the reason, the mend."""
+"""Diagnostics for people at a terminal: the source with the places marked, the reason, the correction."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _COLOURS = {"error": "31", "warning": "33", "secondary": "34", "frame": "34", "s
 
 
 def render(diagnostics: Sequence[Diagnostic], *, colour: bool = False) -> str:
-    """All diagnostics, each with its source, and a line that counts them; empty when there is nothing to say."""
+    """All diagnostics, each with its source, and a line that counts them; empty without diagnostics."""
     if not diagnostics:
         return ""
     parts = [_Drawing(diagnostic, colour).text() for diagnostic in diagnostics]

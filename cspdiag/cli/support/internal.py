@@ -1,4 +1,4 @@
-"""What is said when cspdiag itself fails."""
+"""The report when cspdiag itself fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads files as they are in a revision of a git repository."""
+"""Reads files as they were in a revision of a git repository."""
 
 from __future__ import annotations
 

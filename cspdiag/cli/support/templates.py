@@ -10,7 +10,9 @@ from cspdiag.codegen.shared.render import PART, Replacement, template_names
 
 
 def read_templates(folder: str, target: str) -> dict[str, Replacement]:
-    """By name; files that begin with a dot are none. Raises UsageError for a folder or a file that cannot be taken."""
+    """By name; files that begin with a dot are ignored. Raises UsageError for a folder or a file that cannot be
+    taken.
+    """
     there = template_names(target)
     if not there:
         raise UsageError(f"--templates {on_one_line(folder)}: the target {target} is made without templates")

@@ -53,7 +53,7 @@ def complete_streams() -> None:
     """Give a process that was started with closed streams (``>&-``) streams again: of standard output and standard
     input one that refuses every call, so that its user reports the error.
 
-    Otherwise the next file that is opened would take their place, and what somebody prints would go there.
+    Otherwise the next file that is opened would take their place, and output would go there.
     """
     for number, access in enumerate((os.O_WRONLY, os.O_RDONLY, os.O_WRONLY)):
         try:

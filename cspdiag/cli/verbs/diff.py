@@ -57,7 +57,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Tell and draw the differences: exit code 0 for none, 1 for some, 2 where a version cannot be read."""
+    """Show and draw the differences: exit code 0 for none, 1 for some, 2 where a version cannot be read."""
     require_file("-o", arguments.output, FORMATS, any_case=True)
     versions = _versions(arguments)
     before, after = (_program(revision, path, arguments) for revision, path in versions)

@@ -283,7 +283,7 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
 
 
 def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
-    """What is drawn; with --check also what something is said about."""
+    """What is drawn; with --check also what diagnostics refer to."""
     if arguments.all:
         chosen = pictures.drawn()
     elif arguments.process:

@@ -39,7 +39,7 @@ from cspdiag.draw.scene.text_metrics import ASCENT, line_height
 from cspdiag.network.ir.network import Direction
 
 ROW_GAP = 24.0
-"""Around elements that stand apart."""
+"""Around elements without neighbours."""
 GAP = 26.0
 """Between heading, drawing, legend and messages."""
 CORNER_RISE = 2.0
@@ -223,7 +223,7 @@ class _Drawing:
         return isinstance(self.made.vertices.get(target.rpartition("|")[0]), Sink)
 
     def _is_border(self, end: str, direction: Direction) -> bool:
-        """Whether a line begins or ends at the inner side of a box that shows its inside, beyond which it goes on."""
+        """Whether a line begins or ends at the inner side of a box that shows its inside, beyond which it continues."""
         port = self.made.ports.get(end)
         return port is not None and port.direction == direction
 

@@ -51,7 +51,7 @@ class Caption:
     lines: tuple[tuple[TextRun, ...], ...]
     size: float
     mark: Mark | None = None
-    """The mark whose badge stands beside the text; it takes room even where there is no text."""
+    """The mark whose badge is next to the text; it takes room even without a text."""
 
     @property
     def text_width(self) -> float:
@@ -78,11 +78,11 @@ class Caption:
 
 @dataclass
 class CommunicationGraph:
-    """A graph, and what its parts stand for, by their identifiers."""
+    """A graph, and what its parts represent, by their identifiers."""
 
     graph: Graph = field(default_factory=lambda: Graph(()))
     apart: tuple[Node, ...] = ()
-    """What no arrow leads to or from, such as variables that only the composition uses: it stands below the rest."""
+    """What no arrow leads to or from, such as variables that only the composition uses: it is below the rest."""
     captions: dict[str, Caption] = field(default_factory=dict)
     vertices: dict[str, Vertex] = field(default_factory=dict)
     ports: dict[str, BoxPort] = field(default_factory=dict)

@@ -40,7 +40,7 @@ def legend(vertices: Iterable[Vertex], arrows: Iterable[Arrow], width: float) ->
 
 
 def in_rows(entries: Sequence[Entry], width: float) -> Group | None:
-    """Words with samples, in rows not wider than ``width``, from the origin; None where nothing has to be explained."""
+    """Words with samples, in rows not wider than ``width``, from the origin; None if there is nothing to explain."""
     if not entries:
         return None
     items: list[Item] = []

@@ -8,9 +8,8 @@ from cspdiag.draw.elements.diagram import Box, CommunicationDiagram, End, Vertex
 def ordered(diagram: CommunicationDiagram) -> list[Vertex]:
     """Instances in text order, and everything else beside the ports that it is connected to.
 
-    The box number ``n`` has the position ``n``, its ports lie around that. An element with one neighbour stands beside
-    the port of it, one with several at their mean position, neighbours of boxes first. What is connected to no box
-    comes last.
+    The box number ``n`` has the position ``n``, its ports lie around that. An element with one neighbour is next to its
+    port, one with several at their mean position, neighbours of boxes first. What is connected to no box comes last.
     """
     positions = _box_positions(diagram)
     neighbours: dict[str, list[End]] = {vertex.key: [] for vertex in diagram.vertices}

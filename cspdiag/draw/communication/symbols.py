@@ -16,7 +16,7 @@ Symbol: TypeAlias = FlowKind | Literal["several"]
 
 MARKED_WIDTH = 2.2
 STACK = 5.0
-"""How far the boxes behind that of an array stand out above it, and are narrower at each side."""
+"""How far the boxes behind that of an array show above it, and are narrower at each side."""
 SIDE_BAR = 5.0
 """Between the double lines at the sides of a submodel."""
 SYMBOL_DISTANCE = 11.0
@@ -37,7 +37,7 @@ def inside(mark: Mark | None, ink: Ink) -> Ink:
 
 def instance(box: InstanceBox, place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
     """A process has round corners, a submodel double sides, a driver a chamfer, what is unknown a broken outline; an
-    array stands on two more.
+    array has two more behind it.
     """
     stroke, width, dash = outline(mark)
     shapes: list[Item] = []

@@ -1,4 +1,4 @@
-"""What elements say about themselves when they are pointed at: what, of which type, how often, why, and where in the
+"""The tooltips of elements: what, of which type, how often, why, and where in the
 text.
 """
 

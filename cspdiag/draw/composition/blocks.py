@@ -38,7 +38,7 @@ class Block:
     Lines of a sequence end at ``entry`` on the left and begin at ``exit`` on the right; vertical lines meet the upper
     and the lower side at ``spine`` or further to the left, at the heights ``top`` and ``bottom`` (None: the sides of
     the room). ``is_group``: lines at its border end in the circle of a parenthesis. ``widened`` makes the same block at
-    least so wide.
+    least this wide.
     """
 
     width: float
@@ -63,7 +63,7 @@ class Block:
 
 
 def placed(block: Block, x: float, y: float) -> tuple[Item, ...]:
-    """The items of a block that stands at a place."""
+    """The items of a block at a place."""
     return tuple(moved(item, x, y) for item in block.items)
 
 
@@ -84,8 +84,8 @@ def look(mark: Mark | None, stroke: Ink, fill: Ink) -> Look:
 
 
 def badges(mark: Mark | None, right: float) -> tuple[Item, ...]:
-    """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where nothing is
-    said about it by itself.
+    """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where it has none
+    of its own.
     """
     if mark is None or not (mark.numbers or mark.note):
         return ()
@@ -131,7 +131,7 @@ def centred(
 
 
 def above(lines: Sequence[str], at: Point, face: Face = Face.SANS, anchor: Anchor = Anchor.START) -> list[Text]:
-    """Lines of text that stand on a line."""
+    """Lines of text above a line."""
     first = at.y - 6 - (len(lines) - 1) * LINE
     return [
         Text(Point(at.x, first + number * LINE), (TextRun(line, face),), SIZE, anchor)
@@ -148,7 +148,7 @@ def parenthesis(at: Point, dx: float, dy: float) -> Ellipse:
 
 @record
 class FrameStyle:
-    """What is said about a frame: its class, its key, its tooltip, and what stands in its upper left corner."""
+    """What describes a frame: its class, its key, its tooltip, and what is in its upper left corner."""
 
     kind: str
     key: str

@@ -46,7 +46,7 @@ from cspdiag.draw.scene.text_metrics import runs_width
 from cspdiag.syntax.parse.nesting import room_to_recurse
 
 WIDEST = 1000.0
-"""A sequence goes on in a new row beyond this, in pixels."""
+"""A sequence continues in a new row beyond this, in pixels."""
 _NARROWEST = 360.0
 GAP = 26.0
 """Between heading, drawing and messages."""

@@ -1,7 +1,7 @@
 """Places blocks beside and below each other and draws the relations that join them.
 
-A sequence flows from left to right and goes on in a new row where it would be too long; parallel and alternative
-processes stand below each other. Where a line ends at a group it carries the circle of a parenthesis.
+A sequence flows from left to right and continues in a new row where it would be too long; parallel and alternative
+processes are below each other. Where a line ends at a group it carries the circle of a parenthesis.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _INDENT = 30
 _ROWS = 34
 """Between two rows of a sequence, and two columns of a vertical relation."""
 _TALLEST = 900
-"""A vertical relation goes on in a new column beyond this."""
+"""A vertical relation continues in a new column beyond this."""
 _TURN = 18
 """How far the line of a loop keeps from its body."""
 _CORNER = 5

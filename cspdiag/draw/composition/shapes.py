@@ -102,7 +102,7 @@ def warning_sign(centre: Point, *, exclaims: bool, stroke: Ink = Ink.LINE) -> li
 
 @record
 class _Form:
-    """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` stands before the
+    """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` precedes the
     text.
     """
 
@@ -192,7 +192,7 @@ def _activity_form(activity: Activity, mark: Mark | None, shown: Look) -> _Form:
 
 
 def guard_block(guard: Guard, mark: Mark | None) -> Block:
-    """The shape of a guard: that of what it does, on paper; its condition stands above."""
+    """The shape of a guard: that of what it does, on paper; its condition is above."""
     condition = [] if guard.condition is None else lines_of(f"when {guard.condition}", face=Face.ITALIC)
     shown = look(mark, Ink.LINE, Ink.PAPER)
     form = _Form(_pill, sign=_clock(shown) if guard.form == "after" else None)

@@ -1,4 +1,4 @@
-"""What the elements of a composition diagram say about themselves when they are pointed at."""
+"""The tooltips of the elements of a composition diagram."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def chain_words(operator: Operator, prioritized: bool) -> str:
 
 
 def step_tooltip(element: Part) -> str:
-    """What an element is, what its doc comment says, and where it stands in the text."""
+    """What an element is, its doc comment, and its place in the text."""
     place = str(element.spans[0]) if element.spans else ""
     return "\n".join(part for part in (_words(element), *_docs(element), place) if part)
 

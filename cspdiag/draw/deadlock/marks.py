@@ -1,4 +1,4 @@
-"""Where waiting processes stand in the communication diagram of the process around them."""
+"""Where waiting processes are in the communication diagram of the process around them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MOST_NUMBERS = 10
 
 @record
 class StuckProcess:
-    """A process that can never go on.
+    """A process that can never continue.
 
     ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits
     (``to read Table.philosopher[0].first``), ``place`` is the file and line, ``channels`` are the full names of the

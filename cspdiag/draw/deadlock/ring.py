@@ -1,4 +1,4 @@
-"""Draws a deadlock: the processes that wait for each other as a ring, and where they stand in the communication diagram
+"""Draws a deadlock: the processes that wait for each other as a ring, and where they are in the communication diagram
 around them.
 """
 
@@ -35,9 +35,8 @@ _PLACE_SIZE = 11.0
 
 @record
 class Deadlock:
-    """Who waits when nothing goes on.
-
-    ``cycle``: each waits for the next and the last for the first; it may be empty. ``besides``: what else waits.
+    """Which processes wait when nothing continues. ``cycle``: each waits for the next and the last for the first; it
+    may be empty. ``besides``: what else waits.
     ``title`` says what happened and when (``deadlock at 10 ms``), ``top`` is the name of the outermost process.
     """
 
@@ -51,8 +50,8 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
     """The ring of waiting processes and, given the program, the communication diagram around them and their
     compositions, with them highlighted.
 
-    Numbers show which box and which step belongs to which process of the ring; a composition is there where it is known
-    at which step a process waits. Raises what ``lay_out`` raises.
+    Numbers show which box and which step belongs to which process of the ring; a composition is shown if it is known at
+    which step a process waits. Raises what ``lay_out`` raises.
     """
     ring = draw_ring(deadlock)
     if program is None:

@@ -36,7 +36,7 @@ class Change:
     """One difference. ``definition`` is the definition it is in, ``kind`` what that is (``process``); ``subject`` and
     ``name`` are empty for the definition itself.
 
-    ``aspect`` says what about a changed part differs; ``before`` and ``after`` are texts, None where there is nothing.
+    ``aspect`` says what about a changed part differs; ``before`` and ``after`` are texts, None if there is nothing.
     """
 
     action: Action
@@ -58,7 +58,9 @@ _WITH_UNIT = re.compile(r"(?P<name>\w+)(?:<(?P<unit>[^>]*)>)?(?P<sizes>.*)")
 
 
 def compare(kind: str, definition: str, before: Parts, after: Parts) -> list[Change]:
-    """The parts that came, went, or are another; in the order of ``after``, those that went in that of ``before``."""
+    """The parts that were added, removed, or changed; in the order of ``after``, those that went in that of
+    ``before``.
+    """
     changes: list[Change] = []
     for subject, name in _in_order(before, after):
         old, new = before.get((subject, name)), after.get((subject, name))
@@ -87,8 +89,8 @@ def compare(kind: str, definition: str, before: Parts, after: Parts) -> list[Cha
 
 
 def narrowed(aspect: str, before: str, after: str) -> tuple[str, str | None, str | None]:
-    """The aspect and its two texts; of types that differ in nothing but their units the units, of lists of ends those
-    that went and came.
+    """The aspect and its two texts; of types that differ only in their units the units, of lists of ends those that
+    were removed and added.
     """
     if aspect in ("from", "to"):
         old_ends, new_ends = before.split(", "), after.split(", ")
@@ -107,7 +109,7 @@ def _with(place: Change, action: Action, aspect: str, before: str | None, after:
 
 
 def _in_order(before: Parts, after: Parts) -> Iterable[tuple[str, str]]:
-    """The parts of both, those that went behind the ones that they followed."""
+    """The parts of both; removed ones are placed after the ones that they followed."""
     order = list(after)
     previous: tuple[str, str] | None = None
     for key in before:

@@ -36,7 +36,7 @@ KINDS: dict[type[ast.Node], str] = {
 
 
 def definition_parts(definition: ast.Definition) -> Parts:
-    """The parts of a definition that are no elements of a diagram."""
+    """The parts of a definition that are not elements of a diagram."""
     parts: Parts = {}
     match definition:
         case ast.Constant():

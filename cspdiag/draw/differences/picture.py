@@ -23,7 +23,7 @@ _MARKS: dict[Action, MarkKind] = {"added": "added", "removed": "removed", "chang
 _GAP = 14.0
 LOST = " (before)"
 GAINED = " (after)"
-"""End the keys of the arrows that stand for ends that a relationship has lost, or gained."""
+"""End the keys of the arrows that represent ends that a relationship has lost, or gained."""
 
 
 def pictures_of(difference: Difference) -> list[Scene]:
@@ -71,7 +71,7 @@ def union(before: CommunicationDiagram | None, after: CommunicationDiagram | Non
 
 
 def _split(before: CommunicationDiagram, arrow: Arrow) -> list[Arrow]:
-    """A relationship whose ends are others now: what it has kept, what it has gained and what it has lost, an arrow
+    """A relationship whose ends have changed: what it has kept, what it has gained and what it has lost, an arrow
     each.
     """
     old = next((each for each in before.arrows if each.key == arrow.key), arrow)
@@ -97,7 +97,7 @@ def _missing(old: Sequence[E], new: Sequence[E]) -> list[E]:
 
 
 def marks(pair: Pair) -> dict[str, Mark]:
-    """The marks of the elements of the united diagram, each with what is said about it."""
+    """The marks of the elements of the united diagram, each with its message."""
     said: dict[str, list[Change]] = {}
     for change in pair.changes:
         said.setdefault(change.key, []).append(change)
@@ -138,7 +138,7 @@ def _picture(pair: Pair) -> Scene:
 
 
 def _listed(changes: Iterable[Change], *, name_definitions: bool = False) -> Group | None:
-    """The changes below each other; None for none."""
+    """The changes below each other; None without changes."""
     rows = []
     for change in reported(changes):
         of = f"{change.kind} {change.definition}: " if name_definitions and (change.subject or change.aspect) else ""

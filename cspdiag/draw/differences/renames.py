@@ -1,4 +1,4 @@
-"""Finds what is the same under another name, where that is obvious: nothing else of its sort could have become it."""
+"""Finds what was renamed, where that is obvious: nothing else of its sort could have become it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 def pairs(gone: Iterable[T], come: Iterable[T], signature: Callable[[T], Hashable]) -> list[tuple[T, T]]:
-    """Those that went and came with one and the same signature, which no other that went or came has."""
+    """Those removed and added with the same signature, which no other removed or added one has."""
     by_signature: dict[Hashable, tuple[list[T], list[T]]] = {}
     for position, items in enumerate((gone, come)):
         for item in items:
@@ -31,9 +31,7 @@ def pairs(gone: Iterable[T], come: Iterable[T], signature: Callable[[T], Hashabl
 
 
 def vertex_renames(before: CommunicationDiagram, after: CommunicationDiagram) -> dict[str, str]:
-    """The new names of elements: alike in everything, and connected to the same ends for the greater part, or not at
-    all.
-    """
+    """The new names of elements: equal in everything, and connected mostly to the same ends, or not at all."""
     kept = {vertex.key for vertex in before.vertices} & {vertex.key for vertex in after.vertices}
     gone = [
         vertex for vertex in before.vertices if vertex.key not in kept and not isinstance(vertex, Sink | WrittenValue)

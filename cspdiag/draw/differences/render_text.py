@@ -54,7 +54,7 @@ def _is_whole_composition(change: Change) -> bool:
 
 
 def sentence(change: Change) -> str:
-    """A change in one line without its sign, as it stands below a picture."""
+    """A change in one line without its sign, as it is shown below a picture."""
     if change.subject == "" and change.action != "changed":
         return _whole(change)
     return sentence_line(change)[2:]
@@ -88,7 +88,7 @@ def _short(name: str) -> str:
 
 
 def _whole(change: Change) -> str:
-    """A definition that came, went or has another name."""
+    """A definition that was added, removed or renamed."""
     if change.action == "renamed":
         return f"{change.kind} {change.before} is now called {change.after}"
     return f"{change.kind} {change.after if change.action == 'added' else change.before}"

@@ -17,7 +17,7 @@ class Access:
     """One communication of the process itself with ``channel``.
 
     ``stores`` are the variables that take or give the value; a write is ``is_plain`` where it gives (a part of) a
-    variable as it stands. ``text`` is what is written.
+    variable unchanged. ``text`` is what is written.
     """
 
     channel: str

@@ -16,7 +16,9 @@ WithPorts = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinitio
 
 
 class Boxes:
-    """The boxes of one diagram; ``complete`` gives each the ports that were named and those that were left alone."""
+    """The boxes of one diagram; ``complete`` gives each the ports that were named and those that were left
+    unconnected.
+    """
 
     def __init__(self, program: Program, facts: Facts, around: ast.Node) -> None:
         self._program = program

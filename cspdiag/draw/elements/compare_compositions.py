@@ -1,5 +1,5 @@
-"""Compares two composition diagrams: one diagram that holds what both have, and marks on what came, went or
-is another.
+"""Compares two composition diagrams: one diagram that holds what both have, and marks on what was added, removed or
+changed.
 """
 
 from __future__ import annotations
@@ -49,8 +49,9 @@ _NO_NAMES: Mapping[str, str] = {}
 class StepChange:
     """One difference, at the element ``key`` of the common diagram.
 
-    ``subject`` says what came, went or changed (``process``, ``guard``, ``condition``, ``operator``, …); ``before`` and
-    ``after`` are texts, None where there is nothing.
+    ``subject`` says what was added, removed or changed (``process``, ``guard``, ``condition``, ``operator``, …);
+    ``before`` and
+    ``after`` are texts, None if there is nothing.
     """
 
     action: Action
@@ -75,7 +76,7 @@ class StepChange:
 
 @record
 class Compared:
-    """``diagram`` has also what is there no more; ``marks`` are by the keys of its elements."""
+    """``diagram`` also has what was removed; ``marks`` are by the keys of its elements."""
 
     diagram: CompositionDiagram
     marks: dict[str, Mark]
@@ -156,7 +157,7 @@ class _Comparison:
     """What elements say with all their parts, by their identity; both versions live as long as this."""
 
     def merged(self, old: PartT, new: PartT, key: str) -> PartT:
-        """The element of the common diagram for two that stand at the same place."""
+        """The element of the common diagram for two in the same place."""
         if self._content(old) == self._content(new):
             return _kept(new, key)
         if type(old) is not type(new):
@@ -168,7 +169,7 @@ class _Comparison:
         return rebuilt(new, key, self._merged_parts(old, new, key))
 
     def whole(self, element: PartT, key: str, action: Action) -> PartT:
-        """An element that came or went with all its parts; only the element itself has a note."""
+        """An element that was added or removed with all its parts; only the element itself has a note."""
         text = _source(element)
         was_added = action == "added"
         span = element.spans[0] if element.spans else None
@@ -189,7 +190,7 @@ class _Comparison:
         return kept
 
     def _replaced(self, old: Part, new: PartT, key: str) -> PartT:
-        """Something of another kind stands where the old one stood; it may stand around it."""
+        """Something of another kind replaces the old one; it may contain it."""
         inner = parts(new)
         around = next((part for part in inner if self._content(part) == self._content(old)), None)
         if around is None:
@@ -234,8 +235,8 @@ class _Comparison:
                 return list(zip(parts(old), parts(new), strict=True))
 
     def _aligned(self, old: Sequence[Part], new: Sequence[Part]) -> list[_Pair]:
-        """Pairs of what belongs together in two lists, in order, as many and as equal as can be; what has no partner is
-        alone.
+        """Pairs of what belongs together in two lists, in order, as many and as similar as possible; what has no
+        partner is alone.
         """
         begin = self._common(old, new)
         end = self._common(reversed(old[begin:]), reversed(new[begin:]))
@@ -244,7 +245,7 @@ class _Comparison:
         return [*before, *self._matched(old[begin : len(old) - end], new[begin : len(new) - end]), *after]
 
     def _common(self, old: Iterable[Part], new: Iterable[Part]) -> int:
-        """How many parts at the beginning are the same."""
+        """The number of parts at the beginning that are the same."""
         pairs = zip(old, new, strict=False)
         return sum(1 for _ in takewhile(lambda pair: self._content(pair[0]) == self._content(pair[1]), pairs))
 
@@ -299,7 +300,7 @@ class _Comparison:
         self.marks[key] = Mark(change.action, note=str(change))
 
     def _own(self, old: Part) -> str:
-        """What an element of the old version would say now."""
+        """The text of an element of the old version with the new names."""
         text = own_text(old)
         return re.sub(r"\w+", lambda word: self.names.get(word[0], word[0]), text) if self.names else text
 
@@ -323,7 +324,7 @@ def _kept(element: PartT, key: str) -> PartT:
 
 
 def _source(element: Part) -> str:
-    """The text that the element stands for, without what it only belongs to."""
+    """The text of the element, without what it only belongs to."""
     match element:
         case Handler():
             guard = "" if element.guard is None else f" {own_text(element.guard)}"

@@ -1,6 +1,6 @@
 """The elements of a composition diagram: processes, and the relations that compose them.
 
-A composition is a tree, so an element's ``key`` is the way to it: ``1`` is the whole, ``1.2`` its second part. Chains
+A composition is a tree, so an element's ``key`` is the path to it: ``1`` is the root, ``1.2`` its second part. Chains
 of one operator are one element, and so are a process with all that watches over it, and an ``if`` with its ``else if``.
 """
 

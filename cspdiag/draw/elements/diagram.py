@@ -24,7 +24,7 @@ FlowKind: TypeAlias = Literal[
 
 @record(kw_only=True)
 class Element:
-    """Something that is drawn: its key, its doc comment, and every place in the text that it stands for."""
+    """Something that is drawn: its key, its doc comment, and every place in the text that it represents."""
 
     key: str
     doc: str | None = None

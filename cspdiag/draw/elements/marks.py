@@ -36,7 +36,7 @@ def numbered(diagnostics: Iterable[Diagnostic]) -> dict[int, Diagnostic]:
 
 
 def marks_of(places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Diagnostic]) -> dict[str, Mark]:
-    """The marks of elements, given the places in the text that each stands for.
+    """The marks of elements, given the places in the text that each represents.
 
     A diagnostic belongs to the element with the smallest range that contains the place of the diagnostic (the first of
     equals). One whose place is in no element marks nothing. Elements at the other places of a diagnostic are

@@ -19,12 +19,12 @@ def written(node: ast.Node) -> str:
 
 
 def written_span(span: Span) -> str:
-    """What stands at a place in the text."""
+    """The text at a place."""
     return " ".join(_COMMENT.sub(" ", span.text).split())
 
 
 def squeezed(text: str) -> str:
-    """The text without blanks, which mean nothing but that words are two."""
+    """The text without blanks, which only separate words."""
     return "".join(text.split())
 
 
@@ -34,7 +34,7 @@ def same_text(one: str, other: str) -> bool:
 
 
 def optional(node: ast.Node | None) -> str | None:
-    """The same, or None for nothing."""
+    """The same; None for None."""
     return None if node is None else written(node)
 
 

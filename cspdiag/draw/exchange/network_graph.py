@@ -26,7 +26,7 @@ Facts = dict[str, object]
 def network_graph(network: Network) -> networkx.MultiDiGraph:
     """The graph of a network; ``docs/drawing.md`` lists the attributes of nodes and edges.
 
-    A node has the path of what it stands for, in the order of the text. An edge leads from each writer of a channel to
+    A node has the path of what it represents, in the order of the text. An edge leads from each writer of a channel to
     each reader; its key is its number in the graph.
     """
     return _Builder(network).build()

@@ -1,5 +1,5 @@
-"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, the order of the
-text kept.
+"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, keeping the
+order of the text.
 """
 
 from __future__ import annotations

@@ -73,15 +73,13 @@ def run(graph: dict[str, Any]) -> dict[str, Any]:
 
 
 def start() -> None:
-    """Begin to load the engine, beside whatever else is done until the first graph; nothing happens where there is
-    none.
-    """
+    """Begin to load the engine, in parallel with other work until the first graph; does nothing without an engine."""
     if available():
         _runner()
 
 
 def available() -> bool:
-    """Whether there is an engine, and something to run it."""
+    """Whether an engine is there, and something to run it."""
     return resources.third_party("elkjs", "elk-worker.min.js") is not None and (
         find_spec("quickjs") is not None or _node() is not None
     )

@@ -35,7 +35,7 @@ class PortOrder(Enum):
 
 
 class Layer(Enum):
-    """Where a node stands in the direction of the drawing."""
+    """Where a node is in the direction of the drawing."""
 
     ANY = "NONE"
     FIRST = "FIRST"
@@ -60,7 +60,7 @@ class Label:
 
 @record
 class Port:
-    """A place at the border of a node where edges end; its label stands inside the node, beside it.
+    """A place at the border of a node where edges end; its label is inside the node, next to it.
 
     ``side`` is None where the layout is free to choose (``PortOrder.FREE``).
     """
@@ -104,7 +104,7 @@ class Node:
 class Edge:
     """A line from ports or nodes to others, by their identifiers; several at an end make a joined line.
 
-    Its label stands beside the line, before it forks where there are several targets, and never on it.
+    Its label is next to the line, before it forks if there are several targets, and never on it.
     """
 
     id: str
@@ -123,7 +123,7 @@ class Graph:
     edges: tuple[Edge, ...] = ()
     direction: Direction = Direction.RIGHT
     node_spacing: float = 28
-    """Between boxes beside each other."""
+    """Between boxes next to each other."""
     layer_spacing: float = 44
     """Between boxes one after the other."""
 

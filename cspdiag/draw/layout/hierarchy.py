@@ -1,4 +1,4 @@
-"""Who stands in whom: the nodes and ports of a graph by identifier."""
+"""Which node contains which: the nodes and ports of a graph by identifier."""
 
 from __future__ import annotations
 

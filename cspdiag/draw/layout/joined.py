@@ -14,7 +14,7 @@ _Step = tuple[Point, Point]
 def joined(polylines: Sequence[Sequence[Point]], sources: Mapping[Point, str], targets: Mapping[Point, str]) -> Route:
     """The route that consists of the polylines, each at right angles and directed from a source to a target.
 
-    ``sources`` and ``targets`` name what stands at the points where the route begins and ends.
+    ``sources`` and ``targets`` name what is at the points where the route begins and ends.
     """
     rounded = [[_rounded(point) for point in line] for line in polylines]
     corners = sorted({point for line in rounded for point in line}, key=lambda each: (each.x, each.y))

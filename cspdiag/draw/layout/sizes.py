@@ -9,7 +9,7 @@ from cspdiag.draw.layout.graph import Node, Padding, Port, Side
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 BORDER_GAP = 8.0
-"""Between the border of a box and what stands in it."""
+"""Between the border of a box and what is in it."""
 COLUMN_GAP = 18.0
 """Between the labels of ports on opposite sides."""
 PORT_SPACING = 24.0
@@ -66,7 +66,7 @@ def port_spacing(node: Node) -> float:
 
 
 def title_place(node: Node, place: Rectangle) -> Rectangle | None:
-    """Where the title of a placed node stands: at the top, in the middle."""
+    """Where the title of a placed node is: at the top, in the middle."""
     if node.title is None:
         return None
     title = node.title
@@ -74,7 +74,7 @@ def title_place(node: Node, place: Rectangle) -> Rectangle | None:
 
 
 def port_label_place(node: Node, port: Port, at: Point, side: Side) -> Rectangle | None:
-    """Where the label of a placed port stands: inside, beside the port; above the line that enters where the node has
+    """Where the label of a placed port is: inside, next to the port; above the line that enters where the node has
     parts.
     """
     if port.label is None:

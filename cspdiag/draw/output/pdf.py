@@ -37,7 +37,7 @@ POINTS = 72 / 96
 """Points to the pixel."""
 
 _EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
-"""Stands for the time of making: the same drawing gives the same file."""
+"""Replaces the time of making: the same drawing gives the same file."""
 
 _ROUND = 0.5523
 _STYLES = {Face.SANS: "", Face.BOLD: "B", Face.ITALIC: "I", Face.MONO: ""}

@@ -119,7 +119,7 @@ def _inks(item: Item) -> list[Ink]:
 
 
 def visible(text: str) -> str:
-    """A text for pages and pictures, where each character that cannot be shown is seen to be one."""
+    """A text for pages and pictures, where each character that cannot be shown is marked as such."""
     return _UNSEEN.sub("\N{REPLACEMENT CHARACTER}", text)
 
 

@@ -220,4 +220,4 @@ class Scene:
     title: str = ""
     description: str = ""
     name: str = ""
-    """Begins all identifiers, so that several drawings can stand in one page."""
+    """Begins all identifiers, so that several drawings can be in one page."""

@@ -137,9 +137,7 @@ def _declaration(program: Program, reference: ast.Reference) -> Span | None:
 
 
 def _advice_on_reset(program: Program, process: ast.ProcessDefinition) -> str:
-    """A process goes on with its variables and laws as they are when it runs again; only its own composition puts them
-    back.
-    """
+    """A process keeps its variables and laws as they are when it runs again; only its own composition resets them."""
     declared = process.communication.declarations if process.communication is not None else ()
     instances = [item for item in declared if isinstance(item, ast.Instance)]
     laws = [item for item in instances if isinstance(program.bindings.get(item.definition), ast.SubmodelDefinition)]

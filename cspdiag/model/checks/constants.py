@@ -1,4 +1,4 @@
-"""Values that are known before the program runs, wherever they stand."""
+"""Values that are known before the program runs, wherever they are."""
 
 from __future__ import annotations
 
@@ -39,9 +39,7 @@ def check_constants(program: Program, report: Report) -> None:
 
 
 def _warn_of_faults(program: Program, report: Report) -> None:
-    """Warn of compositions and equations whose constants fault. What stands behind a condition may never
-    be computed.
-    """
+    """Warn of compositions and equations whose constants fault. What follows a condition may never be computed."""
     found = Report()
     for tree in program.trees:
         for part in walk(tree):
@@ -81,7 +79,7 @@ def _computed_in_a_run(program: Program, part: ast.Node) -> tuple[ast.Expression
 
 
 def _is_fault(found: Diagnostic) -> bool:
-    """Whether what goes wrong in a value is a fault of a run: sums and products of reals go on as infinities."""
+    """Whether what goes wrong in a value is a fault of a run: sums and products of reals become infinities."""
     match found:
         case ConstantOverflow():
             return not isinstance(found.type, RealType)
@@ -105,7 +103,7 @@ _CONDITIONAL: dict[type[ast.Node], tuple[str, ...]] = {
 
 
 def _doubtful_places(program: Program) -> Iterator[Span]:
-    """The places of all expressions that stand behind a condition."""
+    """The places of all expressions that follow a condition."""
     for tree in program.trees:
         for part in walk(tree):
             names = _CONDITIONAL.get(type(part), ())

@@ -1,6 +1,6 @@
 """Arithmetic on constants, with the checks that the running program makes too.
 
-Integers truncate toward zero and never wrap; doubles follow IEEE 754, but a result that is infinite or no number is
+Integers truncate toward zero and never wrap; doubles follow IEEE 754, but a result that is infinite or not a number is
 refused.
 """
 
@@ -39,7 +39,7 @@ class OutOfRangeError(Exception):
 
 
 def checked(value: float, type_: Type) -> int | float:
-    """The value as one of its type; raises OutOfRangeError or UndefinedError where it is none."""
+    """The value as one of its type; raises OutOfRangeError or UndefinedError if it is not."""
     match type_:
         case IntType() | TimeType():
             limits = type_ if isinstance(type_, IntType) else INT
@@ -206,7 +206,7 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
 
 
 def function(name: str, values: Sequence[int | float], type_: Type) -> int | float | None:
-    """The value of a function of the language; None where it has none before the program runs."""
+    """The value of a function of the language; None if it has no value before the program runs."""
     implementation = _FUNCTIONS.get(name)
     if implementation is None:
         return None
@@ -217,7 +217,7 @@ def function(name: str, values: Sequence[int | float], type_: Type) -> int | flo
 
 
 def convert(value: bool | int | float, type_: IntType | RealType) -> int | float:
-    """``int16(x)`` and its kin: toward zero, and never out of range."""
+    """``int16(x)`` and the other conversions: toward zero, and never out of range."""
     if isinstance(type_, RealType):
         return checked(float(value), type_)
     return checked(math.trunc(value), type_)

@@ -31,7 +31,7 @@ _HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 def parse_value(type_: Type, text: str) -> Value:
     """A value of a type: ``10ms``, ``1kHz``, ``2e-3``, ``0.5<rad>``, ``0.5 rad``, ``true``, ``Mode.run``, ``[1, 2]``.
 
-    A number without a unit has that of the type. Raises ValueError, with a text for people, where it is no such value.
+    A number without a unit has that of the type. Raises ValueError, with a text for people, if it is not such a value.
     """
     text = text.strip()
     match type_:
@@ -63,8 +63,8 @@ def parse_value(type_: Type, text: str) -> Value:
 
 
 class NoPartError(ValueError):
-    """A path leads to no field or element of a type; the message is one line. ``before`` is as much of the path as
-    leads somewhere.
+    """A path leads to no field or element of a type; the message is one line. ``before`` is the part of the path that
+    exists.
     """
 
     def __init__(self, message: str, before: str, fields: tuple[str, ...] = ()) -> None:
@@ -103,7 +103,7 @@ def part_of(type_: Type, path: str) -> tuple[Type, tuple[int, ...]]:
 
 
 def with_part(type_: Type, value: Value, path: str, part: Value) -> Value:
-    """A struct or array with another value at ``path``; the value as it is where there is no such place."""
+    """A struct or array with another value at ``path``; the value as it is if there is no such place."""
     try:
         positions = part_of(type_, path)[1]
     except NoPartError:

@@ -1,4 +1,4 @@
-"""Values that are not to be had where they are named."""
+"""Values that are not available where they are named."""
 
 from __future__ import annotations
 

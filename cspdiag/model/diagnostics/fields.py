@@ -1,4 +1,4 @@
-"""A part of a struct where only the whole can stand."""
+"""A part of a struct where only the whole is allowed."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ class UnknownName(Diagnostic):
     declared: Span | None
     advice: str | None = None
     is_synonym: bool = False
-    """Whether the suggestion is what other languages call so."""
+    """Whether the suggestion is what other languages call it."""
 
     @property
     def message(self) -> str:

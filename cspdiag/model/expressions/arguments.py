@@ -19,8 +19,8 @@ from cspdiag.syntax import ast
 
 @node
 class Matches:
-    """Which argument goes to which name; ``complete`` is false where one went nowhere, so that nothing is missing
-    surely.
+    """Which argument goes to which name; ``complete`` is false where one had no receiver, so that nothing is certainly
+    missing.
     """
 
     values: dict[str, ast.Argument]

@@ -60,7 +60,7 @@ def _structure(typer: ExpressionTyper, node: ast.Call, structure: StructType) ->
 _SYNONYMS = {
     "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "ln": "log", "fabs": "abs", "sgn": "sign",
 }  # fmt: skip
-"""Functions of this language under the names of others."""
+"""Functions of this language under their names in other languages."""
 
 _ELSEWHERE = {
     **_SYNONYMS, "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int",

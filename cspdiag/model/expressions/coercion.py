@@ -161,7 +161,7 @@ def _adapt_zero(context: Context, zero: ast.Number, found: Type, wanted: Type) -
 
 
 def _adapt_duration(context: Context, duration: ast.Duration, found: Type, wanted: Type) -> bool:
-    """A frequency stands for its period where a time is wanted, a duration for its seconds where these are."""
+    """A frequency means its period where a time is wanted, a duration its seconds where those are."""
     if isinstance(wanted, TimeType) and duration.is_frequency:
         context.program.types[duration] = TIME
         return True

@@ -40,7 +40,7 @@ def _array_size(typer: Typer, expression: ast.Expression) -> int | None:
 def size_of(typer: Typer, expression: ast.Expression, what: str) -> int | None:
     """A size or a count; None where it depends on parameters, or was reported.
 
-    How many ports, instances and repetitions there may be is decided where they are drawn out.
+    How many ports, instances and repetitions there may be is decided where they are expanded.
     """
     context = typer.context
     typer.constant(expression, INT, Purpose(what=what))

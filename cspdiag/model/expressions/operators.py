@@ -82,7 +82,7 @@ def _guess(context: Context, operator: str, left: Type, right: Type) -> Type:
 def peers(
     context: Context, left: ast.Expression, left_type: Type, right: ast.Expression, right_type: Type
 ) -> tuple[Type, Type]:
-    """The types of two values that stand beside each other, after numbers in the text took the type of the
+    """The types of two values next to each other, after numbers in the text took the type of the
     other side.
     """
     types = context.program.types
@@ -115,7 +115,7 @@ def _arithmetic(context: Context, expression: ast.Binary, left: Type, right: Typ
         result = _time_arithmetic(context, expression, left, right)
         if result is not None:
             return result
-    # A product has a unit of its own, so that a zero beside `*` stays a number.
+    # A product has a unit of its own, so that a zero next to `*` stays a number.
     if operator in "+-":
         left, right = peers(context, expression.left, left, expression.right, right)
     else:

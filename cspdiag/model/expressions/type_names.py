@@ -1,4 +1,4 @@
-"""Type names in the text, and the types they stand for."""
+"""Type names in the text, and the types they mean."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SYNONYMS = {
     "real": "double", "float64": "double", "float32": "float", "single": "float",
     "integer": "int", "boolean": "bool", "logical": "bool",
 }  # fmt: skip
-"""Types of this language under the names of others."""
+"""Types of this language under their names in other languages."""
 
 _OTHER_NAMES = {
     **_SYNONYMS, "number": "double", "int64": "int", "long": "int", "short": "int16", "byte": "uint8",
@@ -50,7 +50,7 @@ def builtin_type(name: str) -> Type | None:
 
 
 def unit_of(context: Context, text: str, span: Span, place: ast.Node) -> Unit | None:
-    """The unit between angle brackets; None where it is none, which is reported."""
+    """The unit between angle brackets; None if it is not a unit, which is reported."""
     unit = parse_unit(text)
     if unit is None:
         context.refuse(UnknownUnit(span, text=text, suggestion=near_unit(text)), place)
@@ -58,7 +58,7 @@ def unit_of(context: Context, text: str, span: Span, place: ast.Node) -> Unit | 
 
 
 def element_type(context: Context, name: ast.TypeName) -> Type:
-    """The type that a name and its unit stand for, without the dimensions; names are bound."""
+    """The type that a name and its unit mean, without the dimensions; names are bound."""
     found = builtin_type(name.name.text)
     if found is None:
         found = _defined_type(context, name)

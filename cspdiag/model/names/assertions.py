@@ -33,7 +33,7 @@ def _scope_of(context: Context, name: ast.Identifier) -> Scope | None:
 
 
 def _hides_ports(context: Context, assertion: ast.Assertion, process: Scope) -> bool:
-    """Whether every hidden name is a port; those that are none are reported."""
+    """Whether every hidden name is a port; the others are reported."""
     unknown = [name for name in assertion.hidden if name.text not in process.ports]
     for name in unknown:
         missing = UnknownMember(

@@ -18,7 +18,7 @@ from cspdiag.syntax import ast
 def resolve_declarations(
     typer: Typer, declarations: Sequence[ast.Declaration], where: str, kinds: Definitions, wanted: str
 ) -> None:
-    """Declare all names first, so that anything may stand before what it names."""
+    """Declare all names first, so that anything may come before what it names."""
     _declare_all(typer, declarations, where, repeated=False)
     _resolve_all(typer, declarations, kinds, wanted)
     _connect_all(typer, declarations, where)

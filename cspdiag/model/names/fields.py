@@ -14,7 +14,7 @@ _MOST_FIELDS = 6
 
 
 def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: Type, wanted: str) -> None:
-    """Report a reference to a field of what is no instance: a variable, a port, a channel, a label.
+    """Report a reference to a field of what is not an instance: a variable, a port, a channel, a label.
 
     ``whole`` is its type.
     """
@@ -74,7 +74,7 @@ def _advice(owner: str, symbol: Symbol, whole: StructType, changed: str, wanted:
 
 
 def _built(whole: StructType, changed: str, others: str) -> str:
-    """The struct with one field new; the others as they are in ``others``, or given as well where that is no place."""
+    """The struct with one field new; the others as they are in ``others``, or given as well if that is not a place."""
     names = [field for field, _ in whole.fields]
     shown = names if len(names) <= _MOST_FIELDS else [changed]
     kept = [f"{name} = {'...' if name == changed or others == '...' else f'{others}{name}'}" for name in shown]

@@ -16,7 +16,7 @@ Definitions = tuple[type[ast.Definition], ...]
 
 
 def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, wanted: str) -> ast.Definition | None:
-    """Bind the name of a definition of the wanted kinds; None, and reported, where it is none."""
+    """Bind the name of a definition of the wanted kinds; None, and reported, if it is not one."""
     context = typer.context
     definition = context.program.definitions.get(name.text)
     if isinstance(definition, kinds):

@@ -151,7 +151,7 @@ def _port_advice(typer: Typer, reference: ast.Reference, definition: Symbol | No
 
 def _type_indexes(typer: Typer, reference: ast.Reference) -> None:
     for index in (*reference.indexes, *reference.member_indexes):
-        # Which port or instance is meant is fixed when the diagram is drawn out; an element of a variable is not.
+        # Which port or instance is meant is fixed when the diagram is expanded; an element of a variable is not.
         symbol = typer.context.program.bindings.get(reference)
         if isinstance(symbol, ast.Variable | EndLabelSymbol):
             typer.require(index, INT, Purpose(what="an index"))

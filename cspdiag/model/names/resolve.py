@@ -72,7 +72,7 @@ def _resolve_process(context: Context, definition: ast.ProcessDefinition) -> Non
 
 
 def _resolve_environment(context: Context, definition: ast.EnvironmentDefinition) -> None:
-    """The ports of the process belong to the scope: relationships name them as they stand."""
+    """The ports of the process belong to the scope: relationships name them as they are."""
     scope = context.program.scopes[definition] = Scope()
     surroundings = Surroundings(place="environment", owner=definition, scope=scope, replicators={})
     typer = Typer(context, surroundings)

@@ -1,1 +1,1 @@
-"""What can be said against a program once its shapes are known."""
+"""What can be wrong with a program once its shapes are known."""

@@ -1,4 +1,4 @@
-"""Definite assignment: no variable is read before it was written, and no part stands where nothing ever comes.
+"""Definite assignment: no variable is read before it was written, and no part is unreachable.
 
 Of a part that may be abandoned (``interrupt``, ``catch``) it is assumed that it ended: how far it got cannot
 be known. That parallel branches share a variable is a race, and reported as one.

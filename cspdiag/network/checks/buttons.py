@@ -16,7 +16,7 @@ from cspdiag.network.shapes import Key, attached_key
 
 
 def check_releases(placed: Placed, agreement: Agreement) -> None:
-    """Find guards on `bool` events of which nobody looks at the value; where the event is read elsewhere too, that may
+    """Find guards on `bool` events whose value is not looked at; where the event is read elsewhere too, that may
     be the release.
     """
     shape = placed.shape

@@ -81,7 +81,7 @@ def _is_named_in_composition(shape: Shape, instance: InstanceShape) -> bool:
 
 
 def _excuse(shape: Shape, instance: InstanceShape) -> None:
-    """Of the channels of an instance that never runs nothing more is said."""
+    """Nothing more is reported for the channels of an instance that never runs."""
     for attached in instance.attachments.values():
         key = attached_key(attached)
         if key in shape.channels:
@@ -124,7 +124,7 @@ def _check_loop(
 ) -> None:
     """A loop that may never wait is endless when nothing inside changes its condition.
 
-    Where that comes of the values of parameters, it is refused only if all instances are given such values.
+    Where that follows from the values of parameters, it is refused only if all instances are given such values.
     """
     if waiting.action(placed, loop.body) or _may_end(placed, loop, condition):
         agreement.refuted(EndlessLoop, loop.span)

@@ -9,10 +9,8 @@ from cspdiag.network.ir.walk import parts
 
 
 def never_ends(network: Network) -> bool:
-    """Whether no way leads to the end of the outermost process: some part always stands before it that goes on for
-    ever.
-
-    Missed samples and faults are not thought of, nor is anything said of a program that raises exceptions of its own.
+    """Whether no path leads to the end of the outermost process: some part before it always runs forever. Missed
+    samples and faults are not considered, and a program that raises exceptions of its own is not judged.
     """
     processes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
     # After a `raise` parts end that would not.

@@ -1,6 +1,6 @@
 """A ready guard promises a read: the process behind ``port -> P`` begins by reading that port.
 
-The rule: on every way through ``P``, the port is read before anything that may have to wait. What never waits may come
+The rule: on every path through ``P``, the port is read before anything that may have to wait. What never waits may come
 first: ``skip``, ``:=``, ``reset``, reading a ``var`` channel or a default, writing an output of the outermost process.
 A submodel reads all its inputs at once; besides the port of the guard it may read what never waits, and sampled inputs
 of the same period that this process reads nowhere else but together with that port, for they are ready at the same
@@ -246,7 +246,7 @@ def _of_parallel(found: Iterable[Beginning]) -> Beginning:
 
 
 def _of_alternatives(found: Iterable[Beginning], span: Span) -> Beginning:
-    """Every way has to read the port."""
+    """Every path has to read the port."""
     all_found = list(found)
     other = next((one for one in all_found if isinstance(one, Other)), None)
     if other is not None:

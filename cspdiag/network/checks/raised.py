@@ -23,7 +23,7 @@ class _Catch:
 
 class RaisedExceptions:
     """Follows the exceptions of a program, its processes inside out. ``Timeout`` and ``Fault`` may come from nearly any
-    step and are left aside.
+    step and are ignored.
     """
 
     def __init__(self, program: Program, report: Report) -> None:

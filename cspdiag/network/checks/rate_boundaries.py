@@ -181,5 +181,5 @@ def _repeated(body: CoreAction) -> Iterator[str]:
             case CountedLoop() | Group() | CatchException() | InterruptOn():
                 pending.append((action.body, is_repeated))
             case _:
-                # What is chosen, or follows an exception, does not run at every turn.
+                # What is chosen, or follows an exception, does not run in every iteration.
                 pass

@@ -116,7 +116,7 @@ def _release_value(type_: Type) -> str:
 
 
 def _either(*states: Driven) -> Driven:
-    """What may be driven when one of several ways was taken."""
+    """What may be driven when one of several paths was taken."""
     reached = [state for state in states if state is not None]
     return {port: run for state in reached for port, run in state.items()} if reached else None
 
@@ -127,7 +127,7 @@ class _Release:
         self.outputs = outputs
 
     def after(self, part: ast.Composition, before: Mapping[PortSymbol, ast.Run], *, loops: bool) -> Driven:
-        """What is driven after ``part``; ``loops`` says whether it stands in a loop that can end."""
+        """What is driven after ``part``; ``loops`` says whether it is in a loop that can end."""
         match part:
             case ast.Run():
                 return self._after_run(part, before, loops)

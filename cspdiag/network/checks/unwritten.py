@@ -1,8 +1,7 @@
 """Variables that a run may read before they were written, which is then a fault.
 
-The checks of a program follow its composition as if what may be abandoned had ended; here nothing is taken for
-granted of the body of a ``catch`` or ``interrupt``. Where a program has neither, every variable is written before it is
-read.
+The checks of a program follow its composition as if what may be abandoned had ended; here nothing is assumed about the
+body of a ``catch`` or ``interrupt``. Where a program has neither, every variable is written before it is read.
 """
 
 from __future__ import annotations

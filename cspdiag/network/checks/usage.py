@@ -1,4 +1,4 @@
-"""Names that nobody uses, and channels that are looked at as if they kept a value."""
+"""Names that are not used, and channels that are looked at as if they kept a value."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def check_usage(
     named: Set[ast.Node],
     is_specification: bool,
 ) -> None:
-    """Find ports and variables of a process that nobody uses; refuse conditions on channels that keep no value.
+    """Find ports and variables of a process that are not used; refuse conditions on channels that keep no value.
 
     A port that a specification does not use is one at which it allows nothing. ``named`` are the declarations that are
     named anywhere, be it in a part that is repeated no times in this shape.

@@ -1,5 +1,5 @@
 """Recordings as tables of pandas and data sets of xarray, with units and periods; both packages are imported when they
-are asked for.
+are needed.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def _series(values: list[Any], kind: Type) -> Any:
 
 
 def _array(values: list[Any], kind: Type) -> numpy.ndarray:
-    """A column of numbers: floats where something is not known yet, for numpy has nothing else to say so."""
+    """A column of numbers: floats where something is not known yet, since numpy has no other way to show that."""
     import numpy
 
     if any(value is None for value in values):

@@ -1,4 +1,4 @@
-"""Which parts of a program a person would want to see beside each other: groups, their ports, and the modes they go
+"""Which parts of a program a person would want to see side by side: groups, their ports, and the modes they go
 through.
 
 The branches of the parallel composition at the top are the groups (the joints of a robot); the processes that a group

@@ -1,4 +1,4 @@
-"""What is noted down while a program runs."""
+"""What is recorded while a program runs."""
 
 from __future__ import annotations
 
@@ -73,11 +73,11 @@ class Recorder:
         self.communication_log += (time, channel, value, writer, reader)
 
     def sampled(self, time: int, port: str, value: object) -> None:
-        """A sampled input has a new sample, which is a communication only when somebody reads it."""
+        """A sampled input has a new sample, which is a communication only if a process reads it."""
         self.sample_log += (time, port, value)
 
     def released(self, time: int, port: str, value: object) -> None:
-        """An output was handed its safe value at the end of the run; that is no communication."""
+        """An output was set to its safe value at the end of the run; that is not a communication."""
         self.releases.append((time, port, value))
 
     def variable_written(self, time: int, name: str, value: float) -> None:
@@ -98,7 +98,7 @@ class Recorder:
     def execution_time(
         self, path: str, longest: int, steps: int = 1, what: Literal["law", "process", "thread"] = "law"
     ) -> None:
-        """Steps took so long at most; those before are kept in mind."""
+        """Steps took at most this long; those before are remembered."""
         known = self.execution_times.get(path, ExecutionTime(0, 0, what))
         self.execution_times[path] = ExecutionTime(max(known.longest, longest), known.steps + steps, what)
 

@@ -107,7 +107,7 @@ class RunData:
                 yield time, channel, value
 
     def unread(self, name: str) -> Sequence[bool]:
-        """Whether nobody read a sample of a sampled input before the next one came, for each of them."""
+        """Whether a sample of a sampled input was not read before the next one came, for each of them."""
         path = f"{self.network.top}.{name}"
         ticks = [time for time, port, _ in self._recorder.samples if port == path]
         reads = {

@@ -184,8 +184,8 @@ class EnvironmentDefinition(Node):
 
 @node
 class Assertion(Node):
-    """``assert P deadlock free`` and its kin; ``specification``, ``model`` and ``hidden`` (ports of the process) belong
-    to ``refines``.
+    """``assert P deadlock free`` and the other assertions; ``specification``, ``model`` and ``hidden`` (ports of the
+    process) belong to ``refines``.
     """
 
     doc: str | None

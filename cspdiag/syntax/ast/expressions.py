@@ -10,7 +10,7 @@ from cspdiag.base.record import node
 
 @node
 class Node:
-    """Anything that was written somewhere."""
+    """Anything that has a place in a text."""
 
     span: Span
 

@@ -115,7 +115,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         return options
 
     def _clauses(self, definition: str, options: tuple[Option, ...], *allowed: str) -> dict[str, Any]:
-        """The clauses by name, None where absent; reports those that are said twice or that have no meaning here."""
+        """The clauses by name, None where absent; reports those that are given twice or that have no meaning here."""
         clauses: dict[str, Any] = dict.fromkeys(allowed)
         for option in options:
             if option.name not in clauses:

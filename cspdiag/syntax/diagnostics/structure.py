@@ -16,7 +16,7 @@ class UnexpectedText(Diagnostic):
     expected: str
     advice: str | None = None
     keyword: str | None = None
-    """What the word surely is a slip of."""
+    """The keyword that the word is surely a slip of."""
 
     @property
     def message(self) -> str:
@@ -95,7 +95,7 @@ class WrongOperator(Diagnostic):
     wanted: str
     purpose: str
     replaced: Span | None = None
-    """What ``wanted`` can stand for as it is; None where there is more to write."""
+    """What ``wanted`` can replace as it is; None where more has to be written."""
 
     @property
     def message(self) -> str:

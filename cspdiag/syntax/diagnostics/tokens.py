@@ -160,7 +160,7 @@ class OptionTwice(Diagnostic):
     clause: str
     definition: str
     is_same: bool
-    """Whether it says what the first one says."""
+    """Whether it repeats the first one."""
 
     @property
     def message(self) -> str:

@@ -108,8 +108,8 @@ class ExpressionFormatter:
                     self.expression(link.right, " ")
 
     def _conditional(self, node: ast.Conditional) -> None:
-        """``if a then b`` and, where it is broken, each ``else`` on a line of its own; ``else if`` goes on in the same
-        column.
+        """``if a then b`` and, where it is broken, each ``else`` on a line of its own; ``else if`` continues in the
+        same column.
         """
         with self.writer.group():
             self.token()
@@ -125,7 +125,7 @@ class ExpressionFormatter:
             self.expression(node.otherwise, " ")
 
     def value(self, node: ast.Expression) -> None:
-        """What stands after ``=`` in an equation: a choice that is broken begins on a line of its own."""
+        """What follows ``=`` in an equation: a choice that is broken begins on a line of its own."""
         if not isinstance(node, ast.Conditional) or node.parenthesized:
             self.expression(node, " ")
             return

@@ -142,7 +142,7 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
             self.parameters(parameters)
 
     def _clauses(self, clauses: Mapping[str, ast.Expression | None]) -> None:
-        """The clauses of a head, in the order in which they stand."""
+        """The clauses of a head, in the order of the text."""
         while self.writer.next != "{":
             clause = clauses.get(self.writer.next)
             # Otherwise `method = tustin`, `on miss count` or `python "file.py:Class"`.

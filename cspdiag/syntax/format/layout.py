@@ -49,7 +49,7 @@ class Padding:
 
 Piece: TypeAlias = str | Mark | Break | Padding
 Separator: TypeAlias = str | Mark | Break
-"""What stands before a token."""
+"""What precedes a token."""
 
 _BREAKING = (Mark.BROKEN, Mark.NEW_LINE, Mark.BLANK_LINE)
 

@@ -1,7 +1,8 @@
 """The tokens of a file in their order, with the comments between them, on their way into a layout.
 
 The formatter changes nothing but the space between tokens, so it can neither lose a comment nor change a meaning. What
-space a comment has around it depends only on whether a new line stands before and after it, and the layout keeps that.
+space a comment has around it depends only on whether there is a new line before and after it, and the layout keeps
+that.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ _DURATION = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*([A-Za-z]+)")
 
 @record
 class Comment:
-    """A comment; the new lines between it and what stands before and after it."""
+    """A comment; the new lines between it and what is before and after it."""
 
     text: str
     lines_before: int
@@ -80,7 +81,7 @@ class Writer:
         return self._next
 
     def parentheses_before(self, offset: int) -> int:
-        """How many opening parentheses stand between the last token and an offset, comments aside."""
+        """The number of opening parentheses between the last token and an offset, comments aside."""
         count, at = 0, self._next_start
         while at < offset and self._source[at] == "(":
             count += 1
@@ -93,7 +94,7 @@ class Writer:
         return count
 
     def new_line_before_next(self) -> bool:
-        """Whether a new line stands between the last token and the next one."""
+        """Whether there is a new line between the last token and the next one."""
         if self._comments:
             return any(comment.lines_before or comment.lines_after for comment in self._comments)
         return self._new_lines(self._end, self._next_start) > 0

@@ -10,7 +10,7 @@ from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE, Scanner
 _REPEATABLE = frozenset(
     ["item", "ports", "declaration", "equation", "field", "communication_block", "composition_block"]
 )
-"""What reading can go on with after an error."""
+"""Where reading can continue after an error."""
 
 _NESTING = frozenset(
     [

@@ -1,4 +1,4 @@
-"""Text to tokens, one at a time, because the words of a place depend on what the parser can take there."""
+"""Text to tokens, one at a time, because the keywords of a place depend on what the parser can take there."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _LOOKALIKES = dict(
 )
 _EXPONENTS = {"\N{SUPERSCRIPT TWO}": "^ 2", "\N{SUPERSCRIPT THREE}": "^ 3"}
 _LOOKALIKES["&&"] = "and"
-"""Characters of papers, word processors and other languages, with what they stand for."""
+"""Characters of papers, word processors and other languages, with what they mean."""
 
 
 _LETTER = r"[^\W\u00b2\u00b3\u00b9\u2070-\u207f]"
@@ -102,7 +102,7 @@ class Lexer:
         self._reported_lines: set[int] = set()
         self._foreign: set[str] = set()
         self.misused: set[str] = set()
-        """Words of the language that were reported as names."""
+        """Keywords that were reported as names."""
         self.kind = END
         self.text = ""
         self.start = 0
@@ -154,7 +154,7 @@ class Lexer:
             self.kind = kind
 
     def replace(self, terminal: str, end: int) -> None:
-        """Take what stands up to ``end`` for another terminal."""
+        """Take the text up to ``end`` for another terminal."""
         self.kind, self.text, self.end = terminal, self._text[self.start : end], end
 
     def insert(self, terminal: str) -> None:
@@ -162,14 +162,14 @@ class Lexer:
         self.kind, self.text, self.end = terminal, "", self.start
 
     def first_on_line(self) -> bool:
-        """Whether nothing but space stands before the present token on its line."""
+        """Whether only space is before the present token on its line."""
         at = self.start - 1
         while at >= 0 and self._text[at] in " \t\r\f":
             at -= 1
         return at < 0 or self._text[at] == "\n"
 
     def next_character(self) -> str:
-        """The character after the present token that is no space; empty at the end."""
+        """The next character after the present token that is not a space; empty at the end."""
         match = _NEXT_CHARACTER.match(self._text, self.end)
         return match[1] if match else ""
 
@@ -242,5 +242,5 @@ class Lexer:
 
 
 def is_doc(text: str) -> bool:
-    """Whether a comment is a doc comment; a line of four slashes or more is none."""
+    """Whether a comment is a doc comment; a line of four slashes or more is not."""
     return text.startswith("///") and not text.startswith("////")

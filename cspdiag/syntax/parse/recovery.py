@@ -1,4 +1,4 @@
-"""Where to go on reading after an error."""
+"""Where to continue reading after an error."""
 
 from __future__ import annotations
 
@@ -26,10 +26,8 @@ _AFTER_FIRST_NAME = frozenset([":", "=", "-", ",", ".", "["])
 
 
 def skip(automaton: Automaton, states: list[int], lexer: Lexer) -> int:
-    """Advances to a token at which reading can go on; returns how many of the states to keep.
-
-    That is a definition, a declaration or equation that begins on a line of its own, the end of the block, or the end
-    of the text.
+    """Advances to a token at which reading can continue; returns how many of the states to keep. That is a definition,
+    a declaration or equation that begins on a line of its own, the end of the block, or the end of the text.
     """
     depth = 0
     while lexer.kind != END:
@@ -60,7 +58,7 @@ def begins_definition(lexer: Lexer) -> bool:
 
 
 def begins_part(lexer: Lexer) -> bool:
-    """Whether the keyword of a port, a block, a declaration or an equation stands first on its line, with what must
+    """Whether the keyword of a port, a block, a declaration or an equation comes first on its line, with what must
     follow.
     """
     if lexer.kind not in _PARTS or not lexer.first_on_line():
@@ -110,7 +108,7 @@ def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | No
 
 
 def _after_block(automaton: Automaton, states: list[int], lexer: Lexer) -> int | None:
-    """What to keep when the innermost block ends here; a block that is no list is forgotten with its end."""
+    """What to keep when the innermost block ends here; a block that is not a list is forgotten with its end."""
     for height, state, symbol in _open(automaton, states):
         if symbol in {"COMPOSITION", "ENUM"}:
             lexer.advance({})

@@ -89,7 +89,7 @@ def _read(path: str, grammar: str) -> Tables | None:
 
 
 def _write(path: str, grammar: str, tables: Tables) -> None:
-    """Writes to another file first: a reader never sees half of it. A cache that cannot be written is none."""
+    """Writes to another file first: a reader never sees half of it. A cache that cannot be written is ignored."""
     import tempfile
 
     rules: Any = [tuple(rule) for rule in tables.rules]
@@ -106,7 +106,7 @@ def _write(path: str, grammar: str, tables: Tables) -> None:
 def build(grammar: str) -> Tables:
     """The tables of a grammar in the notation of Lark.
 
-    Raises lark.exceptions.GrammarError if it is no LALR(1) grammar.
+    Raises lark.exceptions.GrammarError if it is not an LALR(1) grammar.
     """
     from lark import Lark
 

@@ -1,1 +1,1 @@
-"""Why a token cannot stand where it stands."""
+"""Why a token is not allowed in its place."""

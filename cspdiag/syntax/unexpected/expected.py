@@ -1,4 +1,4 @@
-"""What could stand at a place, in words."""
+"""What is allowed at a place, in words."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
 
 
 def expected_words(situation: Situation) -> str:
-    """What could stand here, as "a port, `communication` or `composition`"."""
+    """What is allowed here, as "a port, `communication` or `composition`"."""
     texts = situation.automaton.terminal_texts
     rest = situation.acceptable()
     words: list[str] = []

@@ -220,7 +220,7 @@ def until_without_mu(situation: Situation) -> Finding | None:
 
 
 def _in_parentheses_before(situation: Situation) -> str | None:
-    """What stands in the parentheses that end before the present token, if it is on one line."""
+    """What is in the parentheses that end before the present token, if it is on one line."""
     text, end = situation.source.text, situation.lexer.before.end
     depth = 0
     for at in range(end - 1, max(-1, end - 200), -1):

@@ -24,7 +24,7 @@ _BLOCKS = frozenset(
 
 @record
 class Repair:
-    """How to go on: take the token (up to ``end``) for another one, leave it out, or put another one before it."""
+    """How to continue: take the token (up to ``end``) for another one, leave it out, or put another one before it."""
 
     action: Literal["replace", "remove", "insert"]
     terminal: str = ""
@@ -32,7 +32,7 @@ class Repair:
 
 
 Finding = tuple[Diagnostic, Repair | None]
-"""An explanation; without a repair reading goes on at the next declaration or definition."""
+"""An explanation; without a repair reading continues at the next declaration or definition."""
 
 
 @record
@@ -67,7 +67,7 @@ class Situation:
         return self.lexer.text
 
     def can(self, text_or_terminal: str) -> bool:
-        """Whether a terminal, or the keyword or punctuation of a text, could stand here."""
+        """Whether a terminal, or the keyword or punctuation of a text, is allowed here."""
         return self.automaton.accepts(self.states, self.terminal(text_or_terminal))
 
     def terminal(self, text: str) -> str:
@@ -75,7 +75,7 @@ class Situation:
         return self.automaton.tables.words.get(text, text)
 
     def acceptable(self) -> set[str]:
-        """All terminals that could stand here."""
+        """All terminals that are allowed here."""
         row = self.automaton.tables.actions[self.states[-1]]
         return {terminal for terminal in row if self.automaton.accepts(self.states, terminal)}
 

@@ -89,7 +89,7 @@ def missing_arrow_end(situation: Situation) -> Finding | None:
 
 
 def part_out_of_place(situation: Situation) -> Finding | None:
-    """A declaration, an equation or a block where none of its kind may stand."""
+    """A declaration, an equation or a block where none of its kind is allowed."""
     if situation.kind == "NAME" and situation.block() == "PROCESS" and situation.lexer.first_on_line():
         begins = situation.automaton.restartable(situation.states[-1]) or situation.can("}")
         if begins and situation.lexer.next_character() in {":", "-", ",", ".", "["}:

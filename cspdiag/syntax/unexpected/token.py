@@ -1,4 +1,4 @@
-"""Why a token cannot stand where it stands, in words of the language, and how to go on reading.
+"""Why a token is not allowed in its place, in words of the language, and how to continue reading.
 
 Each function recognizes one kind of mistake, here those of single tokens, in ``unexpected_structure.py`` those of
 blocks, brackets and operator chains, in ``unexpected_habits.py`` forms of other languages. The first one that
@@ -31,7 +31,7 @@ _DIRECTIONS = {"input": "in", "inport": "in", "output": "out", "outport": "out"}
 
 
 def explain(situation: Situation) -> Finding:
-    """What is wrong, and how to go on."""
+    """What is wrong, and how to continue."""
     if situation.text in situation.lexer.misused:
         # Where a word of the language is a name once, it is one everywhere.
         finding = _keyword_as_name(situation)

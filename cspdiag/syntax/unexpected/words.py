@@ -45,7 +45,7 @@ _SPACED_UNIT = re.compile(
 
 
 def misspelled(situation: Situation) -> Finding | None:
-    """A word that is nearly a keyword which could stand here, or could have stood where the word before does."""
+    """A word that is nearly a keyword which is allowed here, or in the place of the word before."""
     keywords = {text for terminal in situation.acceptable() if (text := situation.text_of(terminal)).isalpha()}
     meant = _keyword(situation.text, keywords) if situation.kind == "NAME" else None
     if meant is not None:

@@ -1,3 +1,3 @@
-"""Files that commands write: whole or not at all, never over what somebody made by hand, and refused before
+"""Files that commands write: whole or not at all, never over what was made by hand, and refused before
 the work.
 """

@@ -65,7 +65,7 @@ def manifest_text(*manifests: Manifest) -> str:
 
 
 def read_manifest(folder: str, target: str, *, force: bool) -> Manifest:
-    """What a list has. Raises UsageError for one that cspdiag has not written; with ``force`` that is none."""
+    """What a list has. Raises UsageError for one that cspdiag has not written; with ``force`` that counts as empty."""
     place = os.path.join(folder, manifest_name(target))
     if not os.path.lexists(place):
         return NOTHING

@@ -1,4 +1,4 @@
-"""Writes results: whole or not at all, and never over what somebody made by hand."""
+"""Writes results: whole or not at all, and never over what was made by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether an output can be written is known before the work, and said by the name that the output was given."""
+"""Whether an output can be written is checked before the work, and reported by the name that the user gave."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def require_file(option: str, path: str | Path | None, endings: Sequence[str] = (), *, any_case: bool = False) -> None:
-    """Refuse a file that could not be written; ``option`` is what named it. Of one that is there nothing is changed.
+    """Refuse a file that could not be written; ``option`` is what named it. An existing file is not changed.
 
     Its name has one of ``endings``, in capitals too with ``any_case``.
     """
@@ -58,7 +58,7 @@ def _is_no_file(path: str | Path) -> bool:
 
 
 def require_folder(option: str, path: str) -> None:
-    """Refuse a folder in which no file could be written; it need not be there, nor what is above it."""
+    """Refuse a folder in which no file could be written; neither it nor its parents need to exist."""
     name = path.rstrip(os.sep) or path
     if os.path.islink(name) and not os.path.exists(name):
         raise UsageError(f"{option} {path}: is a symbolic link that leads nowhere")

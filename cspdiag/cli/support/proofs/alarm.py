@@ -1,4 +1,4 @@
-"""The time limit of an answer, kept also where nobody looks at the clock."""
+"""The time limit of an answer, kept also where no code looks at the clock."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 def explained_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | None:
     """A line or two to stand below the summary; None where the run did not end with a missed sample.
 
-    ``diagnostics`` are those of the program: where one of them has said what takes too long between two reads, that is
-    said again.
+    ``diagnostics`` are those of the program: where one of them reports what takes too long between two reads, that is
+    repeated.
     """
     from cspdiag.runtime.kernel.exceptions import Timeout
 

@@ -1,6 +1,6 @@
 """The line that shows while a program runs: simulated time, speed, and the mode of each part.
 
-On a terminal it is rewritten all the time, unless somebody else works there now; into a file or a pipe a new one is
+On a terminal it is rewritten all the time, unless another job uses it now; into a file or a pipe a new one is
 written once in a while.
 """
 
@@ -46,7 +46,7 @@ def is_in_foreground() -> bool:
 
 
 def _columns() -> int:
-    """Of the terminal: a longer line would go on in the next one, and be written below itself again and again."""
+    """Of the terminal: a longer line would continue in the next one, and be repeated below itself."""
     try:
         return os.get_terminal_size(standard_error().fileno()).columns or 80
     except OSError:
@@ -75,7 +75,7 @@ class Progress:
         """How often the line was written."""
 
     def attach(self, network: Running) -> None:
-        """Tell what runs; its clock begins now."""
+        """Attach the running program; its clock begins now."""
         self._network = network
         self._begin = time.monotonic()
 

@@ -32,7 +32,7 @@ class Visited(Protocol):
 
 PATIENCE = 3.0
 _LOOKS = 20
-"""So often is looked who runs: between two steps nobody does, and several may take turns."""
+"""How often to look which process runs: between two steps none does, and several may take turns."""
 _BETWEEN_LOOKS = 0.005
 _MOST_PLACES = 3
 _MOST_NAMES = 4
@@ -67,7 +67,7 @@ class Standstill:
     for it.
 
     Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the
-    outermost process. Says once that the instant is the same at two looks, ``patience`` seconds apart.
+    outermost process. Reports once that the instant is the same at two looks, ``patience`` seconds apart.
     """
 
     def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:
@@ -79,7 +79,7 @@ class Standstill:
         self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)
 
     def attach(self, network: Visited) -> None:
-        """Tell what runs."""
+        """Attach the running program."""
         self._network = network
         with left_to_the_main_thread():
             self.thread.start()
@@ -107,7 +107,7 @@ class Standstill:
             before = now
 
     def line(self, now: int, places: list[str]) -> str:
-        """What is said at an instant in nanoseconds; ``places`` are those of the processes that were at work."""
+        """The message at an instant in nanoseconds; ``places`` are those of the processes that were at work."""
         prefix = f"{self._top}."
         # A copy in one step: the scheduler's thread goes on meanwhile.
         names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]

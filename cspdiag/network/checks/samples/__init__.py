@@ -1,1 +1,1 @@
-"""Samples that nobody takes: what a process does between two reads takes longer than the samples come."""
+"""Samples that are not taken: what a process does between two reads takes longer than the samples come."""

@@ -51,7 +51,7 @@ class Findings:
         return True
 
     def check_turns(self, body: Part, *, is_endless: bool) -> None:
-        """What one turn of a loop leaves to the next, and whether it takes as many samples as come in it."""
+        """What one iteration of a loop leaves to the next, and whether it takes as many samples as come in it."""
         slowest = max(
             ((found.least * sample_period(self.placed, book[0]), book) for book, found in body.reads.items()),
             default=(0, ("", 0)),
@@ -130,7 +130,9 @@ class Findings:
 
 
 def _turn(found: Reads) -> tuple[Gap | None, Extent]:
-    """What makes one later than anything else, turn after turn: a turn that reads, perhaps with one that does not."""
+    """What makes one later than anything else, iteration after iteration: one that reads, perhaps with one that does
+    not.
+    """
     two = then(found.drift, found.past)
     if found.drift is not None and two is not None and two.rank > found.drift.rank:
         return two, "two turns"

@@ -3,7 +3,7 @@ each sample comes.
 
 It starts at time 0. A first read waits for the next sample, unless the process follows that period already; a process
 that comes two periods after the sample that was read last has missed one. Where anything else decides (data, events,
-partners, parallel parts) nothing more is said.
+partners, parallel parts) nothing more is reported.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class _Step:
 
 
 class _LeftOpenError(Exception):
-    """Nobody knows what comes next."""
+    """What comes next is not known."""
 
 
 class _CutOffError(Exception):

@@ -18,8 +18,8 @@ class Gap:
     what takes most.
 
     ``credit`` is how much of it the samples take that are read meanwhile, one period each; it is negative after an
-    event ``beside`` the samples, which may come when the next one is due. Where not ``on_every_way``, there is one that
-    takes less than ``duration``, or may be.
+    event ``beside`` the samples, which may come when the next one is due. Where not ``on_every_way``, there is a path
+    that takes less than ``duration``, or may be.
     """
 
     duration: int = 0
@@ -65,12 +65,12 @@ NOTHING = Gap()
 
 
 def then(first: Gap | None, second: Gap | None) -> Gap | None:
-    """One after the other; None where there is no way through one of them."""
+    """One after the other; None if there is no path through one of them."""
     return None if first is None or second is None else first.then(second)
 
 
 def either(one: Gap | None, other: Gap | None) -> Gap | None:
-    """The longer of two ways, None for one that there is not."""
+    """The longer of two paths, None for one that does not exist."""
     if one is None or other is None:
         return other if one is None else one
     longer, shorter = (one, other) if one.rank >= other.rank else (other, one)
@@ -97,7 +97,7 @@ class Elapsed:
         self._choices: list[int] = []
         """The positions of the steps that may also take less."""
         self._end = -1
-        """The position of the last step without a way through it."""
+        """The position of the last step without a path through it."""
 
     @property
     def position(self) -> int:
@@ -105,7 +105,7 @@ class Elapsed:
         return len(self._steps)
 
     def add(self, time: Gap | None) -> None:
-        """Another step, None where there is no way through it."""
+        """Another step, None if there is no path through it."""
         if time is NOTHING:
             return
         if time is None:
@@ -119,7 +119,7 @@ class Elapsed:
         self._sums.append(self._sums[-1] + (time.duration if time is not None else 0))
 
     def since(self, position: int) -> Gap | None:
-        """From a moment until now; None where no way leads here from there."""
+        """From a moment until now; None if no path leads here from there."""
         if self._end >= position:
             return None
         if position == self.position:

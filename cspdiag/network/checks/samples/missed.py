@@ -4,8 +4,8 @@ come.
 From its first read on, and until the process ends, each sample of an input is taken before the next one comes. So a
 sequential part is summed up by what lies before its reads of each input, after them, and between (``sample_reads``).
 Paths are those that may be taken: whatever the conditions, and with events at any time, but only one between two
-reads. Times are the least that is certain: what nobody knows (a partner, computing) takes no time, and a loop without
-reads one turn. What parallel branches both read has books of its own in each, and is left alone.
+reads. Times are the least that is certain: what is not known (a partner, computing) takes no time, and a loop without
+reads one iteration. What parallel branches both read has books of its own in each, and is left alone.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class _Process(Sequences):
         self.ready: frozenset[Key] = frozenset()
         """Events that a guard has found ready, so that the next read of them does not wait."""
         self._bodies: dict[tuple[int, frozenset[Key], bool], Part] = {}
-        """What follows guards, which may be looked at on several ways."""
+        """What follows guards, which may be looked at on several paths."""
 
     def part(self, action: CoreAction) -> Part:
         match action:
@@ -333,7 +333,7 @@ class _Process(Sequences):
         return self.period(end_key(branch.event.source)) if isinstance(branch.event, InputEvent | ReadyEvent) else 0
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
-        """A body that an event ends: when it likes, at the latest with the next sample that the body waits for."""
+        """A body that an event ends: at any time, at the latest with the next sample that the body waits for."""
         time = Gap(0, event, span) if body.time is None else body.time.perhaps
         reads = {}
         for book, found in body.reads.items():
@@ -346,7 +346,7 @@ class _Process(Sequences):
         return part(time, reads)
 
     def _cut_off(self, body: Part, limit: Gap) -> Part:
-        """A body that is left somewhere, after no more than ``limit``: nothing certain lies behind its reads."""
+        """A body that is left somewhere, after no more than ``limit``: nothing certain follows its reads."""
         is_longer = body.time is None or body.time.rank >= limit.rank
         reads = {}
         for book, found in body.reads.items():

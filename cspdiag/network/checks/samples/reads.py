@@ -1,9 +1,9 @@
-"""What parts of a composition do to one who follows samples: the reads in them, and the time around these, joined as
-the parts are.
+"""What parts of a composition do to a process that follows samples: the reads in them, and the time around these,
+joined as the parts are.
 
 How late a process is, is the time since the sample came that it has read last. A delay makes it later; a read takes a
 period off, or all of it where the process waits for the sample. It is too late where it reaches a read two periods
-after. So each part turns one lateness into another: the greatest one, on any way.
+after. So each part turns one lateness into another: the greatest one, on any path.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ branches that both read have others.
 """
 
 MANY = 1 << 40
-"""More reads than anybody counts: those of a loop inside."""
+"""Too many reads to count: those of a loop inside."""
 
 
 @node
 class Reads:
-    """The reads of one sampled input in a part: None is what no way through it does.
+    """The reads of one sampled input in a part: None is what no path through it does.
 
-    ``before`` lies before a read, ``past`` on a way without one, ``after`` after a read, ``drift`` on a whole way with
-    reads: their periods are its credit. ``held`` is how late one is, at least, who followed the samples and did not
-    read one, because something else came first; ``pending`` how late at a read inside that comes after that. ``least``
-    and ``most`` count reads.
+    ``before`` lies before a read, ``past`` on a path without one, ``after`` after a read, ``drift`` on a whole path
+    with reads: their periods are its credit. ``held`` is how late a process is, at least, that followed the samples and
+    did not read one, because something else came first; ``pending`` how late at a read inside that comes after that.
+    ``least`` and ``most`` count reads.
     """
 
     before: Gap | None
@@ -49,7 +49,7 @@ class Reads:
 
     @property
     def passing(self) -> Gap | None:
-        """What one who is late already becomes later by."""
+        """How much later a process becomes that is late already."""
         return either(self.past, self.drift)
 
 
@@ -85,12 +85,12 @@ def not_read(held: Gap | None, past: Gap | None, span: Span) -> Reads:
 
 
 def unknown_reads(span: Span) -> Reads:
-    """Reads about which nothing is said."""
+    """Reads that are not reported."""
     return Reads(before=None, past=None, after=None, least=0, most=MANY, span=span)
 
 
 def later(found: Reads, time: Gap | None) -> Reads:
-    """The reads of a part after which something took time, None where there is no way through that."""
+    """The reads of a part after which something took time, None if there is no path through that."""
     if time is NOTHING:
         return found
     return replaced(
@@ -175,12 +175,12 @@ def _greatest(gaps: Iterable[Gap | None]) -> Gap | None:
 
 
 def least_time(parts: list[Part]) -> Gap | None:
-    """What passes on any of several ways."""
+    """What passes on any of several paths."""
     return min((each.time for each in parts if each.time is not None), key=lambda time: time.rank, default=None)
 
 
 def any_way(book: Book, parts: list[Part], span: Span) -> Reads:
-    """Reads on one of several ways, nobody knows which: nothing is certain but the least of them, and that a sample
+    """Reads on one of several paths, not known which: nothing is certain but the least of them, and that a sample
     which is late is read.
     """
     ends: list[Gap | None] = []
@@ -234,7 +234,7 @@ def _with_books(one: Part, taken: dict[Key, set[int]]) -> Part:
 
 
 def _beside(found: Reads, others: Gap | None) -> Reads:
-    """Reads while others take time: all go on together when the last has ended."""
+    """Reads while others take time: all continue together when the last has ended."""
     if others is None or others is NOTHING:
         return found
     drift = found.drift
@@ -273,13 +273,13 @@ def within(body: Part, limit: Gap) -> Part:
 
 
 def repeated(body: Part) -> Part:
-    """One turn or more: a process that reads many samples is in time again."""
+    """One iteration or more: a process that reads many samples is in time again."""
     reads = {key: replaced(found, most=MANY, drift=None) if found.most else found for key, found in body.reads.items()}
     return replaced(body, reads=reads)
 
 
 def endless(body: Part) -> Part:
-    """Turn after turn, left only by an exception."""
+    """Iteration after iteration, left only by an exception."""
     return part(None, {book: _without_end(found) for book, found in body.reads.items()}, body.exits)
 
 

@@ -145,8 +145,8 @@ class EndlessLoop(Diagnostic):
     def message(self) -> str:
         if self.may_end_first:
             return (
-                "this loop never waits, and nothing inside changes its condition: it ends after its first iteration, or "
-                "time stands still"
+                "this loop never waits, and nothing inside changes its condition: it ends after its first iteration, "
+                "or time stands still"
             )
         if self.conditional:
             return "this loop never waits, and nothing inside changes its condition: once in it, time stands still"

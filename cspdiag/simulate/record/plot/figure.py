@@ -76,7 +76,7 @@ _STYLE = {
 
 @record
 class _Column:
-    """What stands below each other: a part of the program, its lanes, and its curves by panel."""
+    """A column: a part of the program, its lanes, and its curves by panel."""
 
     group: ModeGroup
     lanes: list[Lane]
@@ -159,7 +159,7 @@ def _rendered(figure: Figure, kind: str) -> bytes:
 
 
 def _columns(run: RunData) -> list[_Column]:
-    """What is shown beside each other; curves of one unit and of like size share panels, variables with ports."""
+    """What is shown side by side; curves of one unit and of like size share panels, variables with ports."""
     every = series_of(run)
     end = run.outcome.time / 1e9
     of_series = {series.name: (quantity(series.type), greatest(series, end)) for series in every}

@@ -1,5 +1,5 @@
-"""Lanes of a plot, as a logic analyser has them: what runs when, events, truth values and literals, each in a row of
-its own.
+"""Lanes of a plot, as a logic analyser has them: what runs when, events, truth values and literals, each in its own
+row.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 MODE_COLORS = ("#dbe9f6", "#a9d18e", "#e8a35c", "#d9cbe8", "#e99aa0", "#9a9a9a")
 """Different in lightness, too, for grey print."""
 RUNNING = "#faf6e8"
-"""Of a bar that says no more than that something runs; no mode has it."""
+"""Of a bar that only says that something runs; no mode has it."""
 LITERAL_COLORS = ("#f1f6fb", "#bcd3ea", "#8bb0d6", "#dddddd", "#b9b9b9", "#979797")
 """No hues: a literal may be called ``green``."""
 INK = "#1f4e79"
@@ -38,7 +38,7 @@ _MOST_LANES = 40
 
 @record(order=True)
 class Bar:
-    """Something from one instant to another, in seconds: what stands in it, its colour, and whether it is
+    """Something from one instant to another, in seconds: its text, its colour, and whether it is
     drawn thin.
     """
 
