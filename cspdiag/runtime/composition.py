@@ -297,7 +297,7 @@ class _Stop:
         return True
 
     def waits_for(self, party: Party) -> Waits:
-        return (("for ever, at stop", None),)
+        return (("forever, at stop", None),)
 
 
 @coroutine

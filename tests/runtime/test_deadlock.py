@@ -87,7 +87,7 @@ def test_alternatives_and_submodels_name_all_they_wait_for() -> None:
     assert [process.waits for process in report.waiting] == [
         "to read a or to write c",
         "to read b or to read d",
-        "for ever, at stop",
+        "forever, at stop",
     ]
 
 
@@ -118,4 +118,4 @@ def test_who_writes_to_a_broadcast_waits_to_write() -> None:
 
     report = run(top).deadlock
     assert report is not None
-    assert [process.waits for process in report.waiting] == ["to write b", "for ever, at stop"]
+    assert [process.waits for process in report.waiting] == ["to write b", "forever, at stop"]

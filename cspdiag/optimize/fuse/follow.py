@@ -219,7 +219,7 @@ class Following(Scheduler):
         if before is not None:
             position, since = before
             if since == self.now and position == happened:
-                raise NotStaticError("it goes on for ever without doing anything")
+                raise NotStaticError("it goes on forever without doing anything")
             raise _FoundError(Loops(position, since))
         if len(self._seen) > LONGEST:
             raise NotStaticError(f"it takes more than {LONGEST} turns until it repeats")

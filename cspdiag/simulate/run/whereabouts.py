@@ -53,7 +53,7 @@ class Whereabouts:
         words = [f"to {'write' if offer.writes else 'read'} {offer.medium.name}" for offer in offers]
         if not words:
             is_stop = isinstance(request, Wait)
-            words = ["for ever, at stop" if is_stop else "for an alternative of which no guard is enabled"]
+            words = ["forever, at stop" if is_stop else "for an alternative of which no guard is enabled"]
         place = "" if found.span is None else self._line(found.span)
         return WaitingRecord(
             path=found.path,

@@ -22,7 +22,7 @@ from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.verify.runs.task_names import path_of
 from cspdiag.verify.runs.yet_to_come import channels_to_come
 
-NEVER = frozenset({"for ever, at stop", "for an alternative of which no guard is enabled"})
+NEVER = frozenset({"forever, at stop", "for an alternative of which no guard is enabled"})
 """What is waited for in vain, whoever goes on."""
 
 Wait: TypeAlias = tuple[str, Any]

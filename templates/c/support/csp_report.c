@@ -141,7 +141,7 @@ bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_en
         entry->words = "for a delay to pass";
         return index == 0U;
     case CSP_AT_STOP:
-        entry->words = "for ever, at stop";
+        entry->words = "forever, at stop";
         return index == 0U;
     case CSP_AT_INTERRUPT:
         return wait_of_alternative(&((const csp_interrupt *)object)->alternative, index, entry);

@@ -1,4 +1,4 @@
-"""Threads that may go on for ever while no time passes, with each other or each by itself, so that nothing else ever
+"""Threads that may go on forever while no time passes, with each other or each by itself, so that nothing else ever
 runs.
 """
 
@@ -46,7 +46,7 @@ class Spinning:
                 for offer in offers:
                     name = offer.channel.rpartition(".")[2]
                     reason = (
-                        f"what communicates on `{name}` may go on for ever while no time passes, so that nothing else "
+                        f"what communicates on `{name}` may go on forever while no time passes, so that nothing else "
                         "runs"
                     )
                     advice = "let a round of it wait for a sample, an event or a time"
@@ -60,7 +60,7 @@ class Spinning:
                 if self._goes_round_silently(number, circle, supplied) and not circle.ends():
                     place = thread.places[circle.again]
                     reason = (
-                        "this loop may compute for ever while no time passes, so that nothing else runs: nothing shows "
+                        "this loop may compute forever while no time passes, so that nothing else runs: nothing shows "
                         "that it ends"
                     )
                     advice = (

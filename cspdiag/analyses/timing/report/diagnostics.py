@@ -36,7 +36,7 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
         )
         return NoTimingBound(span, report.process, report.reason, bounds, advice)
     late = tuple(
-        (loop.name, time(loop.period), "for ever longer" if loop.response is None else time(loop.response), loop.span)
+        (loop.name, time(loop.period), "forever longer" if loop.response is None else time(loop.response), loop.span)
         for loop in report.loops
         if not loop.is_met
     )

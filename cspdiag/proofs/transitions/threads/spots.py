@@ -92,7 +92,7 @@ def _spot(thread: Thread, frame: frames.Frame) -> Spot:
             reference = frame.context.ports[frame.element]
             return Spot("waits to communicate on", reference, frame.context.definition.definition.span)
         case frames.Diverges():
-            return Spot("goes round for ever without a communication")
+            return Spot("goes round forever without a communication")
         case frames.Idle():
             return Spot("has not been started")
         case frames.Faulted():
@@ -122,7 +122,7 @@ def _action(frame: frames.Run) -> Spot:
         case WaitStep():
             return Spot(f"is in `{delay_text(action)}`", None, node.span)
         case StopStep():
-            return Spot("waits for ever, at stop", None, node.span)
+            return Spot("waits forever, at stop", None, node.span)
         case ParallelSteps():
             return Spot("starts its parallel branches", None, node.span)
         case _:
