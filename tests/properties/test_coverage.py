@@ -25,7 +25,7 @@ WANTED = {
     *(f"{kind} with {side} guards" for kind, side in product((*CHANNELS, "sampled", "event"), ("input", "output"))
       if (kind, side) not in {("sampled", "output"), ("event", "output")}),
     "ParallelSteps prioritized", "CatchException of a declared one", "CatchException of Fault",
-    "CatchException of Timeout", "RaiseException of a declared one", "Repeat for ever", "CountedLoop",
+    "CatchException of Timeout", "RaiseException of a declared one", "Repeat forever", "CountedLoop",
     "StopStep", "WaitStep", "PresentTime", "until of time", "ResetInstance", "IfElse",
     "lone InputEvent", "lone ReadyEvent",
     "array of in ports", "array of out ports", "element of an array of ports", "instance of a process in an array",

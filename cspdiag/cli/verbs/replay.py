@@ -69,7 +69,7 @@ def _network(arguments: Namespace, trace: Trace) -> CoreNetwork | None:
     return built.network
 
 
-def _told(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]:
+def _report(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]:
     from cspdiag.runtime.kernel.durations import shown
     from cspdiag.verify.runs.names import below
     from cspdiag.verify.runs.values import types_of, written

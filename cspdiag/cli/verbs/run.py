@@ -167,7 +167,7 @@ def _built(arguments: Namespace) -> Built:
 
 
 def _tell_of_no_end(network: CoreNetwork) -> None:
-    """Say that a run without a time limit goes on until somebody ends it, where that is sure."""
+    """Say that a run without a time limit continues until it is stopped, where that is sure."""
     from cspdiag.network.checks.endless import never_ends
 
     if network.environments and never_ends(network):

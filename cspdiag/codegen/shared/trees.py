@@ -14,7 +14,7 @@ LEAST = 3
 """Fewer parts than this stay as they are."""
 
 LONGEST = 4
-"""So many different parts may make a turn of a loop together."""
+"""The number of different parts that may make one iteration of a loop together."""
 
 
 class Counted:

@@ -59,7 +59,7 @@ def _signature(vertex: Vertex) -> Hashable:
         case ParentPort():
             return (vertex.direction, vertex.type, vertex.size, vertex.period, vertex.default, vertex.safe)
         case Store():
-            return (vertex.form, vertex.type, vertex.initial, vertex.asked, vertex.capacity)
+            return (vertex.form, vertex.type, vertex.initial, vertex.requested, vertex.capacity)
         case WrittenValue() | Sink():
             return vertex.key
         case _:

@@ -58,7 +58,7 @@ def _vertex(vertex: Vertex) -> Iterator[str]:
             initial = f" = {vertex.initial}" if vertex.initial else ""
             requested = f" {vertex.requested}" if vertex.requested else ""
             capacity = f" {vertex.capacity}" if vertex.capacity else ""
-            yield f"{vertex.form} {vertex.key} : {vertex.type}{initial}{asked}{capacity}{_kinds(vertex.kinds)}"
+            yield f"{vertex.form} {vertex.key} : {vertex.type}{initial}{requested}{capacity}{_kinds(vertex.kinds)}"
         case WrittenValue():
             yield f"value {vertex.text}"
         case Sink():

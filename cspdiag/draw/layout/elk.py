@@ -1,5 +1,5 @@
-"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, keeping the
-order of the text.
+"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, the order of the
+text kept.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ def engine_available() -> bool:
 def lay_out(graph: Graph) -> Layout:
     """Where everything goes.
 
-    Raises LayoutError where the engine fails, MissingToolError if it is not installed, and ValueError for a graph that
-    is not one.
+    Raises LayoutError where the engine fails, MissingToolError where there is none, and ValueError for a graph that is
+    not one.
     """
-    question = make_question(graph)
+    asked = question(graph)
     try:
-        placed = engine.run(whole(question))
+        placed = engine.run(whole(asked))
     except LayoutError:
-        placed = engine.run(without_text_order(question))
-    if not question.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
+        placed = engine.run(without_text_order(asked))
+    if not asked.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
         with suppress(LayoutError):
-            placed = engine.run(wrapped(question))
-    return _answer(question, placed)
+            placed = engine.run(wrapped(asked))
+    return _answer(asked, placed)
 
 
 @dataclass
@@ -53,7 +53,7 @@ class _Places:
 def _answer(asked: ElkGraph, placed: Json) -> Layout:
     places = _Places()
     _collect(placed, places)
-    hierarchy = question.hierarchy
+    hierarchy = asked.hierarchy
     sides = {
         port: hierarchy.ports[port].side or _side(places.ports[port], places.nodes[owner])
         for port, owner in hierarchy.owners.items()
@@ -62,16 +62,16 @@ def _answer(asked: ElkGraph, placed: Json) -> Layout:
     labels = _box_labels(hierarchy, places, sides)
     lines: dict[str, list[list[Point]]] = {edge.id: [] for edge in hierarchy.edges}
     for part in places.edges:
-        lines[question.parts[part["id"]]] += [_points(section) for section in part.get("sections", [])]
+        lines[asked.parts[part["id"]]] += [_points(section) for section in part.get("sections", [])]
         for label in part.get("labels", []):
-            labels[label["id"]] = _label_place(question.labels[label["id"]], _rectangle(label))
+            labels[label["id"]] = _label_place(asked.labels[label["id"]], _rectangle(label))
     routes: dict[str, Route] = {}
     for edge in hierarchy.edges:
-        if joint := question.joints.get(edge.id):
+        if joint := asked.joints.get(edge.id):
             lines[edge.id].append([places.ports[joint.entry], places.ports[joint.exit]])
             if edge.label is not None:
-                labels[edge.label.id] = _joint_label(edge.label, places.nodes[joint.node], question.downwards)
-        routes[edge.id] = _route(question, edge, lines[edge.id], places)
+                labels[edge.label.id] = _joint_label(edge.label, places.nodes[joint.node], asked.downwards)
+        routes[edge.id] = _route(asked, edge, lines[edge.id], places)
     return Layout(
         width=placed["width"],
         height=placed["height"],
@@ -140,12 +140,12 @@ def _label_place(label: Label, room: Rectangle) -> Rectangle:
 
 def _route(asked: ElkGraph, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
     """Names the ends of the lines by where they are: the ends of an edge are different places."""
-    joint = question.joints.get(edge.id)
+    joint = asked.joints.get(edge.id)
     inner = {places.ports[joint.entry], places.ports[joint.exit]} if joint else set()
     begins = {point for line in lines if (point := line[0]) not in inner}
     finishes = {point for line in lines if (point := line[-1]) not in inner}
-    sources = {point: _nearest(question, edge.sources, point, places) for point in begins}
-    targets = {point: _nearest(question, edge.targets, point, places) for point in finishes}
+    sources = {point: _nearest(asked, edge.sources, point, places) for point in begins}
+    targets = {point: _nearest(asked, edge.targets, point, places) for point in finishes}
     return joined(lines, sources, targets)
 
 

@@ -105,7 +105,7 @@ def _options(asked: ElkGraph) -> dict[str, str]:
     return _OPTIONS | {
         **TEXT_ORDER,
         "elk.direction": graph.direction.value,
-        "elk.layered.thoroughness": str(_thoroughness(question)),
+        "elk.layered.thoroughness": str(_thoroughness(asked)),
         "elk.spacing.nodeNode": str(graph.node_spacing),
         "elk.layered.spacing.nodeNodeBetweenLayers": str(graph.layer_spacing),
     }
@@ -113,21 +113,21 @@ def _options(asked: ElkGraph) -> dict[str, str]:
 
 def without_text_order(asked: ElkGraph) -> Json:
     """The whole in ELK's format, without what ELK may fail on."""
-    for options in (question.options, *(node["layoutOptions"] for node in question.nodes.values())):
+    for options in (asked.options, *(node["layoutOptions"] for node in asked.nodes.values())):
         for option in (*TEXT_ORDER, "elk.layered.considerModelOrder.strategy"):
             options.pop(option, None)
-    return whole(question)
+    return whole(asked)
 
 
 def wrapped(asked: ElkGraph) -> Json:
     """The whole in ELK's format, to be broken into rows."""
-    question.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
-    return whole(question)
+    asked.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
+    return whole(asked)
 
 
 def whole(asked: ElkGraph) -> Json:
     """The whole in ELK's format."""
-    return {"id": "", "layoutOptions": question.options, "children": question.top, "edges": question.edges}
+    return {"id": "", "layoutOptions": asked.options, "children": asked.top, "edges": asked.edges}
 
 
 def _thoroughness(question: ElkGraph) -> int:

@@ -66,7 +66,7 @@ def _check_readable(program: Program, reference: ast.Reference, report: Report) 
         case PortSymbol():
             advice = f"write it by `{reference.span.text} ! value`, or declare it as an in port"
         case _:  # What has a value and is neither port nor channel.
-            advice = "its value is had by its name alone, in conditions and expressions"
+            advice = "use its name alone in conditions and expressions"
     kind = _kind(reference, symbol)
     refused = NotReadable(
         reference.span, name=reference.span.text, kind=kind, advice=advice, declared=declared_at(symbol)

@@ -72,8 +72,8 @@ def _advice_on_kind(name: str, symbol: Symbol, wanted: str) -> str | None:
         case ast.Let() if wanted == "output":
             return "its `let` is its equation"
         case ast.Parameter() | ast.Constant() if wanted in {"variable", "source", "sink"}:
-            return f"it has one value for ever; declare a variable that begins with it: `var value : type = {name}`"
-        case _:  # Nothing can be told that would help.
+            return f"its value never changes; declare a variable that begins with it: `var value : type = {name}`"
+        case _:  # No advice would help.
             return None
 
 

@@ -214,7 +214,7 @@ def _written_in(shape: Shape, body: CoreAction) -> set[Key]:
 
 
 def _check_branches(placed: Placed, choice: Choice[CoreAction], report: Report, agreement: Agreement) -> None:
-    """Behind a guard that is always ready, a prioritized alternative never goes on."""
+    """A prioritized alternative never goes past a guard that is always ready."""
     always: Branch[CoreAction] | None = None
     seen: dict[tuple[str, Key], Branch] = {}
     for branch in choice.branches:
@@ -236,7 +236,7 @@ def _check_branches(placed: Placed, choice: Choice[CoreAction], report: Report, 
 
 
 def _check_time_outs(placed: Placed, choice: Choice[CoreAction], agreement: Agreement) -> None:
-    """A time-out beside samples, a shorter one or a branch that is always ready must come before them to be chosen at
+    """A time-out next to samples, a shorter one or a branch that is always ready must come before them to be chosen at
     all.
     """
     late = {found.place: found for found in overtaken(placed, choice)}

@@ -166,7 +166,7 @@ def _inputs(instance: InstanceShape) -> Iterator[tuple[Key, Span]]:
 
 
 def _repeated(body: CoreAction) -> Iterator[str]:
-    """The instances that every turn of a loop runs, whatever is chosen elsewhere."""
+    """The instances that every iteration of a loop runs, whatever is chosen elsewhere."""
     pending = [(body, False)]
     while pending:
         action, is_repeated = pending.pop()

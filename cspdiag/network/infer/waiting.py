@@ -148,7 +148,7 @@ class MayWait:
                 assert_never(action)
 
     def _choice(self, placed: Placed, choice: Choice[CoreAction]) -> bool:
-        """One that has a branch ``skip -> P`` goes that way for ever; beside other guards that are always ready the
+        """One that has a branch ``skip -> P`` takes it forever; next to other guards that are always ready the
         others have a turn.
         """
         skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]

@@ -202,7 +202,7 @@ class Choice(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class Repeat(Step, Generic[A_co]):
-    """The mu process: runs the body, then tests; for ever without ``until``."""
+    """The mu process: runs the body, then tests; forever without ``until``."""
 
     body: A_co
     until: Expression | None

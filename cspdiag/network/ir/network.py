@@ -296,7 +296,7 @@ class Network(Generic[A_co]):
     doc: str | None = None
 
     def class_named(self, name: str) -> ProcessClass[A_co] | SubmodelClass:
-        """The class of that name; KeyError if there is none."""
+        """The class of that name; KeyError if it is unknown."""
         for entry in self.classes:
             if entry.name == name:
                 return entry

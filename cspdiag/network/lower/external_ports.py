@@ -5,10 +5,10 @@ from __future__ import annotations
 from cspdiag.base import Report
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program, Value
-from cspdiag.network.infer.kinds import Asked
+from cspdiag.network.infer.kinds import RequestedKinds
 from cspdiag.network.ir.network import ChannelKind, ExternalPort
 from cspdiag.network.ir.zero import zero
-from cspdiag.network.shapes import AskedKind, Key, PortShape, Shape
+from cspdiag.network.shapes import Key, PortShape, RequestedKind, Shape
 from cspdiag.syntax import ast
 
 
@@ -54,5 +54,5 @@ def _external(
     )
 
 
-def _kind(asked: dict[str, AskedKind]) -> ChannelKind:
-    return "broadcast" if "broadcast" in asked else "any" if "any" in asked else "sync"
+def _kind(requested: dict[str, RequestedKind]) -> ChannelKind:
+    return "broadcast" if "broadcast" in requested else "any" if "any" in requested else "sync"

@@ -13,7 +13,7 @@ from cspdiag.syntax import ast
 _MOST_NAMED = 8
 
 _MOST_PATHS = 1000
-"""A program may have more instances than anybody wants to wait for; a name that was meant is looked for among so many.
+"""A program may have too many instances to search; a similar name is looked for among this number of them.
 """
 
 

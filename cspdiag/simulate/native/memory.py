@@ -182,7 +182,7 @@ def _estimated(functions: Mapping[str, FunctionFacts]) -> int:
 
 
 def report_or_reason(network: CoreNetwork, files: Mapping[str, str], level: int) -> str:
-    """The report, or why there is none."""
+    """The report, or why it cannot be made."""
     try:
         return memory_report(network, files, level).text
     except CompilerError as problem:

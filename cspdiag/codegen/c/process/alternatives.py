@@ -89,7 +89,7 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
 
 
 def _fields(count: int, timers: int) -> list[StructMember]:
-    """The members of an alternative with so many guards."""
+    """The members of an alternative with this number of guards."""
     found = [StructMember("csp_alternative alternative"), StructMember(f"csp_guard guards[{count}]")]
     if timers:
         found.append(StructMember(f"csp_timer time_outs[{timers}]"))

@@ -45,7 +45,7 @@ T = TypeVar("T", LocalChannel, InstanceOf)
 
 @record
 class StructMember:
-    """A member of the struct: its declaration without the semicolon, and what is said of it."""
+    """A member of the struct: its declaration without the semicolon, and its comment."""
 
     declaration: str
     comment: str | None = None
@@ -332,7 +332,7 @@ class Members:
         yield from self._end_declarations()
 
     def _flag_pointers(self, port: Port, indexes: Sequence[int | None]) -> list[StructMember]:
-        """Pointers to what tells whether the variables behind a port were written."""
+        """Pointers to the flags whether the variables behind a port were written."""
         constant = "const " if port.direction == "in" else ""
         flagged = [i for i in indexes if self.unwritten.has_port(self.process.name, port.name, i)]
         names = (self.layout.written(port, index) for index in flagged)

@@ -31,7 +31,7 @@ from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 
 @record
 class NetworkFacts:
-    """What is known of the whole network."""
+    """What is known of the network as a whole."""
 
     levels: Levels
     unwritten: Unwritten

@@ -87,7 +87,7 @@ class MissedSamples:
             return
         found = _Process(placed, self._known, self.report)
         self._known[placed] = found.part(body)
-        if is_outermost and not found.findings.said and (late := first_late(placed, body)) is not None:
+        if is_outermost and not found.findings.reported and (late := first_late(placed, body)) is not None:
             found.findings.add_first(late)
 
 
@@ -153,12 +153,12 @@ class _Process(Sequences):
                 assert_never(action)
 
     def _turns(self, loop: CountedLoop[CoreAction]) -> Part:
-        """What was ready before the first turn may be read in it; the others begin all alike."""
+        """What was ready before the first iteration may be read in it; the others begin all alike."""
         first = self.part(loop.body)
         return self.sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
 
     def _apart(self, action: CoreAction) -> Part:
-        """A part that is not taken on every way: an event that was ready before it may still be so afterwards."""
+        """A part that is not taken on every path: an event that was ready before it may still be so afterwards."""
         was_ready = self.ready
         found = self.part(action)
         self.ready = was_ready
@@ -276,7 +276,7 @@ class _Process(Sequences):
     def _instead_of(
         self, sample: Key, chosen: Branch[CoreAction], *, waits: bool, is_first: bool, is_last: bool
     ) -> Reads:
-        """What becomes of a sample where something else is chosen: an event comes when it likes, up to the next sample.
+        """What becomes of a sample where something else is chosen: an event comes at any time, up to the next sample.
 
         One that ``is_first`` is chosen also where the sample is there already, one that ``is_last`` only before.
         """

@@ -49,14 +49,14 @@ class Sequences:
         return other if one is INSTANT else self.sequence((one, other))
 
     def _joined(self, book: Book, one: Reads, other: Reads) -> Reads:
-        is_said = self.findings.check(book, then(one.after, other.before), one, other)
+        is_reported = self.findings.check(book, then(one.after, other.before), one, other)
         held = then(one.held, other.before)
         pending = either(one.pending, held if held is not None and held.late >= 2 * self.period(book[0]) else None)
         if one.after is not None:
-            is_said = is_said or self.findings.check(book, other.pending, one, other)
+            is_reported = is_reported or self.findings.check(book, other.pending, one, other)
         else:
             pending = either(pending, other.pending)
-        return joined(one, other, None if is_said else pending)
+        return joined(one, other, None if is_reported else pending)
 
 
 def _until_now(reads: Mapping[Book, Reads], since: Mapping[Book, int], elapsed: Elapsed) -> dict[Book, Reads]:

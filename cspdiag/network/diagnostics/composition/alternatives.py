@@ -158,7 +158,7 @@ class TimeOutNeverElapses(Diagnostic):
         if self.port is None and self.period:
             return "remove one of the two, or put a `when` before the shorter one"
         if self.port is None:
-            return "a time-out is for an alternative that waits: leave one of the two away"
+            return "a time-out is for an alternative that waits: remove one of the two"
         waits = duration(self.waits)
         return (
             f"keep the instant from which they count, `start := now`, and write `at start + {waits}`; or count samples "

@@ -116,10 +116,10 @@ class SamplesMissed(Diagnostic):
             case "two turns":
                 does = f"two iterations of the loop can together {self._wait} and take {taken}"
             case "some turn":
-                does = f"a turn of the loop can {self._wait} and takes {taken}"
+                does = f"an iteration of the loop can {self._wait} and takes {taken}"
             case "two reads" | "two reads and a turn" | "every turn" | "every turn, at most":
                 most = "at most " if self.extent == "every turn, at most" else ""
-                does = f"each turn of the loop {self.meanwhile} and takes {most}{taken}"
+                does = f"each iteration of the loop {self.meanwhile} and takes {most}{taken}"
             case _:
                 assert_never(self.extent)
         return f"{does} of {every}: {self._missed}"
