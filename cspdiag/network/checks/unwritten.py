@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from cspdiag.network.flow.written import read_before_written
 from cspdiag.network.ir.actions import CatchException, ChannelEnd, InterruptOn, PortEnd
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import Network, ProcessClass, channels_of
 from cspdiag.network.ir.walk import parts
 
 
@@ -44,11 +44,6 @@ def ports_of_unwritten(network: Network) -> dict[str, frozenset[tuple[str, int |
 
 def _in_class(entry: ProcessClass) -> frozenset[str]:
     unset = {channel.name for channel in entry.channels if channel.kind == "var" and channel.initial is None}
-    attached = {
-        connection.attachment.channel
-        for instance in entry.instances
-        for connection in instance.connections
-        if isinstance(connection.attachment, ChannelEnd)
-    }
+    attached = channels_of(entry.instances)
     early = frozenset() if entry.body is None else read_before_written(entry.body, unset - attached)
     return early | (unset & attached)

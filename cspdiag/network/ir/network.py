@@ -11,12 +11,13 @@ Every backend, analysis and picture reads this and nothing else.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.types import EnumType, StructType, Type
-from cspdiag.network.ir.actions import A_co, CoreAction, End
+from cspdiag.network.ir.actions import A_co, ChannelEnd, CoreAction, End
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, Value
@@ -133,6 +134,12 @@ class InstanceOf(Declared):
     index: int | None = None
     arguments: tuple[tuple[str, Expression], ...] = ()
     connections: tuple[Connection, ...] = ()
+
+
+def channels_of(instances: Iterable[InstanceOf]) -> frozenset[str]:
+    """The channels of the enclosing class, variables among them, that instances have at a port."""
+    ends = (connection.attachment for instance in instances for connection in instance.connections)
+    return frozenset(end.channel for end in ends if isinstance(end, ChannelEnd))
 
 
 @record(kw_only=True)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cspdiag.network.ir.actions import CoreAction, Repeat, RunInstance, WhileLoop
 from cspdiag.network.ir.network import CoreNetwork, SubmodelClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import all_actions
 
 
 class Looping:
@@ -17,10 +19,13 @@ class Looping:
 
     def has_loop(self, action: CoreAction, path: str) -> bool:
         """Whether something in an action of the process at a path is repeated, or written by hand."""
+        return self._has_loop(action, lambda name: self._class_of[f"{path}.{name}"])
+
+    def _has_loop(self, action: CoreAction, class_of: Callable[[str], str]) -> bool:
         return any(
             isinstance(part, Repeat | WhileLoop)
-            or (isinstance(part, RunInstance) and self._class_has_loop(self._class_of[f"{path}.{part.instance}"]))
-            for part in parts(action)
+            or (isinstance(part, RunInstance) and self._class_has_loop(class_of(part.instance)))
+            for part in all_actions(action)
         )
 
     def _class_has_loop(self, name: str) -> bool:
@@ -32,9 +37,5 @@ class Looping:
                 self._known[name] = True
             else:
                 inside = {instance.name: instance.class_name for instance in entry.instances}
-                self._known[name] = any(
-                    isinstance(part, Repeat | WhileLoop)
-                    or (isinstance(part, RunInstance) and self._class_has_loop(inside[part.instance]))
-                    for part in parts(entry.body)
-                )
+                self._known[name] = self._has_loop(entry.body, inside.__getitem__)
         return self._known[name]

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import Action, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import actions_inside, parts
 
 
 class Levels:
@@ -112,19 +112,10 @@ def _at_depth(
 
 def _steps(action: Action | None, depth: int) -> Iterator[tuple[Action, int]]:
     """The parallels and runs of instances in an action, with the number of prioritized parallels around each."""
-    pending: list[tuple[object, int]] = [(action, depth)]
+    pending = [] if action is None else [(action, depth)]
     while pending:
         part, around = pending.pop()
         if isinstance(part, ParallelSteps | RunInstance):
             yield part, around
-        if isinstance(part, ParallelSteps) and part.prioritized:
-            pending += [(step, around + 1) for step in part.steps]
-        else:
-            pending += [(inner, around) for inner in _inner(part)]
-
-
-def _inner(part: object) -> Iterator[object]:
-    if isinstance(part, tuple):
-        yield from part
-    elif is_record(part):
-        yield from (getattr(part, name) for name in field_names(part) if name not in ("span", "type"))
+        below = around + (isinstance(part, ParallelSteps) and part.prioritized)
+        pending += [(inner, below) for inner in actions_inside(part)]

@@ -37,6 +37,7 @@ from cspdiag.network.ir.network import (
     Port,
     ProcessClass,
     SubmodelClass,
+    channels_of,
 )
 from cspdiag.network.ir.walk import parts
 
@@ -116,14 +117,8 @@ class Members:
 
     def _own_variables(self) -> set[str]:
         """Variables that no process inside has at a port."""
-        shared = {
-            connection.attachment.channel
-            for instance in self.process.instances
-            if isinstance(self.classes[instance.class_name], ProcessClass)
-            for connection in instance.connections
-            if isinstance(connection.attachment, ChannelEnd)
-        }
-        return {name for name in self.channels if name not in shared}
+        processes = (i for i in self.process.instances if isinstance(self.classes[i.class_name], ProcessClass))
+        return self.channels.keys() - channels_of(processes)
 
     # What is needed at run time
 

@@ -7,12 +7,8 @@ from functools import lru_cache
 from cspdiag.model.types import has_unit
 from cspdiag.network.flow.again import classes_run_again
 from cspdiag.network.flow.written import read_before_written
-from cspdiag.network.ir.actions import (
-    ChannelEnd,
-    Choice,
-    InterruptOn,
-)
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.actions import ChannelEnd, InputEvent, OutputEvent, ReadyEvent
+from cspdiag.network.ir.network import Network, ProcessClass, channels_of
 from cspdiag.network.ir.walk import parts
 
 
@@ -23,18 +19,15 @@ def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozens
     those with a unit are watched from outside.
     """
     variables = {channel.name: channel for channel in process.channels if channel.kind == "var"}
-    shared = {
-        connection.attachment.channel
-        for instance in process.instances
-        for connection in instance.connections
-        if isinstance(connection.attachment, ChannelEnd)
-    }
+    shared = set(channels_of(process.instances))
     for part in parts(process.body):
-        if isinstance(part, Choice | InterruptOn):
-            branches = part.branches if isinstance(part, Choice) else (part.branch,)
-            events = (branch.event for branch in branches)
-            ends = (getattr(event, "source", None) or getattr(event, "sink", None) for event in events)
-            shared |= {end.channel for end in ends if isinstance(end, ChannelEnd)}
+        match part:
+            case InputEvent(source=ChannelEnd(channel=name)) | ReadyEvent(source=ChannelEnd(channel=name)):
+                shared.add(name)
+            case OutputEvent(sink=ChannelEnd(channel=name)):
+                shared.add(name)
+            case _:
+                pass
     written = frozenset(name for name, channel in variables.items() if channel.initial is not None and not again)
     early = frozenset() if process.body is None else read_before_written(process.body, variables, written)
     watched = {name for name, channel in variables.items() if probed and has_unit(channel.type)}
