@@ -10,14 +10,37 @@ from collections.abc import Callable
 from typing import assert_never
 
 from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Call, Communicate, Delay, Fork, Instruction, Join, Select, Stop, Take, Watch
+from cspdiag.network.flow.code import (
+    Abandon,
+    Call,
+    Communicate,
+    Compute,
+    Delay,
+    Enter,
+    Fork,
+    Instruction,
+    Join,
+    Leave,
+    Loop,
+    Meet,
+    ProcessEnd,
+    Raise,
+    Resume,
+    Select,
+    Stop,
+    Take,
+    Test,
+    Turn,
+    Unwatch,
+    Watch,
+)
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
+    CatchException,
     End,
     Event,
     InputEvent,
-    InterruptOn,
     OutputEvent,
     ReadyEvent,
     SkipEvent,
@@ -52,10 +75,19 @@ def is_always_ready(
 
 def only_computes(action: Action) -> bool:
     """Whether a composition neither communicates nor waits, nor leaves that to others, on any of its ways."""
-    return not any(map(_does_more, flow_of(action).instructions))
+    return all(map(_only_computes, flow_of(action).instructions))
 
 
-def _does_more(instruction: Instruction) -> bool:
-    if isinstance(instruction, Watch):
-        return isinstance(instruction.step, InterruptOn)
-    return isinstance(instruction, Call | Communicate | Delay | Fork | Join | Select | Stop | Take)
+def _only_computes(instruction: Instruction) -> bool:
+    match instruction:
+        case (
+            Compute() | Test() | Loop() | Turn() | Meet() | Unwatch() | Abandon() | Resume() | Raise() | Enter()
+            | Leave() | ProcessEnd()
+        ):  # fmt: skip
+            return True
+        case Watch():
+            return isinstance(instruction.step, CatchException)
+        case Call() | Communicate() | Delay() | Fork() | Join() | Select() | Stop() | Take():
+            return False
+        case _:
+            assert_never(instruction)
