@@ -86,3 +86,10 @@ def test_numbers_of_branches_are_computed_with() -> None:
     network = network_of(PROGRAMS / "branches_of_one_body.csp")
     server = pipeline.generate(network, read_source, "c", 0)["server.c"]
     assert server.count("csp_add(self->question % 1000, self->number_of_choice)") == 1
+
+
+def test_ports_that_count_are_attached_in_loops() -> None:
+    network = network_of(PROGRAMS / "branches_of_one_body.csp")
+    star = pipeline.generate(network, read_source, "c")["star.c"]
+    assert "ports_of_server.request[i] = &self->client_request[i];" in star
+    assert ".request[1] =" not in star

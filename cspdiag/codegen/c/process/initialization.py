@@ -24,7 +24,7 @@ from cspdiag.codegen.c.text.code import (
 )
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
 from cspdiag.codegen.c.text.rolling import marked, rolled, rolled_from
-from cspdiag.codegen.c.text.statements import Block, Plain, Statement, run, store
+from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, run, store
 from cspdiag.codegen.shared.document import Document
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.model.types import IntType
@@ -56,6 +56,21 @@ class Given(Code):
 
     def _document(self) -> Document:
         return (PORTS.document, "->", self.member.document)
+
+
+FEW = 8
+"""With more than so many ports they are attached one by one, or in loops, where that makes the text shorter."""
+
+
+@record
+class Filled(Code):
+    """A member of the ports of an instance while they are filled in: ``ports.x``."""
+
+    ports: str
+    member: Code
+
+    def _document(self) -> Document:
+        return (f"{self.ports}.", self.member.document)
 
 
 def _counted(kind: str, by: int) -> Plain:
@@ -174,7 +189,7 @@ class _Initialization:
         self.setup += [statement for statement in found.setup if isinstance(statement, Plain)]
         return found.code
 
-    def _behind_setup(self, made: list[Plain]) -> list[Plain]:
+    def _behind_setup(self, made: Sequence[Plain | Block]) -> list[Plain | Block]:
         """Statements behind what has to be done for the expressions that were printed in them."""
         found = [*self.setup, *made]
         self.setup.clear()
@@ -200,10 +215,10 @@ class _Initialization:
                 pending.append(item)
         return [*found, *made()]
 
-    def _made(self, item: CreatedInstance | End) -> list[Plain]:
+    def _made(self, item: CreatedInstance | End) -> list[Plain | Block]:
         if isinstance(item, CreatedInstance):
             return self._instance(self.members.instances[item.instance])
-        return self._end(item)
+        return [*self._end(item)]
 
     def _end(self, end: End) -> list[Plain]:
         access, members = self.members.access(end), self.members
@@ -227,7 +242,7 @@ class _Initialization:
             return address(own(self.members.member(end.channel)))
         return Given(self.members.layout.member(self.members.ports[end.port], end.index))
 
-    def _instance(self, instance: InstanceOf) -> list[Plain]:
+    def _instance(self, instance: InstanceOf) -> list[Plain | Block]:
         class_ = self.members.classes[instance.class_name]
         struct = self.writer.names.classes[class_.name]
         lvalue = own(self.members.member(instance.name))
@@ -237,11 +252,33 @@ class _Initialization:
         arguments: list[Code] = [address(lvalue), code("numbers")]
         layout = self._layout(class_)
         if class_.external is not None:
-            return self._by_hand(instance, class_, layout, [*arguments], given)
+            return [*self._by_hand(instance, class_, layout, [*arguments], given)]
         if any(layout.designator(port.name, index) for port in class_.ports for index in elements(port)):
-            fields = self._fields(class_.name, instance.connections, layout)
-            arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
+            fields = list(self._fields(class_.name, instance.connections, layout))
+            filled = self._filled(instance, class_, fields)
+            if filled:
+                name = self.members.names[f"ports of {instance.name}"]
+                made = run(call(f"{struct}_initialize", *arguments, f"&{name}", *given))
+                return [Block((define(f"struct {struct}_ports", name), *filled, made))]
+            named = tuple((f".{member}", value) for member, value in fields)
+            arguments.append(address(Aggregate(named, f"const struct {struct}_ports")))
         return [run(call(f"{struct}_initialize", *arguments, *given))]
+
+    def _filled(
+        self, instance: InstanceOf, class_: ProcessClass, fields: Sequence[tuple[Code, Code]]
+    ) -> list[Plain | Block]:
+        """Loops that attach the ports of an instance one by one; none where a list of them is as short.
+
+        Elements of arrays are made in loops themselves. Where ports tell whether they were written, not each instance
+        has something for every one of them.
+        """
+        flagged = self.members.unwritten.has_port
+        ports = ((port.name, index) for port in class_.ports for index in elements(port))
+        if len(fields) <= FEW or instance.index is not None or any(flagged(class_.name, *port) for port in ports):
+            return []
+        name = self.members.names[f"ports of {instance.name}"]
+        filled = rolled([[store(Filled(name, member), value)] for member, value in fields])
+        return filled if len(filled) < len(fields) else []
 
     def _layout(self, class_: ProcessClass) -> PortLayout:
         if class_.name not in self.layouts:
@@ -289,16 +326,18 @@ class _Initialization:
                 return Given(code(members.layout.written(members.ports[port], index)))
         return None
 
-    def _fields(self, class_: str, connections: Sequence[Connection], layout: PortLayout) -> Iterator[tuple[str, Code]]:
+    def _fields(
+        self, class_: str, connections: Sequence[Connection], layout: PortLayout
+    ) -> Iterator[tuple[Code, Code]]:
         for connection in connections:
             designator = layout.designator(connection.port, connection.index)
             if designator is None:
                 continue
-            yield f".{designator}", self._attached(connection)
+            yield designator, self._attached(connection)
             flag = self._flag(connection)
             if flag is not None and self.members.unwritten.has_port(class_, connection.port, connection.index):
                 written = layout.written(layout.ports[connection.port], connection.index)
-                yield f".{written}", flag
+                yield code(written), flag
 
     def _attached(self, connection: Connection) -> Code:
         members = self.members

@@ -17,7 +17,7 @@ def rolled(groups: Sequence[Sequence[Plain]]) -> list[Plain | Block]:
     return rolled_from([outline(tuple(group)) for group in groups], lambda position: groups[position])
 
 
-def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plain]]) -> list[Plain | Block]:
+def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plain | Block]]) -> list[Plain | Block]:
     """The same where ``make`` gives the statements of the group at a position: of a loop no more than two turns are
     made.
     """
@@ -38,7 +38,7 @@ def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plai
     return result
 
 
-def _loop(first: tuple[Plain, ...], second: tuple[Plain, ...], turns: int) -> Block:
+def _loop(first: tuple[Plain | Block, ...], second: tuple[Plain | Block, ...], turns: int) -> Block:
     numbers: list[Count] = numbers_in(first)
     steps = [after - before.value for before, after in zip(numbers, outline(second).numbers, strict=True)]
     begin = next((number.value for number, step in zip(numbers, steps, strict=True) if step == 1), 0)
