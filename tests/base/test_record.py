@@ -297,7 +297,7 @@ def declared(pattern: str) -> set[tuple[str, str]]:
 def test_plain_data_is_a_record_everywhere_but_in_the_runtime_which_stands_alone():
     """What keeps a list of temporaries while it prints is no plain data."""
     assert {path for _, path in declared(r"^@dataclass\(.*frozen=True")} == {
-        "codegen/c/text/expressions.py",
+        "codegen/c/text/evaluation.py",
         "codegen/python/fast/expressions.py",
         "codegen/python/plain/expressions.py",
     }

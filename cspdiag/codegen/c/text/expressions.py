@@ -4,14 +4,10 @@ faults.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from itertools import count
 from math import pi
-from operator import eq, ge, gt, le, lt, ne
 from typing import assert_never
 
-from cspdiag.base.record import record, replaced
+from cspdiag.base.record import replaced
 from cspdiag.codegen.c.text.code import (
     AND,
     EQUALITY,
@@ -23,28 +19,25 @@ from cspdiag.codegen.c.text.code import (
     Atom,
     Code,
     Element,
-    assign,
     call,
     cast,
     conditional,
-    in_order,
     infix,
     minus,
     negated,
 )
+from cspdiag.codegen.c.text.evaluation import Evaluator
 from cspdiag.codegen.c.text.operands import (
+    decided_by_ranges,
     folded,
-    integer_name,
     is_lvalue,
     is_word,
     known_result,
-    literal_value,
     traps,
     widened,
 )
-from cspdiag.codegen.c.text.statements import Statement, define, run
-from cspdiag.codegen.c.text.types import CTypes
-from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.codegen.shared.operations import COMPARISONS, integer_name, known_comparison, opposite, truth_of
+from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -66,15 +59,11 @@ from cspdiag.network.ir.faults import (
     conversion_fits,
     divisor_may_be_zero,
     index_fits,
-    may_fault,
-    variables_in,
 )
-from cspdiag.network.ir.ranges import needs_check, value_range
+from cspdiag.network.ir.ranges import needs_check
 
 _LOGIC = {"and": ("&&", AND), "or": ("||", OR)}
-_COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
 _ARITHMETIC = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT}
-_OPPOSITES = {"==": "!=", "!=": "==", "<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 _CHECKED = {"+": "csp_add", "-": "csp_subtract", "*": "csp_multiply", "/": "csp_quotient", "%": "csp_remainder"}
 _REAL_FUNCTIONS = {
     "abs": "fabs", "sqrt": "sqrt", "floor": "floor", "ceil": "ceil", "round": "round", "exp": "csp_exp",
@@ -89,95 +78,8 @@ _WHOLE_FUNCTIONS = {
 }  # fmt: skip
 
 
-def _unexpected(name: str) -> Code:
-    raise LookupError(f"{name} cannot be used here")
-
-
-def _sure(_: str) -> None:
-    return None
-
-
-@record
-class Evaluation:
-    """An expression in C: what has to be done before the statement in which it stands, and whether it can note a fault
-    itself.
-    """
-
-    setup: tuple[Statement, ...]
-    code: Code
-    late: bool
-
-    @property
-    def faults(self) -> bool:
-        """Whether a fault may have been noted when it has been evaluated."""
-        return self.late or bool(self.setup)
-
-
-@dataclass
-class _Progress:
-    """What was printed since the last evaluation began."""
-
-    setup: list[Statement] = field(default_factory=list)
-    inside: list[Code] | None = None
-    """What has to be done first where no statement can stand, because it is evaluated only sometimes."""
-    unsure: bool = False
-    """Whether it is looked inside an expression whether a variable was written."""
-    numbers: Iterator[int] = field(default_factory=lambda: count(1))
-
-
-@dataclass(frozen=True)
-class Printer:
-    """Prints the expressions of one class; the functions give the C lvalue of a name where the expression stands.
-
-    C does not say which operand comes first, so operands that can fault are evaluated before the statement, in their
-    order, where there is more than one. ``written`` gives a pointer to the flag whether a variable was written, where
-    that is not sure.
-    """
-
-    types: CTypes
-    parameter: Callable[[str], Code] = _unexpected
-    signal: Callable[[str], Code] = _unexpected
-    variable: Callable[[str], Code] = _unexpected
-    written: Callable[[str], Code | None] = _sure
-    seconds: Callable[[str], Code] | None = None
-    """A parameter of type ``time`` in seconds."""
-    time: str | None = None
-    constants_by_value: bool = False
-    """For static initializers, which C wants to be made of literals."""
-    progress: _Progress = field(default_factory=_Progress)
-
-    def evaluate(self, expression: Expression) -> Evaluation:
-        """The expression at the place of a statement."""
-        return self._evaluated(expression, self._print)
-
-    def opposite(self, condition: Expression) -> Evaluation:
-        """The opposite of a condition."""
-        return self._evaluated(condition, self._negated)
-
-    def _evaluated(self, expression: Expression, made: Callable[[Expression], Code]) -> Evaluation:
-        progress = self.progress
-        progress.setup.clear()
-        progress.unsure = False
-        code = made(expression)
-        return Evaluation(tuple(progress.setup), code, progress.unsure or may_fault(expression))
-
-    def plain(self, expression: Expression) -> Code:
-        """An expression before which nothing has to be done."""
-        evaluation = self.evaluate(expression)
-        assert not evaluation.setup, "it stands where no statement can be put in front"
-        return evaluation.code
-
-    def arguments(self, expressions: Sequence[Expression]) -> tuple[list[Statement], list[Code]]:
-        """Several expressions in one statement, and what has to be done before it."""
-        self.progress.setup.clear()
-        codes = self._in_order(expressions)
-        return list(self.progress.setup), codes
-
-    def faults(self, expression: Expression) -> bool:
-        """Whether the evaluation of an expression can note a fault."""
-        if may_fault(expression):
-            return True
-        return any(self.written(channel) is not None for channel in variables_in(expression))
+class Printer(Evaluator):
+    """Prints the expressions of one class."""
 
     def _print(self, expression: Expression) -> Code:
         """The C expression; it has the C type of the type of ``expression``."""
@@ -229,59 +131,10 @@ class Printer:
             return Atom("CSP_PI")
         return self.types.literal(expression.value, expression.type, expression.span)
 
-    def _variable(self, channel: str) -> Code:
-        flag = self.written(channel)
-        if flag is not None:
-            required, progress = call("csp_require_written", flag), self.progress
-            if progress.inside is not None:
-                progress.unsure = True
-                progress.inside.append(required)
-            elif run(required) not in progress.setup:
-                progress.setup.append(run(required))
-        return self.variable(channel)
-
-    def _in_order(self, expressions: Sequence[Expression]) -> list[Code]:
-        """The operands, so that faults come in order: of those that can fault only the last stays in place."""
-        faulting = [position for position, part in enumerate(expressions) if self.faults(part)]
-        return [
-            self._kept(part) if position in faulting[:-1] else self._print(part)
-            for position, part in enumerate(expressions)
-        ]
-
-    def _kept(self, expression: Expression) -> Code:
-        """The value of an operand, known before the operands behind it are evaluated."""
-        code = self._print(expression)
-        return code if isinstance(expression, VariableValue) else self._stored(code, expression.type)
-
-    def _stored(self, code: Code, type_: Type) -> Code:
-        progress = self.progress
-        name, kind = f"csp_operand_{next(progress.numbers)}", self.types.type_name(type_)
-        if progress.inside is None:
-            progress.setup.append(define(f"const {kind}", name, code))
-        else:
-            progress.setup.append(define(kind, name))
-            progress.inside.append(assign(name, code))
-        return Atom(name)
-
-    def _sometimes(self, expression: Expression) -> Code:
-        """An operand that is not always evaluated: what has to be done first is a part of it."""
-        progress = self.progress
-        outer = progress.inside
-        before: list[Code] = []
-        progress.inside = before
-        code = self._print(expression)
-        progress.inside = outer
-        return in_order((*before, code))
-
     def _negated(self, condition: Expression) -> Code:
-        """The opposite; that of an order is another order, but for reals, of which a NaN is in none."""
-        if isinstance(condition, BinaryOperation) and condition.operator in _OPPOSITES:
-            whole = isinstance(condition.left.type, IntType | TimeType)
-            if whole or condition.operator in ("==", "!="):
-                return self._comparison(replaced(condition, operator=_OPPOSITES[condition.operator]))
-        if isinstance(condition, UnaryOperation) and condition.operator == "not":
-            return self._print(condition.operand)
-        return negated(self._print(condition))
+        """The opposite of a condition."""
+        other = opposite(condition)
+        return negated(self._print(condition)) if other is None else self._print(other)
 
     def _negation(self, expression: UnaryOperation) -> Code:
         code = self._print(expression.operand)
@@ -296,7 +149,7 @@ class Printer:
         if operator in _LOGIC:
             symbol, precedence = _LOGIC[operator]
             return infix(symbol, precedence, self._print(expression.left), self._sometimes(expression.right))
-        if operator in _COMPARISONS:
+        if operator in COMPARISONS:
             return self._comparison(expression)
         left, right = self._in_order((expression.left, expression.right))
         if isinstance(expression.left.type, RealType):
@@ -360,32 +213,21 @@ class Printer:
         if isinstance(left.type, StructType | ArrayType):
             equal = call(f"{self.types.suffix(left.type)}_equal", first, second)
             return equal if operator == "==" else negated(equal)
-        if isinstance(right, LiteralValue) and isinstance(right.type, BoolType):
-            return first if bool(right.value) == (operator == "==") else negated(first)
+        truth = truth_of(expression)
+        if truth is not None:
+            return first if truth[1] else negated(first)
         precedence = EQUALITY if operator in ("==", "!=") else RELATION
         return infix(operator, precedence, first, second)
 
     def _known_comparison(self, expression: BinaryOperation) -> Code | None:
         """A comparison whose result is known; compilers rightly complain about code that makes it."""
         operator, left, right = expression.operator, expression.left, expression.right
-        first, second = literal_value(left), literal_value(right)
-        compare = _COMPARISONS[operator]
-        if first is not None and second is not None:
-            return self._truth(bool(compare(first, second)))
-        if self.faults(left) or self.faults(right):
+        known = known_comparison(expression, by_name=True)
+        if known is None and (self.faults(left) or self.faults(right)):
             return None
-        if isinstance(left.type, IntType | TimeType):
-            (low, high), (least, greatest) = value_range(left), value_range(right)
-            results = {
-                "<": (high < least, low >= greatest),
-                "<=": (high <= least, low > greatest),
-                ">": (low > greatest, high <= least),
-                ">=": (low >= greatest, high < least),
-                "==": (False, high < least or low > greatest),
-                "!=": (high < least or low > greatest, False),
-            }[operator]
-            if any(results):
-                return self._truth(results[0])
+        known = decided_by_ranges(expression) if known is None else known
+        if known is not None:
+            return self._truth(known)
         number = self._print(left)
         if number != self._print(right) or isinstance(left.type, StructType | ArrayType):
             return None

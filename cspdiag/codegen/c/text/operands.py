@@ -22,16 +22,10 @@ from cspdiag.network.ir.expressions import (
     SignalValue,
     StructValue,
     UnaryOperation,
-    Value,
     VariableValue,
 )
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.ranges import value_range
-
-
-def integer_name(type_: Type) -> str:
-    """``int64``, ``uint8``: what functions of the support code are called after."""
-    return f"{'' if type_.signed else 'u'}int{type_.bits}" if isinstance(type_, IntType) else "int64"
 
 
 def is_word(type_: Type) -> bool:
@@ -53,16 +47,21 @@ def folded(function: str, codes: Sequence[Code]) -> Code:
     return result
 
 
-def literal_value(expression: Expression) -> Value | None:
-    """The value of a literal, also of one with a sign."""
-    match expression:
-        case LiteralValue(value=bool(value) | int(value) | float(value)):
-            return value
-        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value))) if not may_fault(
-            expression
-        ):
-            return -value
-    return None
+def decided_by_ranges(comparison: BinaryOperation) -> bool | None:
+    """What a comparison of whole numbers always says, whatever its operands are."""
+    if not isinstance(comparison.left.type, IntType | TimeType):
+        return None
+    (low, high), (least, greatest) = value_range(comparison.left), value_range(comparison.right)
+    apart = high < least or low > greatest
+    always, never = {
+        "<": (high < least, low >= greatest),
+        "<=": (high <= least, low > greatest),
+        ">": (low > greatest, high <= least),
+        ">=": (low >= greatest, high < least),
+        "==": (False, apart),
+        "!=": (apart, False),
+    }[comparison.operator]
+    return always if always or never else None
 
 
 def known_result(expression: Expression) -> int | None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import assert_never
 
 from cspdiag.codegen.python.fast.temporaries import Temporaries
-from cspdiag.codegen.python.plain.expressions import ROUNDED_FUNCTIONS, Printer, integer_function
+from cspdiag.codegen.python.plain.expressions import ROUNDED_FUNCTIONS, Printer
 from cspdiag.codegen.python.text.code import (
     AND,
     COMPARISON,
@@ -35,6 +35,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.types import literal, real
+from cspdiag.codegen.shared.operations import integer_name
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -191,7 +192,7 @@ class FastPrinter(Printer):
             inside = infix(">=", COMPARISON, first, low)
         else:
             inside = infix("<=", COMPARISON, first, high)
-        return Conditional(again, inside, call(self.imports.runtime(integer_function(word)), again))
+        return Conditional(again, inside, call(self.imports.runtime(integer_name(word)), again))
 
     def _operation(self, expression: BinaryOperation) -> Code:
         right = self.value(expression.right)

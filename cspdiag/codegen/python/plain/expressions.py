@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
-from operator import eq, ge, gt, le, lt, ne
 from typing import assert_never
 
-from cspdiag.base.record import replaced
 from cspdiag.codegen.python.text.code import (
     AND,
     COMPARISON,
@@ -30,6 +28,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.types import field_names, literal
+from cspdiag.codegen.shared.operations import integer_name, known_comparison, opposite, truth_of
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -57,10 +56,9 @@ from cspdiag.network.ir.expressions import (
     SignalValue,
     StructValue,
     UnaryOperation,
-    Value,
     VariableValue,
 )
-from cspdiag.network.ir.faults import index_fits, may_fault
+from cspdiag.network.ir.faults import index_fits
 from cspdiag.network.ir.ranges import needs_check
 
 _PRECEDENCE = {
@@ -112,10 +110,9 @@ class Printer:
             case PresentTime():
                 assert self.time is not None, "time is known in environments only"
                 return self.time
-            case UnaryOperation(operator="not", operand=BinaryOperation(operator="==") as equal):
-                return self.print(replaced(equal, operator="!="))
             case UnaryOperation(operator="not", operand=operand):
-                return negated(self.print(operand))
+                other = opposite(operand)
+                return negated(self.print(operand)) if other is None else self.print(other)
             case UnaryOperation(operand=operand):
                 return self._checked(expression, minus(self.print(operand)))
             case BinaryOperation():
@@ -146,9 +143,13 @@ class Printer:
 
     def _operation(self, expression: BinaryOperation) -> Code:
         operator = expression.operator
-        known = _known_comparison(expression)
+        known = known_comparison(expression, by_name=False)
         if known is not None:
             return TRUE if known else FALSE
+        truth = truth_of(expression)
+        if truth is not None:
+            condition, holds = truth
+            return self.print(condition) if holds else negated(self.print(condition))
         left, right = self.print(expression.left), self.print(expression.right)
         whole = isinstance(expression.left.type, IntType | TimeType)
         match operator:
@@ -158,11 +159,6 @@ class Printer:
                 return call(self.imports.runtime("remainder"), left, right)
             case "/" if whole:
                 return self._checked(expression, call(self.imports.runtime("quotient"), left, right))
-            case "==" | "!=" if isinstance(expression.right, LiteralValue) and isinstance(
-                expression.right.type, BoolType
-            ):
-                holds = bool(expression.right.value) == (operator == "==")
-                return left if holds else negated(left)
         if operator == "or":  # `and` binds tighter, but readers should not need to know
             left, right = (Parenthesized(code) if code.precedence == AND else code for code in (left, right))
         return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
@@ -173,7 +169,7 @@ class Printer:
             case RealType(bits=32):
                 return call(self.imports.runtime("float32"), code)
             case IntType() if needs_check(expression):
-                return call(self.imports.runtime(integer_function(expression.type)), code)
+                return call(self.imports.runtime(integer_name(expression.type)), code)
             case TimeType() if needs_check(expression):
                 return call(self.imports.runtime("int64"), code)
         return code
@@ -197,7 +193,7 @@ class Printer:
         code = self.print(operand)
         match type_:
             case IntType():
-                return call(self.imports.runtime(integer_function(type_)), code)
+                return call(self.imports.runtime(integer_name(type_)), code)
             case TimeType():
                 return call(self.imports.runtime("int64"), code)
             case RealType(bits=32):
@@ -209,31 +205,3 @@ class Printer:
                 return code
             case _:
                 assert_never(type_)
-
-
-_COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
-
-
-def _known_comparison(expression: BinaryOperation) -> bool | None:
-    """What a comparison of two literals says; type checkers rightly complain about code that asks."""
-    left, right = _literal_value(expression.left), _literal_value(expression.right)
-    compare = _COMPARISONS.get(expression.operator)
-    if compare is None or left is None or right is None:
-        return None
-    return bool(compare(left, right))
-
-
-def _literal_value(expression: Expression) -> Value | None:
-    match expression:
-        case LiteralValue(value=value, name=None):
-            return value
-        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value), name=None)) if (
-            not may_fault(expression)
-        ):
-            return -value
-    return None
-
-
-def integer_function(type_: IntType) -> str:
-    """The function of the runtime that converts to an integer type: ``int64``, ``uint8``."""
-    return f"{'' if type_.signed else 'u'}int{type_.bits}"

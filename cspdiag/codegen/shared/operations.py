@@ -1,0 +1,70 @@
+"""What is decided about operations in the same way for every language: which condition is the opposite of another, and
+what comparisons say that need not be made.
+"""
+
+from __future__ import annotations
+
+from operator import eq, ge, gt, le, lt, ne
+
+from cspdiag.base.record import replaced
+from cspdiag.model.types import BoolType, IntType, TimeType, Type
+from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, Value
+from cspdiag.network.ir.faults import may_fault
+
+COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
+"""What the operators say of two values."""
+
+_OPPOSITES = {"==": "!=", "!=": "==", "<": ">=", "<=": ">", ">": "<=", ">=": "<"}
+
+
+def opposite(condition: Expression) -> Expression | None:
+    """The opposite of a condition as one without ``not``, if there is one: that of an order is another order, but for
+    reals, of which a NaN is in none.
+    """
+    match condition:
+        case UnaryOperation(operator="not", operand=operand):
+            return operand
+        case BinaryOperation(operator=operator, left=left) if operator in _OPPOSITES:
+            is_exact = operator in ("==", "!=") or isinstance(left.type, IntType | TimeType)
+            return replaced(condition, operator=_OPPOSITES[operator]) if is_exact else None
+        case _:
+            return None
+
+
+def known_comparison(expression: BinaryOperation, *, by_name: bool) -> bool | None:
+    """What a comparison of two literals says; compilers and type checkers rightly complain about code that asks.
+
+    The value of a constant is known ``by_name`` to a compiler, which a type checker does not look up.
+    """
+    left, right = (literal_value(side, by_name=by_name) for side in (expression.left, expression.right))
+    compare = COMPARISONS.get(expression.operator)
+    if compare is None or left is None or right is None:
+        return None
+    return bool(compare(left, right))
+
+
+def literal_value(expression: Expression, *, by_name: bool) -> Value | None:
+    """The value of a literal, also of one with a sign."""
+    match expression:
+        case LiteralValue(value=value, name=name) if by_name or name is None:
+            return value
+        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value), name=name)) if (
+            by_name or name is None
+        ) and not may_fault(expression):
+            return -value
+        case _:
+            return None
+
+
+def truth_of(comparison: BinaryOperation) -> tuple[Expression, bool] | None:
+    """A condition that is compared with ``true`` or ``false``, and whether it holds where the comparison does."""
+    other = comparison.right
+    if comparison.operator not in ("==", "!=") or not isinstance(other, LiteralValue):
+        return None
+    is_truth = isinstance(other.type, BoolType)
+    return (comparison.left, bool(other.value) == (comparison.operator == "==")) if is_truth else None
+
+
+def integer_name(type_: Type) -> str:
+    """``int64``, ``uint8``: what functions of both runtimes that check a range are called after."""
+    return f"{'' if type_.signed else 'u'}int{type_.bits}" if isinstance(type_, IntType) else "int64"
