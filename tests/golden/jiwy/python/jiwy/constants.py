@@ -10,8 +10,7 @@ rotorInertia = 1.03e-06  # plant.csp:5
 # Gear between motor and joint (published).
 ratio = 5.3  # plant.csp:7
 
-# Counts of the encoder in a revolution of the joint: 1024 lines on the motor shaft, counted
-# fourfold.
+# Counts of the encoder in a revolution of the joint: 1024 lines on the motor shaft, counted fourfold.
 counts = 21708.8  # plant.csp:11
 
 # Stiffness of the end stops (assumed).
