@@ -51,7 +51,7 @@ from .compiled.arithmetic import (
     uint32,
 )
 from .compiled.rendezvous import Alternated, Rendezvous
-from .compiled.routine import Inlined, Part, Routine, Steps, end_group, push, start_group
+from .compiled.routine import Inlined, Part, Routine, Steps, end_group, start_group
 from .composition import Rounds, begin_delay, group, now, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
@@ -67,7 +67,7 @@ from .kernel.exceptions import (
 )
 from .kernel.observer import Observer
 from .kernel.policy import Option, Policy
-from .kernel.scheduler import Task, scheduler
+from .kernel.scheduler import Task
 from .network import Network
 from .outcome import Jitter, Outcome
 from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text
@@ -165,7 +165,6 @@ __all__ = [
     "parallel",
     "power",
     "prioritized_parallel",
-    "push",
     "quantize",
     "quotient",
     "read_all",
@@ -173,7 +172,6 @@ __all__ = [
     "remainder",
     "replaced",
     "s",
-    "scheduler",
     "seconds",
     "sign",
     "sin",

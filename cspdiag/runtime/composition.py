@@ -19,7 +19,7 @@ from .kernel.durations import shown
 from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text, run_is_ended
 from .kernel.party import Party, Waits
 from .kernel.policy import Option
-from .kernel.scheduler import Join, Task, hold, scheduler
+from .kernel.scheduler import Join, Task, hold, present
 from .process import Process
 
 T = TypeVar("T")
@@ -53,9 +53,9 @@ class Branches:
         self.pending = len(self.tasks)
         if prioritized:
             for rank, task in enumerate(self.tasks):
-                scheduler.set_priority(task, (*parent.priority, rank))
+                parent.scheduler.set_priority(task, (*parent.priority, rank))
         for task in self.tasks:
-            scheduler.enqueue(task)
+            task.ready_queue.append(task)
 
     def _task_for(self, body: Body) -> Task:
         """What executes a branch."""
@@ -86,7 +86,7 @@ class Branches:
             else:
                 self._error.add_note(f"{ANOTHER_BRANCH} {kind_and_text(error)}")
         if not self.pending:
-            scheduler.enqueue(self._parent)
+            self._parent.ready_queue.append(self._parent)
 
     def withdraw(self, party: Party) -> bool:
         """Cancels the branches. Always False: the last branch that ends readies the parent."""
@@ -122,7 +122,7 @@ class Rounds(Branches):
         self.pending = len(self.tasks)
         for task in self.tasks:
             task.ended = False
-            scheduler.enqueue(task)
+            task.ready_queue.append(task)
         self._parent.waiting = self
 
     def done(self, branch: Task) -> None:
@@ -130,7 +130,7 @@ class Rounds(Branches):
         branch.ended = True
         self.pending -= 1
         if not self.pending:
-            scheduler.enqueue(self._parent)
+            self._parent.ready_queue.append(self._parent)
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """See ``Branches.branch_ended``: this branch will not begin anew."""
@@ -217,7 +217,7 @@ def prioritized_parallel(*bodies: Body) -> Generator[None, None, None]:
 
 
 def _parent_of(bodies: tuple[Body, ...]) -> Task:
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         for body in bodies:
             if iscoroutine(body):
@@ -229,6 +229,7 @@ def _parent_of(bodies: tuple[Body, ...]) -> Task:
 @coroutine
 def group(label: str, body: Body) -> Generator[Any, Any, None]:
     """Runs ``body`` under a label, for traces and progress."""
+    scheduler = present()
     watcher = scheduler.watcher
     if watcher is None:
         yield from _begun(body)
@@ -253,10 +254,10 @@ class _Delay:
         self._instant = instant
 
     def due(self) -> None:
-        scheduler.enqueue(self._task)
+        self._task.ready_queue.append(self._task)
 
     def withdraw(self, party: Party) -> bool:
-        return scheduler.timers.stop(self._instant, self)
+        return self._task.scheduler.timers.stop(self._instant, self)
 
     def waits_for(self, party: Party) -> Waits:
         return ((f"until {shown(self._instant)}", None),)
@@ -264,12 +265,13 @@ class _Delay:
 
 def now() -> int:
     """The present instant, in nanoseconds from the start."""
-    return scheduler.now
+    return present().now
 
 
 @coroutine
 def wait(duration: int) -> Generator[None, None, None]:
     """A delay in nanoseconds; none or a negative one ends at once."""
+    scheduler = present()
     policy = scheduler.policy
     over = None if policy is None else (yield from hold(policy, Option("wait", duration=duration)))
     task = scheduler.current
@@ -284,6 +286,7 @@ def wait(duration: int) -> Generator[None, None, None]:
 
 def begin_delay(task: Task, duration: int) -> None:
     """``task`` will be readied when ``duration``, which is positive, has passed."""
+    scheduler = task.scheduler
     instant = scheduler.now + duration
     delay = _Delay(task, instant)
     scheduler.timers.begin(instant, delay)
@@ -303,7 +306,7 @@ class _Stop:
 @coroutine
 def stop() -> Generator[None, None, None]:
     """Never ends."""
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         raise Cancelled
     task.waiting = _Stop()

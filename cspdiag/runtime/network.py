@@ -21,7 +21,7 @@ from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of
 from .kernel.observer import Observer
 from .kernel.party import Party
 from .kernel.policy import Policy
-from .kernel.scheduler import Task, scheduler
+from .kernel.scheduler import Scheduler, Task
 from .kernel.stopping import HandlerFailed, Stopped, stopping
 from .outcome import Jitter, Outcome
 from .outside.devices import Devices
@@ -40,11 +40,13 @@ class Network:
     def __init__(self, process: Process | Routine, ports: Sequence[Port] = ()) -> None:
         self.process = process
         self.ports = tuple(ports)
+        self._scheduler: Scheduler | None = None
+        self._runs = False
 
     @property
     def now(self) -> int:
-        """The present instant in nanoseconds; another thread may read it."""
-        return scheduler.now
+        """The present instant in nanoseconds, or that of the last run; another thread may read it."""
+        return 0 if self._scheduler is None else self._scheduler.now
 
     def run(
         self,
@@ -60,28 +62,30 @@ class Network:
 
         In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the
         program raises and signals (``stopping``) are part of the outcome. A ``policy`` decides what is left open, in
-        virtual time and in readable code: ValueError otherwise. One network runs at a time: RuntimeError if another
-        does.
+        virtual time and in readable code: ValueError otherwise. Other networks may run at the same time, in other
+        threads or inside a process of this one; RuntimeError if this network runs already.
         """
         if policy is not None and (real_time or isinstance(self.process, Routine)):
             raise ValueError("a policy leads runs in virtual time, of code without optimization (-O0)")
-        if scheduler.running:
-            raise RuntimeError("a network is running already; one runs at a time")
-        scheduler.reset()
-        scheduler.running = True
+        if self._runs:
+            raise RuntimeError("this network is running already")
+        self._runs = True
         try:
-            scheduler.policy = policy
-            run = _Run(self, environment, RealClock() if real_time else VirtualClock(), until, on_miss, observer)
-            with stopping if run.driven else nullcontext():
-                return run.outcome()
+            with Scheduler(policy) as scheduler:
+                self._scheduler = scheduler
+                clock = RealClock() if real_time else VirtualClock()
+                run = _Run(self, scheduler, environment, clock, until, on_miss, observer)
+                with stopping if run.driven else nullcontext():
+                    return run.outcome()
         finally:
-            scheduler.running = False
+            self._runs = False
 
 
 class _Run:
     def __init__(
         self,
         network: Network,
+        scheduler: Scheduler,
         environment: Environment | None,
         clock: Clock,
         until: int | None,
@@ -89,6 +93,7 @@ class _Run:
         observer: Observer | None,
     ) -> None:
         self._network = network
+        self._scheduler = scheduler
         self._environment = environment
         self._clock = clock
         self._until = until
@@ -120,7 +125,7 @@ class _Run:
 
     def _leave(self) -> None:
         self._devices.leave()
-        scheduler.leave()
+        self._scheduler.leave()
 
     def _released_outcome(self, began: float) -> Outcome:
         try:
@@ -128,7 +133,7 @@ class _Run:
         except HandlerFailed as end:
             if stopping.say is None:
                 raise end.cause from None  # It is the caller's, who is not a command.
-            outcome = Outcome("failed", scheduler.now, error=end.error)
+            outcome = Outcome("failed", self._scheduler.now, error=end.error)
         finally:
             errors = self._release()
         told = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
@@ -143,15 +148,15 @@ class _Run:
         try:
             return self._ending()
         except Stopped as stopped:
-            return Outcome("stopped", scheduler.now, signal=stopped.signal, error=stopped.hanging)
+            return Outcome("stopped", self._scheduler.now, signal=stopped.signal, error=stopped.hanging)
         except KeyboardInterrupt:
-            return Outcome("stopped", scheduler.now, signal=SIGINT)
+            return Outcome("stopped", self._scheduler.now, signal=SIGINT)
         except HandlerFailed:
             raise
         except RunFailed as end:
-            return Outcome("failed", scheduler.now, error=end.error)
+            return Outcome("failed", self._scheduler.now, error=end.error)
         except EnvironmentFailure as error:
-            return Outcome("failed", scheduler.now, error=error)
+            return Outcome("failed", self._scheduler.now, error=error)
 
     def _ending(self) -> Outcome:
         self._start()
@@ -160,7 +165,7 @@ class _Run:
 
     def _in_virtual_time(self) -> Outcome:
         run_ready = self._running()
-        timers = scheduler.timers
+        timers = self._scheduler.timers
         instants = self._instants
         until = self._until
         root = self._root
@@ -180,16 +185,16 @@ class _Run:
             assert instant is not None
             if until is not None and instant > until:
                 return self._limit_reached()
-            scheduler.now = instant
+            self._scheduler.now = instant
             if instant == tick:
                 tick = instants.meet(instant)
             if instant == timer:
                 timers.fall_due(instant)
 
     def _running(self) -> Callable[[], bool]:
-        if scheduler.policy is not None:
-            return partial(scheduler.run_ready_by, scheduler.policy)
-        return scheduler.run_ready if self._tracked else scheduler.run_ready_routines
+        if self._scheduler.policy is not None:
+            return partial(self._scheduler.run_ready_by, self._scheduler.policy)
+        return self._scheduler.run_ready if self._tracked else self._scheduler.run_ready_routines
 
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
@@ -198,7 +203,7 @@ class _Run:
         are. All instants that have passed are met before the next steps of processes, so that who computes too long
         finds its samples overwritten.
         """
-        run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
+        run_ready = self._scheduler.run_ready if self._tracked else self._scheduler.run_ready_routines
         watch = self._devices.watch
         watch.limits_steps = True
         while True:
@@ -207,7 +212,7 @@ class _Run:
             stopping.check()
             if self._root.ended:
                 return self._ended_by_itself()
-            if not ready and not self._instants.can_come():
+            if not ready and not self._can_come():
                 return self._deadlocked()
             instant = self._next_instant()
             present = self._clock.now() if self._reached(self._limited(instant), ready) else -1
@@ -221,6 +226,10 @@ class _Run:
             if self._devices.has_news:
                 self._take_over(instant)
 
+    def _can_come(self) -> bool:
+        """Whether anything at a later instant can make a process ready or hand over a value."""
+        return self._scheduler.timers.next_instant() is not None or self._instants.port_can_come()
+
     def _limited(self, instant: int | None) -> int | None:
         """The instant, or the time limit if that comes first."""
         if self._until is None or (instant is not None and instant <= self._until):
@@ -229,7 +238,7 @@ class _Run:
 
     def _limit_reached(self) -> Outcome:
         assert self._until is not None
-        scheduler.now = self._until
+        self._scheduler.now = self._until
         return Outcome("time limit", self._until)
 
     def _reached(self, instant: int | None, ready: bool) -> bool:
@@ -242,12 +251,12 @@ class _Run:
         return reached
 
     def _deadlocked(self) -> Outcome:
-        return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root, scheduler.now))
+        return Outcome("deadlock", self._scheduler.now, deadlock=report_deadlock(self._root, self._scheduler.now))
 
     def _ended_by_itself(self) -> Outcome:
         if self._root_error is None:
-            return Outcome("terminated", scheduler.now)
-        return Outcome("failed", scheduler.now, error=self._root_error)
+            return Outcome("terminated", self._scheduler.now)
+        return Outcome("failed", self._scheduler.now, error=self._root_error)
 
     def _start(self) -> None:
         self._observe()
@@ -258,7 +267,7 @@ class _Run:
             if isinstance(port, EventInput) and port.polled:
                 port.start()
         self._clock.start()
-        scheduler.enqueue(self._root)
+        self._scheduler.enqueue(self._root)
 
     def _observe(self) -> None:
         observer = self._observer
@@ -266,6 +275,8 @@ class _Run:
             return
         communication = observer.communication
         log: Any = getattr(observer, "communication_log", None)
+
+        scheduler = self._scheduler
 
         def observe(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
             communication(scheduler.now, channel, value, _name_of(writer), _name_of(reader))
@@ -276,19 +287,19 @@ class _Run:
             log.extend((scheduler.now, channel, value, source, sink))
 
         if getattr(observer, "wants_communications", True):
-            scheduler.observe = observe if log is None else note
-            scheduler.sample_log = getattr(observer, "sample_log", None)
-        scheduler.watcher = observer
+            self._scheduler.observe = observe if log is None else note
+            self._scheduler.sample_log = getattr(observer, "sample_log", None)
+        self._scheduler.watcher = observer
 
     def _take_over(self, instant: int | None) -> None:
         """Takes over what came from outside before ``instant``."""
         now = self._clock.now()
-        scheduler.now = max(scheduler.now, now if instant is None else min(now, instant - 1))
+        self._scheduler.now = max(self._scheduler.now, now if instant is None else min(now, instant - 1))
         self._devices.take_over()
 
     def _next_instant(self) -> int | None:
-        tick = self._instants.after(scheduler.now)
-        timer = scheduler.timers.next_instant()
+        tick = self._instants.after(self._scheduler.now)
+        timer = self._scheduler.timers.next_instant()
         if tick is None or (timer is not None and timer < tick):
             return timer
         return tick
@@ -297,9 +308,9 @@ class _Run:
         late = self._clock.now() - instant
         for period in self._instants.periods_at(instant):
             self._jitter[period].add(late)
-        scheduler.now = instant
+        self._scheduler.now = instant
         self._instants.meet(instant, present)
-        scheduler.timers.fall_due(instant)
+        self._scheduler.timers.fall_due(instant)
 
     def _release(self) -> Sequence[BaseException]:
         """Hands safe values over, closes the drivers, and ends what still runs."""
@@ -311,14 +322,12 @@ class _Run:
             # A child that a library has forked behind Python's back comes back: outputs are none of its business.
             os._exit(1)
         self._devices.watch.limits_steps = False
-        scheduler.observe = None
-        scheduler.watcher = None
-        scheduler.policy = None
+        self._scheduler.end()
         released, errors = self._devices.release()
         tell = getattr(self._observer, "released", None)
         if tell is not None:
             for port, value in released:
-                tell(scheduler.now, port, value)
+                tell(self._scheduler.now, port, value)
         try:
             self._devices.watch.turns += 1
             self._devices.watch.limits_steps = True

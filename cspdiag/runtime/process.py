@@ -9,7 +9,7 @@ from .kernel.exceptions import Cancelled, Fault, Place, ProcessError, fault_of, 
 from .kernel.executed import Executed
 from .kernel.places import note_place, place_of
 from .kernel.policy import compute_first
-from .kernel.scheduler import scheduler
+from .kernel.scheduler import Scheduler, present
 
 if TYPE_CHECKING:
     from .channels.ports import In
@@ -51,13 +51,14 @@ class Process(Executed):
                 f"{self.name} is already running; a process never runs twice at the same time",
                 Place(self.name, self.source),
             )
+        scheduler = present()
         task = scheduler.current
         if self.is_law and task.cancelled:
             raise Cancelled
         enclosing = self.enclosing = task.process
         task.process = self
         self.runs_now = True
-        self.started()
+        self.started(scheduler)
         try:
             await self.run()
         except ProcessError as error:
@@ -74,16 +75,16 @@ class Process(Executed):
             task.process = enclosing
             for end in self.ends:
                 end.close()
-            self.ended()
+            self.ended(scheduler)
         if scheduler.policy is not None:
             compute_first(scheduler.policy, self)
 
-    def started(self) -> None:
+    def started(self, scheduler: Scheduler) -> None:
         """Tells the observer."""
         if scheduler.watcher is not None:
             scheduler.watcher.process_started(scheduler.now, self.name, type(self).__name__)
 
-    def ended(self) -> None:
+    def ended(self, scheduler: Scheduler) -> None:
         """Tells the observer."""
         if scheduler.watcher is not None and not run_is_ended():
             scheduler.watcher.process_ended(scheduler.now, self.name)
@@ -101,10 +102,10 @@ class Submodel(Process):
     def reset(self) -> None:
         """Puts the states back to their initial values."""
 
-    def started(self) -> None:
+    def started(self, scheduler: Scheduler) -> None:
         """Observers are not told: submodels run once a sample."""
         if scheduler.policy is not None:
             self.has_computed = False
 
-    def ended(self) -> None:
+    def ended(self, scheduler: Scheduler) -> None:
         """Observers are not told: submodels run once a sample."""

@@ -8,7 +8,7 @@ from typing import Any
 from .composition import end_all, task_for
 from .kernel.party import Party
 from .kernel.policy import Policy
-from .kernel.scheduler import Priority, Task, scheduler
+from .kernel.scheduler import Priority, Scheduler, Task
 from .network import Network
 
 Observe = Callable[[str, Any, Party | None, Party | None], None]
@@ -20,12 +20,12 @@ class StepwiseRun:
     """
 
     def __init__(self, network: Network, policy: Policy, observe: Observe) -> None:
-        scheduler.reset()
-        scheduler.policy = policy
-        scheduler.observe = observe
+        self._scheduler = Scheduler(policy)
+        self._scheduler.observe = observe
         self.error: BaseException | None = None
-        self.root = task_for(network.process, self, None)
-        scheduler.enqueue(self.root)
+        with self._scheduler:
+            self.root = task_for(network.process, self, None)
+        self.ready(self.root)
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """The outermost process has ended."""
@@ -34,57 +34,59 @@ class StepwiseRun:
     @property
     def now(self) -> int:
         """The present instant in nanoseconds."""
-        return scheduler.now
+        return self._scheduler.now
 
     @now.setter
     def now(self, instant: int) -> None:
-        scheduler.now = instant
+        self._scheduler.now = instant
 
     @property
     def current(self) -> Task | None:
         """The task that runs."""
-        return scheduler.current
+        return self._scheduler.current
 
     @property
     def has_ready(self) -> bool:
         """Whether anybody is ready on the highest level."""
-        return bool(scheduler.queue)
+        return bool(self._scheduler.queue)
 
     @property
     def has_levels(self) -> bool:
         """Whether there is, or was, a prioritized parallel."""
-        return scheduler.has_levels
+        return self._scheduler.has_levels
 
     def next_timer(self) -> int | None:
         """When the next delay or time-out ends."""
-        return scheduler.timers.next_instant()
+        return self._scheduler.timers.next_instant()
 
     def instants_of_timers(self) -> Iterator[int]:
         """When each of them ends."""
-        return scheduler.timers.instants()
+        return self._scheduler.timers.instants()
 
     def timers_fall_due(self) -> None:
         """Those end that end now."""
-        scheduler.timers.fall_due(scheduler.now)
+        self._scheduler.timers.fall_due(self._scheduler.now)
 
     def ready(self, party: Party) -> None:
         """Lets one go on that has halted, when it is its turn."""
-        scheduler.enqueue(party)
+        party.ready_queue.append(party)
 
     def run_ready(self, most: int) -> bool:
         """Lets up to ``most`` go on that are ready, first come, first served; False if none is ready any more."""
-        return scheduler.run_ready(most)
+        with self._scheduler as scheduler:
+            return scheduler.run_ready(most)
 
     def take_ready(self) -> Iterator[tuple[Priority, Party]]:
         """Takes all that are ready, each with its level of priority, for ``run_one``."""
-        return scheduler.take_ready()
+        return self._scheduler.take_ready()
 
     def run_one(self, party: Party) -> None:
         """Lets one go on until it has to wait."""
-        scheduler.run_one(party)
+        with self._scheduler as scheduler:
+            scheduler.run_one(party)
 
     def close(self) -> None:
         """Ends what still runs."""
-        scheduler.observe = None
-        scheduler.policy = None
-        end_all(self.root)
+        with self._scheduler as scheduler:
+            scheduler.end()
+            end_all(self.root)

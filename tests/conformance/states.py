@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from cspdiag.runtime.deadlock import report_deadlock
-from cspdiag.runtime.kernel.scheduler import Task, scheduler
+from cspdiag.runtime.kernel.scheduler import Task, present
 from cspdiag.simulate.record.recorder import Communication, Recorder
 
 FIELDS = len(Communication._fields)
@@ -39,7 +39,7 @@ class _Log(list[Any]):
 
 
 def _present_waits(made: Communication) -> tuple[str, ...] | None:
-    task = scheduler.current
+    task = present().current
     if not isinstance(task, Task):
         return None
     while (parent := getattr(task.join, "_parent", None)) is not None:

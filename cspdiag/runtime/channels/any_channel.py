@@ -9,7 +9,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from ..kernel.party import Party, Waits
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 from .meeting import Meeting
 from .ports import In, Out, T
 from .selector import Selector
@@ -75,9 +75,10 @@ class AnyChannel(In[T], Out[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
+        scheduler = present()
         if self._writers:
             writer, value = self._writers[0]
-            scheduler.push(writer)
+            scheduler.ready(writer)
             self._writers.popleft()
             self._somebody_left()
         else:
@@ -89,8 +90,9 @@ class AnyChannel(In[T], Out[T]):
         return value
 
     def _hand_over(self, value: T) -> None:
+        scheduler = present()
         reader = self._readers[0]
-        scheduler.push(reader)
+        scheduler.ready(reader)
         self._readers.popleft()
         reader.received = value
         self._somebody_left()
@@ -111,8 +113,9 @@ class AnyChannel(In[T], Out[T]):
         choice.resolve(index, None)
         reader = self._readers.popleft()
         reader.received = value
-        scheduler.enqueue(reader)
+        reader.ready_queue.append(reader)
         self._somebody_left()
+        scheduler = present()
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, choice.task, reader)
 
@@ -125,6 +128,7 @@ class AnyChannel(In[T], Out[T]):
         if choice.only_promises(index):
             choice.resolve(index, None)
             return self.offer(party, value)
+        scheduler = present()
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, scheduler.current, choice.task)
         choice.resolve(index, value)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..kernel.exceptions import ChannelMisuse
 from ..kernel.party import Party, Waits
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 from .ports import In, Out, Owner, T
 from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
@@ -41,8 +41,9 @@ class Broadcast(In[T], Out[T]):
         """See ``Out.offer``."""
         if self._writer is not None:
             raise ChannelMisuse(f"{self.name} is written by two processes at the same time")
-        if scheduler.policy is not None:
-            scheduler.policy.took_part(party, "write", self.name)
+        policy = present().policy
+        if policy is not None:
+            policy.took_part(party, "write", self.name)
         self._writer = party
         self._value = value
         for end in self._ends:
@@ -62,6 +63,7 @@ class Broadcast(In[T], Out[T]):
                 else:
                     choice.resolve(index, value)
                     end.resolved = True
+                    scheduler = present()
                     if scheduler.observe is not None:
                         scheduler.observe(self.name, value, scheduler.current, choice.task)
         return self.offer(party, value)
@@ -92,8 +94,9 @@ class Broadcast(In[T], Out[T]):
         """The value of an end, which is not fresh any longer; the last one readies the writer."""
         writer = self._writer
         assert writer is not None
+        scheduler = present()
         if not any(other.fresh for other in self._ends if other is not end):
-            scheduler.push(writer)
+            scheduler.ready(writer)
             self._writer = None
         end.recall()
         if scheduler.observe is not None:
@@ -160,9 +163,10 @@ class BroadcastEnd(In[T]):
             self.resolved = False
         elif self._reader is not None:
             reader, self._reader = self._reader, None
-            scheduler.enqueue(reader)
+            reader.ready_queue.append(reader)
             reader.received = value
             self.channel.readers_changed()
+            scheduler = present()
             if scheduler.observe is not None:
                 scheduler.observe(self.name, value, scheduler.current, reader)
         else:
@@ -195,7 +199,7 @@ class BroadcastEnd(In[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
-        return self.channel.taken(self, scheduler.current)
+        return self.channel.taken(self, present().current)
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""

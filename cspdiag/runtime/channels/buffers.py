@@ -10,7 +10,7 @@ from typing import Any
 
 from ..kernel.exceptions import ChannelMisuse
 from ..kernel.party import Party, Waits
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 from .ports import In, Out, T
 from .selector import Selector, Watchers, lower_bits, raise_bits, without
 
@@ -57,9 +57,10 @@ class Buffer(In[T], Out[T]):
         return False
 
     def _enter(self, value: T, writer: Party) -> None:
+        scheduler = present()
         reader = self._reader
         if reader is not None:
-            scheduler.push(reader)
+            scheduler.ready(reader)
             reader.received = value
             self._reader = None
         else:
@@ -88,12 +89,13 @@ class Buffer(In[T], Out[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
+        scheduler = present()
         if scheduler.policy is not None:
             scheduler.policy.took_part(scheduler.current, "read", self.name)
         value = self._stored.popleft()
         if self._writer is not None:
             writer, self._writer = self._writer, None
-            scheduler.enqueue(writer)
+            writer.ready_queue.append(writer)
             self._enter(self._offered, writer)
         else:
             raise_bits(self._outputs)

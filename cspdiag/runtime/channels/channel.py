@@ -6,7 +6,9 @@ Invariants:
   value, readies the first and goes on.
 - The value of a waiting writer is in ``_offered``; the value for a readied reader is in its own ``received``, so a
   further write cannot overwrite it before the reader runs.
-- ``scheduler.push`` comes before any change: in a cancelled task it raises.
+- ``scheduler.push`` or ``ready`` comes before any change: in a cancelled task it raises.
+- While a party waits, ``_scheduler`` is that of its run. Before, it is that of the run that used the channel last,
+  which is ``careful`` when it is over: whoever is to wait then looks for the present one.
 """
 
 from __future__ import annotations
@@ -15,9 +17,9 @@ from collections.abc import Generator
 from types import coroutine
 from typing import TYPE_CHECKING, Any
 
-from ..kernel.exceptions import Cancelled, ChannelMisuse
+from ..kernel.exceptions import ChannelMisuse
 from ..kernel.party import Party, Waits
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import Led, no_run, present
 from .meeting import Meeting
 from .ports import In, Out, T
 from .selector import Selector
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
 class Channel(In[T], Out[T]):
     """A rendezvous: the writer goes on only when the reader has taken the value."""
 
-    __slots__ = ("_meeting", "_offered", "_reader", "_writer", "name")
+    __slots__ = ("_meeting", "_offered", "_reader", "_scheduler", "_writer", "name")
 
     def __init__(self, name: str = "channel") -> None:
         self.name = name
@@ -37,24 +39,30 @@ class Channel(In[T], Out[T]):
         self._writer: Party | None = None
         self._offered: Any = None
         self._meeting: Meeting | None = None
+        self._scheduler = no_run
 
     @coroutine
     def read(self) -> Generator[None, None, T]:
         """One communication: waits for a value and takes it."""
-        if scheduler.policy is not None:
-            return (yield from In.read(self))
         writer = self._writer
+        scheduler = self._scheduler
         if writer is not None:
-            scheduler.push(writer)
-            self._writer = None
-            if self._meeting is not None:
-                self._meeting.writer_left()
-            if scheduler.observe is not None:
-                scheduler.observe(self.name, self._offered, writer, scheduler.current)
-            return self._offered  # type: ignore[no-any-return]
+            try:
+                scheduler.push(writer)
+            except Led:
+                pass
+            else:
+                self._writer = None
+                if self._meeting is not None:
+                    self._meeting.writer_left()
+                if scheduler.observe is not None:
+                    scheduler.observe(self.name, self._offered, writer, scheduler.current)
+                return self._offered  # type: ignore[no-any-return]
+        if scheduler.careful:
+            scheduler = self._scheduler = present()
+            if scheduler.careful:
+                return (yield from In.read(self))
         task = scheduler.current
-        if task.cancelled:
-            raise Cancelled
         if self._reader is not None:
             raise ChannelMisuse(f"{self.name} is read by two processes at the same time")
         self._reader = task
@@ -67,22 +75,27 @@ class Channel(In[T], Out[T]):
     @coroutine
     def write(self, value: T, /) -> Generator[None, None, None]:
         """One communication: goes on when the value has been taken."""
-        if scheduler.policy is not None:
-            yield from Out.write(self, value)
-            return
         reader = self._reader
+        scheduler = self._scheduler
         if reader is not None:
-            scheduler.push(reader)
-            self._reader = None
-            reader.received = value
-            if self._meeting is not None:
-                self._meeting.reader_left()
-            if scheduler.observe is not None:
-                scheduler.observe(self.name, value, scheduler.current, reader)
-            return
+            try:
+                scheduler.push(reader)
+            except Led:
+                pass
+            else:
+                self._reader = None
+                reader.received = value
+                if self._meeting is not None:
+                    self._meeting.reader_left()
+                if scheduler.observe is not None:
+                    scheduler.observe(self.name, value, scheduler.current, reader)
+                return
+        if scheduler.careful:
+            scheduler = self._scheduler = present()
+            if scheduler.careful:
+                yield from Out.write(self, value)
+                return
         task = scheduler.current
-        if task.cancelled:
-            raise Cancelled
         if self._writer is not None:
             raise ChannelMisuse(f"{self.name} is written by two processes at the same time")
         self._writer = task
@@ -100,6 +113,7 @@ class Channel(In[T], Out[T]):
         if self._reader is not None:
             raise ChannelMisuse(f"{self.name} is read by two processes at the same time")
         self._reader = party
+        self._scheduler = present()
         if self._meeting is not None:
             self._meeting.reader_came()
         return False
@@ -112,6 +126,7 @@ class Channel(In[T], Out[T]):
         if self._writer is not None:
             raise ChannelMisuse(f"{self.name} is written by two processes at the same time")
         self._writer = party
+        self._scheduler = present()
         self._offered = value
         if self._meeting is not None:
             self._meeting.writer_came()
@@ -157,7 +172,8 @@ class Channel(In[T], Out[T]):
         writer = self._writer
         if writer is None:
             return self._take_from_alternative()
-        scheduler.push(writer)
+        scheduler = present()
+        scheduler.ready(writer)
         self._writer = None
         if self._meeting is not None:
             self._meeting.writer_left()
@@ -168,13 +184,15 @@ class Channel(In[T], Out[T]):
     def _take_from_alternative(self) -> T:
         choice, index = self._alternatives().writing[0]
         value: T = choice.value_offered(index)
+        scheduler = present()
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, choice.task, scheduler.current)
         choice.resolve(index, None)
         return value
 
     def _hand_over(self, reader: Party, value: T) -> None:
-        scheduler.push(reader)
+        scheduler = present()
+        scheduler.ready(reader)
         self._reader = None
         reader.received = value
         if self._meeting is not None:
@@ -198,6 +216,7 @@ class Channel(In[T], Out[T]):
         if choice.only_promises(index):
             choice.resolve(index, None)
             return self.offer(party, value)
+        scheduler = present()
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, scheduler.current, choice.task)
         choice.resolve(index, value)

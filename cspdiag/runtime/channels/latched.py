@@ -6,7 +6,7 @@ from typing import Any
 
 from ..kernel.exceptions import Cancelled
 from ..kernel.party import Party
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 from .ports import In, T
 from .selector import Selector, Watchers, lower_bits, without
 
@@ -32,7 +32,7 @@ class LatchedEnd(In[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
-        return self.taken(scheduler.current)
+        return self.taken(present().current)
 
     def taken(self, reader: Party) -> T:
         """The value, which ``reader`` takes."""
@@ -42,8 +42,9 @@ class LatchedEnd(In[T]):
         self.fresh = False
         if self.inputs:
             lower_bits(self.inputs)
-        if scheduler.observe is not None:
-            scheduler.observe(self.name, self.value, None, reader)
+        observe = present().observe
+        if observe is not None:
+            observe(self.name, self.value, None, reader)
         return self.value  # type: ignore[no-any-return]
 
     def watch_input(self, selector: Selector, bit: int) -> None:
@@ -66,5 +67,5 @@ class LatchedEnd(In[T]):
 
 def refuse_cancelled() -> None:
     """A reader that was readied, and then cancelled before it ran, has not communicated: it ends here."""
-    if scheduler.current.cancelled:
+    if present().current.cancelled:
         raise Cancelled

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 from ..kernel.exceptions import Cancelled
 from ..kernel.party import Party, Waits
 from ..kernel.policy import Option, compute_first
-from ..kernel.scheduler import hold, scheduler
+from ..kernel.scheduler import hold, present
 
 if TYPE_CHECKING:
     from .alternating import Alternating
@@ -55,6 +55,7 @@ class In(Generic[T_co]):
     @coroutine
     def read(self) -> Generator[None, None, T_co]:
         """One communication: waits for a value and takes it."""
+        scheduler = present()
         policy = scheduler.policy
         if policy is not None:
             yield from hold(policy, Option("read", self.name))
@@ -130,6 +131,7 @@ class Out(Generic[T_contra]):
     @coroutine
     def write(self, value: T_contra, /) -> Generator[None, None, None]:
         """One communication: goes on when the value has been taken."""
+        scheduler = present()
         policy = scheduler.policy
         if policy is not None:
             compute_first(policy, scheduler.current.process)

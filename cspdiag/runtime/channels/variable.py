@@ -12,7 +12,7 @@ from typing import Any
 
 from ..kernel.exceptions import Cancelled, Fault
 from ..kernel.party import Party
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 from .ports import In, Out, T, T_co, T_contra
 from .selector import Selector
 
@@ -20,7 +20,7 @@ _NOT_WRITTEN: Any = object()
 
 
 def _end_cancelled_law() -> None:
-    task = scheduler.current
+    task = present().current
     if task.cancelled and task.process is not None and task.process.is_law:
         raise Cancelled
 

@@ -13,7 +13,7 @@ from typing import Any
 from ..kernel.exceptions import Cancelled
 from ..kernel.party import Party, Waits
 from ..kernel.policy import Policy
-from ..kernel.scheduler import Task, hold, scheduler
+from ..kernel.scheduler import Task, hold, present
 from .guards import Choice, Guard, option_of, waits_of_guard
 
 _NOTHING: Mapping[int, Any] = {}
@@ -48,6 +48,7 @@ class Alternative(Choice):
         ``enabled`` has a pre-condition for every guard. ``values`` are what output guards write, ``delays`` the
         durations of time-outs, by index of the guard, where they differ from the guard's own.
         """
+        scheduler = present()
         if scheduler.policy is not None:
             return (yield from self.select_by(scheduler.policy, enabled, values, delays))
         if scheduler.current.cancelled:
@@ -87,7 +88,7 @@ class Alternative(Choice):
         wanted = yield from hold(policy, *options.values())
         if wanted is not None:
             options, delays = {wanted.index: options[wanted.index]}, {**delays, wanted.index: 0}
-        task = scheduler.current
+        task = present().current
         policy.arrives(task)
         mask = sum([1 << index for index in options])
         ready = self.selector.ready & mask | self.time_outs_passed(mask, delays)
@@ -112,6 +113,7 @@ class Alternative(Choice):
         """Waits while none of the guards of ``mask`` is ready: those that are then, or 0 if the other side
         has chosen.
         """
+        scheduler = present()
         task = scheduler.current
         selector = self.selector
         self.begin_waiting(task, mask, values, delays)

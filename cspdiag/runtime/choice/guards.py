@@ -18,7 +18,7 @@ from ..kernel.durations import shown
 from ..kernel.executed import Executed
 from ..kernel.party import Party
 from ..kernel.policy import Option
-from ..kernel.scheduler import Task, scheduler
+from ..kernel.scheduler import Task, present
 
 _BEGUN = count(1)
 
@@ -237,6 +237,7 @@ class Choice:
         selector.waiting = self
         for index, guard in self.after_guards:
             if mask >> index & 1:
+                scheduler = task.scheduler
                 time_out = _TimeOut(selector, 1 << index, scheduler.now + delays.get(index, guard.duration))
                 scheduler.timers.begin(time_out.instant, time_out)
                 self._time_outs.append(time_out)
@@ -268,7 +269,7 @@ class Choice:
         selector.waiting = None
         selector.armed = 0
         for time_out in self._time_outs:
-            scheduler.timers.stop(time_out.instant, time_out)
+            self.task.scheduler.timers.stop(time_out.instant, time_out)
         self._time_outs.clear()
         for index, _ in self.after_guards:
             selector.ready &= ~(1 << index)
@@ -289,13 +290,13 @@ class Choice:
         """A first guard has become ready, or the other side has chosen."""
         if not self.woken:
             self.woken = True
-            scheduler.enqueue(self.task)
+            self.task.ready_queue.append(self.task)
 
     def communicate(self, index: int, values: Mapping[int, Any]) -> bool:
         """Makes the communication of a guard that is ready; False if the task still has to wait in the channel."""
         guard = self.guards[index]
         if isinstance(guard, Output):
-            task = scheduler.current
+            task = present().current
             task.waiting = guard.end
             return guard.end.choose_output(task, values.get(index, guard.value))
         communicate = self._communicate[index]
@@ -322,7 +323,7 @@ class Choice:
 
     def redeem(self) -> None:
         """The value that was promised has been read: the task goes on."""
-        scheduler.current = self.task
+        self.task.scheduler.current = self.task
         self.task.resume(None)
 
     def pledge(self, index: int) -> Party:

@@ -12,7 +12,7 @@ from ..composition import Body, Branches
 from ..kernel.exceptions import Cancelled
 from ..kernel.party import Party, Waits
 from ..kernel.policy import Option, Policy
-from ..kernel.scheduler import Task, scheduler
+from ..kernel.scheduler import Task, present
 from .alternative import Alternative
 from .guards import Choice, Guard, Input, Output, Ready, option_of, waits_of_guard
 
@@ -93,7 +93,7 @@ def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]
     """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see
     ``interrupted``.
     """
-    policy = scheduler.policy
+    policy = present().policy
     if policy is not None:
         taken = yield from _interrupted_by(policy, body, guard)
     else:
@@ -108,6 +108,7 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
     The communication of the guard is made when the body has ended. If the body ends by itself, nothing else happens. An
     ``Input`` guard keeps what it read as its ``value``.
     """
+    scheduler = present()
     task = scheduler.current
     if task.cancelled:
         if iscoroutine(body):
@@ -162,7 +163,7 @@ class _Led:
 
 def _interrupted_by(policy: Policy, body: Body, guard: Guard) -> Generator[None, None, bool]:
     """As ``interrupted``, in a run that a policy leads."""
-    task, option = scheduler.current, option_of(guard, 0, {}, {})
+    task, option = present().current, option_of(guard, 0, {}, {})
     if not policy.leads_interrupts:
         taken = yield from interrupted(body, guard)
         if taken:
@@ -192,7 +193,7 @@ def _interrupted_by(policy: Policy, body: Body, guard: Guard) -> Generator[None,
 def _communication(guard: Guard) -> Generator[None, None, Any]:
     """What the guard reads or writes, as an alternative of this guard alone; it waits if somebody else was faster."""
     if not isinstance(guard, Input | Output | Ready):
-        if scheduler.current.cancelled:
+        if present().current.cancelled:
             raise Cancelled
         return None
     alternative = Alternative(guard)

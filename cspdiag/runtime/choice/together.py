@@ -17,7 +17,7 @@ from ..kernel.exceptions import Cancelled
 from ..kernel.executed import Executed
 from ..kernel.party import Party, Waits
 from ..kernel.policy import Option, Policy, compute_first
-from ..kernel.scheduler import Task, hold, scheduler
+from ..kernel.scheduler import Task, hold, present
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -72,7 +72,7 @@ class _Offered:
         together = self._together
         if self not in together.waiting:
             return
-        scheduler.current = self.task
+        self.task.scheduler.current = self.task
         if self.received is _NOTHING and isinstance(self.end, Rendezvous):
             self.received = self.end.value
         if self.received is not _NOTHING:
@@ -175,13 +175,13 @@ else:
 
     def read_all(*ends: AnyIn) -> Generator[None, None, tuple[Any, ...]]:
         """Reads all ends at once, begun in the order given; a tuple of their values."""
-        policy = scheduler.policy
+        policy = present().policy
         return _read_together(ends) if policy is None else _read_by(policy, ends)
 
 
 @coroutine
 def _read_together(ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ...]]:
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         raise Cancelled
     values: list[Any] = []
@@ -208,7 +208,7 @@ def _read_together(ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ..
 @coroutine
 def _read_by(policy: Policy, ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ...]]:
     """As ``read_all``, in the order that a policy wants."""
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         raise Cancelled
     values: dict[int, Any] = {}
@@ -230,7 +230,7 @@ def _read_by(policy: Policy, ends: Sequence[AnyIn]) -> Generator[None, None, tup
 @coroutine
 def _write_by(policy: Policy, outputs: Sequence[tuple[Out[Any], Any]]) -> Generator[None, None, None]:
     """As ``write_all``, in the order that a policy wants."""
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         raise Cancelled
     compute_first(policy, task.process)
@@ -257,13 +257,13 @@ else:
 
     def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
         """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
-        policy = scheduler.policy
+        policy = present().policy
         return _write_together(outputs) if policy is None else _write_by(policy, outputs)
 
 
 @coroutine
 def _write_together(outputs: Sequence[tuple[Out[Any], Any]]) -> Generator[None, None, None]:
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         raise Cancelled
     together: _Together | None = None

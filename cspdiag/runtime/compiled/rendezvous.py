@@ -15,7 +15,7 @@ from typing import Any
 from ..channels.ports import In, Out, T
 from ..channels.selector import Selector, Watchers, lower_bits, raise_bits, without
 from ..kernel.party import Party, Waits
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 
 
 class Rendezvous(In[T], Out[T]):
@@ -52,7 +52,8 @@ class Rendezvous(In[T], Out[T]):
             self.writing = party
             self.offered = value
             return False
-        scheduler.push(reader)
+        scheduler = present()
+        scheduler.ready(reader)
         self.reading = None
         self.value = value
         if scheduler.observe is not None:
@@ -63,7 +64,8 @@ class Rendezvous(In[T], Out[T]):
         """See ``In.take``."""
         writer = self.writing
         assert writer is not None
-        scheduler.push(writer)
+        scheduler = present()
+        scheduler.ready(writer)
         self.writing = None
         if scheduler.observe is not None:
             scheduler.observe(self.name, self.offered, writer, scheduler.current)

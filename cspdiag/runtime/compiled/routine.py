@@ -14,7 +14,7 @@ from ..kernel.exceptions import ProcessError, fault_of, run_is_ended
 from ..kernel.executed import Executed
 from ..kernel.party import Waits
 from ..kernel.places import note_place, place_of
-from ..kernel.scheduler import Join, Task, scheduler
+from ..kernel.scheduler import Join, Task, present
 from .rendezvous import Rendezvous
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ E = TypeVar("E", bound="In[Any]")
 
 Steps: TypeAlias = Generator[None, None, None]
 """The run of an optimized process; it yields where it waits."""
-
-push = scheduler.queue.append
-"""Readies a party; for programs without prioritized parallel."""
 
 
 class Part(Executed):
@@ -55,6 +52,7 @@ class Part(Executed):
         """From now on ``me`` executes this process."""
         self._enclosing = me.process
         me.process = self
+        scheduler = me.scheduler
         if scheduler.watcher is not None:
             scheduler.watcher.process_started(scheduler.now, self.name, self.kind)
 
@@ -63,6 +61,7 @@ class Part(Executed):
         me.process = self._enclosing
         for end in self.ends:
             end.close()
+        scheduler = me.scheduler
         if scheduler.watcher is not None and not run_is_ended():
             scheduler.watcher.process_ended(scheduler.now, self.name)
 
@@ -198,6 +197,7 @@ def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask
 def start_group(me: Task, label: str) -> str:
     """A labelled part begins, for traces and progress; its path."""
     path = label if me.process is None else f"{me.process.name}.{label}"
+    scheduler = me.scheduler
     if scheduler.watcher is not None:
         scheduler.watcher.group_started(scheduler.now, path)
     return path
@@ -205,5 +205,6 @@ def start_group(me: Task, label: str) -> str:
 
 def end_group(path: str) -> None:
     """It has ended, in whatever way."""
+    scheduler = present()
     if scheduler.watcher is not None and not run_is_ended():
         scheduler.watcher.group_ended(scheduler.now, path)

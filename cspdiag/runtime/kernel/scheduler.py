@@ -5,7 +5,7 @@ A *task* is a thread of control: the outermost process, or a branch of a paralle
 
 Invariants:
 
-- At most one task runs; ``scheduler.current`` is that task, or ``nobody``.
+- At most one task of a run is at work; ``scheduler.current`` is that task, or ``nobody``.
 - A party is either registered with the thing it waits for, or in a ready queue, and in at most one of the two. Whoever
   takes it out of the first puts it into the second; nobody resumes a task directly.
 - Within a level of priority the ready queue is first come, first served. Level ``()`` is the highest; a task of a
@@ -17,8 +17,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Coroutine, Generator, Iterator
+from contextvars import ContextVar, Token
 from itertools import islice
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Final, Protocol, TypeAlias
 
 from .child import end_of_child
 from .exceptions import Cancelled
@@ -49,6 +50,7 @@ class Task:
         "ready_queue",
         "received",
         "resume",
+        "scheduler",
         "waiting",
     )
 
@@ -66,8 +68,10 @@ class Task:
         self.cancelled = False
         self.ended = False
         if parent is None:
-            self.process, self.priority, self.ready_queue = None, (), scheduler.queue
+            self.scheduler: Scheduler = present()
+            self.process, self.priority, self.ready_queue = None, (), self.scheduler.queue
         else:
+            self.scheduler = parent.scheduler
             self.process, self.priority, self.ready_queue = parent.process, parent.priority, parent.ready_queue
 
     def cancel(self) -> None:
@@ -75,11 +79,11 @@ class Task:
         if self.cancelled or self.ended:
             return
         self.cancelled = True
-        if self is scheduler.current:
+        if self is self.scheduler.current:
             self._cancel_running()
         elif self.withdraw():
             self.resume = self._abandon
-            scheduler.enqueue(self)
+            self.ready_queue.append(self)
         else:
             self._cancel_ready()
 
@@ -100,29 +104,30 @@ class Task:
 
         The entry in the queue comes before any that a partner could make; by then the task has parked, or ended.
         """
-        scheduler.push = _push_unless_cancelled
+        self.scheduler.heed_cancellation()
         self.resume = self._abandon_if_parked
-        scheduler.enqueue(self)
+        self.ready_queue.append(self)
 
     def _abandon_if_parked(self, _: None) -> None:
         self.resume = self._go_on_until_communication
+        self.scheduler.go_on()
         if not self.ended and self.withdraw():
             self._abandon(None)
 
     def _abandon(self, _: None) -> None:
         self.resume = self._go_on_until_communication
-        scheduler.push = _push_unless_cancelled
+        self.scheduler.heed_cancellation()
         try:
             self.coroutine.throw(Cancelled())
         finally:
-            scheduler.push = scheduler.enqueue
+            self.scheduler.go_on()
 
     def _go_on_until_communication(self, _: None) -> None:
-        scheduler.push = _push_unless_cancelled
+        self.scheduler.heed_cancellation()
         try:
             self.coroutine.send(None)
         finally:
-            scheduler.push = scheduler.enqueue
+            self.scheduler.go_on()
 
 
 class Watcher(Protocol):
@@ -142,25 +147,23 @@ class Join(Protocol):
         ...
 
 
-def _push_unless_cancelled(party: Party) -> None:
-    """Stands in for ``push`` while a cancelled task runs.
-
-    Channels push the partner before they change anything, so that this ends the task with the communication undone.
-    """
-    if scheduler.current.cancelled:
-        raise Cancelled
-    scheduler.enqueue(party)
+class Led(Exception):  # noqa: N818 - it says what is the case
+    """A policy leads the run, and may want the task to halt before it communicates."""
 
 
 class Scheduler:
-    """The ready queues and the present instant.
+    """The ready queues and the present instant of one run. Entered, it is that of the run that this thread is in, which
+    ``present`` gives.
 
-    ``push`` readies a party on behalf of the running task; ``enqueue`` is the same for the runtime's own use, and works
-    also while a cancelled task runs.
+    ``enqueue`` readies a party. ``ready`` does so on behalf of the running task, which ends there if it is cancelled;
+    ``push`` also refuses to where a policy may want it to halt before (``Led``). ``careful`` where a task cannot wait
+    without having asked: it may be cancelled, a policy may want it to halt, or this is not the present run.
     """
 
     __slots__ = (
+        "_entered",
         "_levels",
+        "careful",
         "current",
         "enqueue",
         "now",
@@ -168,7 +171,7 @@ class Scheduler:
         "policy",
         "push",
         "queue",
-        "running",
+        "ready",
         "sample_log",
         "timers",
         "watcher",
@@ -176,24 +179,57 @@ class Scheduler:
 
     current: Task
 
-    def __init__(self) -> None:
-        self.running = False
-        self.queue: list[Party] = []
-        """That of the highest level, one list for all runs."""
-        self.reset()
-
-    def reset(self) -> None:
-        """Forgets everything, for a new run."""
+    def __init__(self, policy: Policy | None = None) -> None:
         self.now = 0
-        self.queue.clear()
+        self.queue: list[Party] = []
+        """That of the highest level, which is never another list."""
+        self._entered: list[Token[Scheduler]] = []
+        self.current = nobody
         self._levels: list[tuple[Priority, deque[Party]]] = []
         self.enqueue: Callable[[Party], None] = self.queue.append
-        self.push: Callable[[Party], None] = self.enqueue
         self.timers = Timers()
         self.watcher: Watcher | None = None
         self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
         self.sample_log: list[Any] | None = None
-        self.policy: Policy | None = None
+        self.policy = policy
+        self.push: Callable[[Party], None]
+        self.ready: Callable[[Party], None]
+        self.careful: bool
+        self.go_on()
+
+    def __enter__(self) -> Scheduler:
+        self._entered.append(_present.set(self))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _present.reset(self._entered.pop())
+
+    def end(self) -> None:
+        """The run is over: channels that are used again look which run is the present one."""
+        self.observe = self.watcher = None
+        self.current = nobody
+        self.careful = True
+        self.push = _refuse
+
+    def heed_cancellation(self) -> None:
+        """From now on a cancelled task runs, or one that was cancelled may be about to wait."""
+        self.careful = True
+        self.push = self.ready = self._ready_unless_cancelled
+
+    def go_on(self) -> None:
+        """It runs no longer."""
+        self.careful = self.policy is not None
+        self.ready = self.enqueue
+        self.push = _refuse if self.careful else self.enqueue
+
+    def _ready_unless_cancelled(self, party: Party) -> None:
+        """Stands in for ``ready`` while a cancelled task runs.
+
+        Channels ready the partner before they change anything: this ends the task with the communication undone.
+        """
+        if self.current.cancelled:
+            raise Cancelled
+        self.enqueue(party)
 
     def leave(self) -> None:
         """In a child that was forked: whatever would be resumed next, wherever the queue is being walked, ends it."""
@@ -220,7 +256,7 @@ class Scheduler:
         self._levels.append((priority, created))
         self._levels.sort(key=lambda entry: entry[0])
         self.enqueue = _enqueue_by_level
-        self.push = _enqueue_by_level
+        self.go_on()
         return created
 
     def run_ready_routines(self, most: int = 4096) -> bool:
@@ -328,6 +364,10 @@ class Scheduler:
         ended.join.branch_ended(ended, error)
 
 
+def _refuse(party: Party) -> None:
+    raise Led
+
+
 def _enqueue_by_level(party: Party) -> None:
     party.ready_queue.append(party)
 
@@ -335,12 +375,19 @@ def _enqueue_by_level(party: Party) -> None:
 nobody: Task = None  # type: ignore[assignment]
 """The current task while no process runs."""
 
-scheduler = Scheduler()
+_present: ContextVar[Scheduler] = ContextVar("the run of this thread")
+
+present = _present.get
+"""The scheduler of the run that this thread is in. Raises LookupError where it is in none."""
+
+no_run: Final = Scheduler()
+"""Belongs to no run: channels have it before they were first used."""
+no_run.end()
 
 
 def hold(policy: Policy, *options: Option, together: bool = False) -> Generator[None, None, Option | None]:
     """Halts the current task where the policy says so: what it is to go on with then; None: as in any run."""
-    task = scheduler.current
+    task = present().current
     if task.cancelled:
         raise Cancelled
     gate = policy.halt(task, options, together=together)

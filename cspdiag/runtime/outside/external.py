@@ -15,7 +15,7 @@ from ..channels.ports import Out, T
 from ..channels.selector import Selector
 from ..kernel.exceptions import Fault
 from ..kernel.party import Party
-from ..kernel.scheduler import scheduler
+from ..kernel.scheduler import present
 from .drivers import Driver, Signal
 from .inputs import EventInput, SampledInput
 from .supply import Supply
@@ -40,8 +40,9 @@ class _ExternalOutput(Out[T]):
     def _hand_over(self, value: T, writer: Party | None) -> None:
         if self.line is not None:
             self.line.write(value)
-        if scheduler.observe is not None:
-            scheduler.observe(self.name, value, writer, None)
+        observe = present().observe
+        if observe is not None:
+            observe(self.name, value, writer, None)
 
     def withdraw(self, party: Party) -> bool:
         """See ``Out.withdraw``: nobody waits here."""
@@ -86,8 +87,9 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
             self.latched = value
             self.writer = party
             self.written = True
-        if scheduler.policy is not None:
-            scheduler.policy.wrote(party, self.name, value)
+        policy = present().policy
+        if policy is not None:
+            policy.wrote(party, self.name, value)
         return True
 
     @property
@@ -101,6 +103,7 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
 
     def _ticking(self, signal: Signal[T]) -> Callable[[], None]:
         """``tick`` in one step for a signal of an environment."""
+        scheduler = present()
 
         def tick() -> None:
             if self.written:
@@ -130,8 +133,9 @@ class EventOutput(_ExternalOutput[T], Generic[T]):
         """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
         _require_finite(self.name, value)
         self._hand_over(value, party)
-        if scheduler.policy is not None:
-            scheduler.policy.wrote(party, self.name, value)
+        policy = present().policy
+        if policy is not None:
+            policy.wrote(party, self.name, value)
         return True
 
 

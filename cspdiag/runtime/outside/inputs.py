@@ -17,7 +17,7 @@ from ..channels.selector import Selector, lower_bits, raise_bits
 from ..kernel.durations import ms, shown
 from ..kernel.exceptions import ChannelMisuse, Timeout
 from ..kernel.party import Party
-from ..kernel.scheduler import Task, scheduler
+from ..kernel.scheduler import Task, present
 from .accepted import Accept
 from .drivers import NO_SAMPLE, Driver, Signal, name_of
 from .supply import Supply
@@ -91,7 +91,7 @@ class SampledEnd(LatchedEnd[T]):
     def _arrived(self) -> None:
         self.fresh = True
         if self.waiter is not None:
-            scheduler.enqueue(self.waiter)
+            self.waiter.ready_queue.append(self.waiter)
             self.waiter = None
         if self.inputs:
             raise_bits(self.inputs)
@@ -139,8 +139,9 @@ class SampledEnd(LatchedEnd[T]):
         """The sample, which ``reader`` takes. Raises Timeout if one was overwritten before it."""
         if self.overdue:
             self.overdue = False
-            if scheduler.policy is not None:
-                scheduler.policy.took_part(reader, "miss", self.name)
+            policy = present().policy
+            if policy is not None:
+                policy.took_part(reader, "miss", self.name)
             self._refuse_lack()
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
         if not self.begun:
@@ -257,7 +258,8 @@ class SampledInput(In[T]):
         """``sample`` in one step for a signal of an environment; ends that wait for a sample after others are served in
         place.
         """
-        log, name = scheduler.sample_log, self.name
+        scheduler, name = present(), self.name
+        log = scheduler.sample_log
 
         def sample() -> None:
             self.latest = value = signal.value
@@ -291,7 +293,8 @@ class SampledInput(In[T]):
         self._silent = 0
         self.latest = value
         self.sampled = True
-        if scheduler.sample_log is not None:
+        scheduler = present(None)
+        if scheduler is not None and scheduler.sample_log is not None:
             scheduler.sample_log.extend((scheduler.now, self.name, value))
         for end in self._ends_that_listen():
             end.sample(value)
@@ -355,7 +358,8 @@ class EventEnd(LatchedEnd[T]):
         self.value = value
         self.fresh = True
         if self._readers:
-            scheduler.enqueue(self._readers.popleft())
+            reader = self._readers.popleft()
+            reader.ready_queue.append(reader)
         raise_bits(self.inputs)
 
     def request(self, party: Party) -> bool:
@@ -368,8 +372,9 @@ class EventEnd(LatchedEnd[T]):
 
     def collect(self, party: Party) -> bool:
         """See ``In.collect``."""
-        if scheduler.current.cancelled and self.fresh and self._readers:
-            scheduler.enqueue(self._readers.popleft())
+        if present().current.cancelled and self.fresh and self._readers:
+            reader = self._readers.popleft()
+            reader.ready_queue.append(reader)
         refuse_cancelled()
         if self.fresh:
             party.received = self.taken(party)

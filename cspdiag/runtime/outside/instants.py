@@ -13,7 +13,6 @@ from typing import Any, Protocol, TypeAlias
 from ..kernel.durations import ms
 from ..kernel.exceptions import EnvironmentFailure, fault_of
 from ..kernel.places import raised_by_program, statement_of
-from ..kernel.scheduler import scheduler
 from ..kernel.stopping import stopping
 from .external import EventOutput, Port, SampledOutput
 from .inputs import EventInput, SampledEnd, SampledInput
@@ -150,12 +149,8 @@ class Instants:
                     pass
         return (*inputs, *outputs)
 
-    def can_come(self) -> bool:
-        """Whether anything at a later instant can make a process ready or hand over a value."""
-        return scheduler.timers.next_instant() is not None or self.port_can_come()
-
     def port_can_come(self) -> bool:
-        """The same without timers."""
+        """Whether anything at a later instant, but for timers, can make a process ready or hand over a value."""
         if self._hopeful is not None and self._hopeful.can_come:
             return True
         for port in self._ports:

@@ -7,7 +7,7 @@ from typing import Any
 from ..channels.ports import In, T
 from ..channels.selector import Selector, lower_bits
 from ..kernel.party import Party
-from ..kernel.scheduler import Task, scheduler
+from ..kernel.scheduler import Task, present
 
 
 class Supply:
@@ -62,6 +62,7 @@ class SuppliedEnd(In[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
+        scheduler = present()
         reader = scheduler.current
         value: T = self._supply.value(self.name, reader)
         if scheduler.observe is not None:

@@ -27,7 +27,7 @@ from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.proofs.transitions.classes.facts import deciding
 from cspdiag.proofs.transitions.classes.program import Program
 from cspdiag.runtime.composition import Branches
-from cspdiag.runtime.kernel.scheduler import Task, scheduler
+from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.process import Process
 from cspdiag.verify.runs.memory import memory
 
@@ -106,7 +106,7 @@ def _standing(root: Task) -> Iterator[tuple[object, ...]]:
 
 
 def _frames(task: Task) -> Iterator[tuple[object, ...]]:
-    frames = _running() if task is scheduler.current else _suspended(task.coroutine)
+    frames = _running() if task is task.scheduler.current else _suspended(task.coroutine)
     for frame in frames:
         in_text = isinstance(frame.f_locals.get("self"), Process)
         numbers = tuple(value for value in frame.f_locals.values() if type(value) is int) if in_text else ()

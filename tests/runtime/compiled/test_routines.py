@@ -24,8 +24,6 @@ from cspdiag.runtime import (
     interrupted,
     ms,
     parallel,
-    push,
-    scheduler,
 )
 
 Body = Callable[[Task], Steps]
@@ -54,7 +52,7 @@ class CheckedProgram(Program):
 
 def run(*branches: Body, program: type[Program] = Program) -> Outcome:
     def body(me: Task) -> Steps:
-        scheduler.current = me
+        me.scheduler.current = me
         yield from parallel(*branches)
 
     return Network(program(body)).run()
@@ -65,7 +63,7 @@ def write(me: Task, channel: Rendezvous[Any], value: object) -> Steps:
     if reader is not None:
         channel.reading = None
         channel.value = value
-        push(reader)
+        me.scheduler.queue.append(reader)
     else:
         channel.writing = me
         channel.offered = value
@@ -73,7 +71,7 @@ def write(me: Task, channel: Rendezvous[Any], value: object) -> Steps:
             guards = channel.selector
             guards.ready |= channel.bit
             if guards.armed & channel.bit:
-                scheduler.current = me
+                me.scheduler.current = me
                 guards.wake()
         yield
 
@@ -95,7 +93,7 @@ def reader(channel: Rendezvous[Any], got: list[Any], count: int) -> Body:
                 got.append(channel.offered)
                 if isinstance(channel, Alternated):
                     channel.lower()
-                push(writing)
+                me.scheduler.queue.append(writing)
             else:
                 channel.reading = me
                 yield
@@ -132,7 +130,7 @@ def choosing(alternative: Alternative, channels: list[Alternated[int]], got: lis
                 guards.ready ^= channel.bit
             else:
                 channel.lower()
-            push(party)
+            me.scheduler.queue.append(party)
 
     return steps
 
@@ -228,9 +226,9 @@ def test_an_interrupt_withdraws_its_body() -> None:
     channel, result = Rendezvous[int]("c"), list[object]()
 
     def body(me: Task) -> Steps:
-        scheduler.current = me
+        me.scheduler.current = me
         taken = yield from interrupted(writer(channel, 1), After(5 * ms))
-        result.extend([taken, scheduler.now, channel.writing])
+        result.extend([taken, me.scheduler.now, channel.writing])
 
     Network(CheckedProgram(body)).run()
     assert result == [True, 5 * ms, None]
@@ -250,8 +248,8 @@ def test_rounds_keep_their_tasks_and_begin_anew_after_a_failure() -> None:
             while True:
                 begin_delay(me, 1 * ms)
                 yield
-                trace.append(scheduler.now)
-                if scheduler.now == 2 * ms:
+                trace.append(me.scheduler.now)
+                if me.scheduler.now == 2 * ms:
                     raise Fault("no")
                 rounds.done(me)
                 yield

@@ -297,15 +297,3 @@ def test_a_time_limit_ends_a_real_time_run_in_which_nothing_happens() -> None:
 
     outcome = Network(Body(top), [never]).run(real_time=True, until=20 * ms)
     assert (outcome.ended, outcome.time) == ("time limit", 20 * ms)
-
-
-def test_only_one_network_runs_at_a_time() -> None:
-    async def nothing() -> None:
-        pass
-
-    async def top() -> None:
-        Network(Body(nothing)).run()
-
-    outcome = Network(Body(top)).run()
-    assert isinstance(outcome.error, RuntimeError)
-    assert Network(Body(nothing)).run().ended == "terminated"

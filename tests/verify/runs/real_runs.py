@@ -10,7 +10,7 @@ from cspdiag.network.ir.network import Network
 from cspdiag.proofs.verdict import Limits
 from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.policy import Option, Policy
-from cspdiag.runtime.kernel.scheduler import scheduler
+from cspdiag.runtime.kernel.scheduler import present
 from cspdiag.simulate.run.package import LoadedPackage
 from cspdiag.verify.guided.guided import Guided
 from cspdiag.verify.guided.result import GuidedRun
@@ -74,7 +74,7 @@ class _Observed:
         self.drivers = environment.drivers
 
     def start(self) -> None:
-        scheduler.observe = self._record.observe
+        present().observe = self._record.observe
         self._environment.start()
 
     def advance(self, now: int) -> None:

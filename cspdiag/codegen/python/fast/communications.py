@@ -87,13 +87,13 @@ class Communications:
         """Says who runs, before something of the runtime is called that may ask."""
         if self.tracked:
             return ()
-        return (assign(self.runtime("scheduler").field("current"), self.spelling["me"]),)
+        return (assign(self.spelling.of_run("scheduler").field("current"), self.spelling["me"]),)
 
     def push(self, party: Code) -> Statement:
         """Readies a party."""
         if self.levels:
             return run(party.field("ready_queue").call("append", party))
-        return run(call(self.runtime("push"), party))
+        return run(call(self.spelling.of_run("push"), party))
 
     def report(self, channel: Code, value: Code, writer: Code, reader: Code) -> Statements:
         """Tells the observer."""
@@ -103,7 +103,7 @@ class Communications:
 
     def observed(self, name: Code, value: Code, writer: Code, reader: Code) -> Statement:
         """Tells the observer, if there is one."""
-        observe = self.runtime("scheduler").field("observe")
+        observe = self.spelling.of_run("scheduler").field("observe")
         return if_(is_there(observe), run(call(observe, name, value, writer, reader)))
 
     # One communication

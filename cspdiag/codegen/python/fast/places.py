@@ -30,6 +30,8 @@ _HELPERS = (
     "group",
     "guard",
     "k",
+    "scheduler",
+    "push",
 )
 
 AT_ONCE = frozenset({"var", "constant", "discard"})
@@ -49,6 +51,8 @@ class Spelling:
     probed: bool = False
     """Whether variables that have a unit are watched from outside."""
     bound: dict[str, None] = field(default_factory=dict)
+    run: set[str] = field(default_factory=set)
+    """Which of ``scheduler`` and ``push`` of the run the code uses."""
 
     def __post_init__(self) -> None:
         self.members = Members(self.process, self.network)
@@ -91,6 +95,13 @@ class Spelling:
     def __getitem__(self, helper: str) -> Name:
         """A local variable of the code itself."""
         return Name(self.helpers[helper])
+
+    def of_run(self, helper: str) -> Name:
+        """The local variable that has the ``scheduler`` of the run, or its ``push``, which readies a party in a program
+        without prioritized parallel.
+        """
+        self.run.add(helper)
+        return self[helper]
 
     # Variables, signals, parameters: as expressions name them
 

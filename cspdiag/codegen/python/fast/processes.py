@@ -203,7 +203,7 @@ class _ProcessWriter:
             spelling.bind(spelling.signal_name(item.name))
         bound = tuple(assign(name, own(name)) for name in spelling.bound)
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
-        code: Statements = (*bound, *self.composition.prologue, *states, *declared, *memories)
+        code: Statements = (*self._of_run(), *bound, *self.composition.prologue, *states, *declared, *memories)
         for function in self.composition.functions:
             inner = (*_nonlocal(self._set_in(function.body)), *function.body)
             code += (replaced(function, body=self._generator(inner)),)
@@ -217,6 +217,16 @@ class _ProcessWriter:
         if process.body is None or may_end(process.body):
             code += (run(own("end").called(me)),)
         return Function("steps", ("self", f"{me.text}: {task}"), code, steps)
+
+    def _of_run(self) -> Iterator[Statement]:
+        """What the code uses of the run of its task."""
+        spelling = self.spelling
+        scheduler: Code = spelling["me"].field("scheduler")
+        if "scheduler" in spelling.run:
+            yield assign(spelling["scheduler"], scheduler)
+            scheduler = spelling["scheduler"]
+        if "push" in spelling.run:
+            yield assign(spelling["push"], scheduler.field("queue").field("append"))
 
     @staticmethod
     def _generator(body: Statements) -> Statements:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .constants import panGains, tiltGains
 from .joint_control import JointControl
-from .runtime import In, Routine, SampledInput, SampledOutput, Steps, Task, parallel, scheduler
+from .runtime import In, Routine, SampledInput, SampledOutput, Steps, Task, parallel
 
 
 class Jiwy(Routine):
@@ -62,6 +62,7 @@ class Jiwy(Routine):
         )
 
     def steps(self, me: Task) -> Steps:
+        scheduler = me.scheduler
         horizontal = self.horizontal
         vertical = self.vertical
         self.start(me)

@@ -22,7 +22,6 @@ from .runtime import (
     interrupted,
     lower_bits,
     read_all,
-    scheduler,
 )
 from .types import ServoGains
 
@@ -145,6 +144,7 @@ class JointControl(Routine):
         self.feedback_4 = feedback.reader(self.homing_process)
 
     def steps(self, me: Task) -> Steps:
+        scheduler = me.scheduler
         alignL_process = self.alignL_process
         alignL_velocity_law = self.alignL_velocity_law
         feedback = self.feedback

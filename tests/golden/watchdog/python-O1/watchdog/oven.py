@@ -15,7 +15,6 @@ from .runtime import (
     Task,
     finite,
     int64,
-    scheduler,
 )
 from .types import Reading
 
@@ -53,6 +52,7 @@ class Oven(Routine):
         self.heating_choice = Alternative(Input(self.thermometer), After(550_000_000))
 
     def steps(self, me: Task) -> Steps:
+        scheduler = me.scheduler
         heating_process = self.heating_process
         heating_choice = self.heating_choice
         thermometer = self.thermometer
