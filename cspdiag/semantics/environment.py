@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from cspdiag.base.ticks import is_tick
 from cspdiag.network.ir.network import Environment
 from cspdiag.semantics.laws import Law
 from cspdiag.semantics.values import zero
@@ -31,7 +32,7 @@ class Plant:
         «The environment from instant to instant»
         """
         signals = self.law.evaluate(**self.inputs)
-        self.law.advance(signals, (now - self.now) / 1e9, discrete=now % self.step == 0)
+        self.law.advance(signals, (now - self.now) / 1e9, discrete=is_tick(now, self.step))
         self.now = now
         self.law.time = now / 1e9
         self.signals = self.law.evaluate(**self.inputs)

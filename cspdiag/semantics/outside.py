@@ -6,6 +6,7 @@ import dataclasses
 import math
 from typing import Any
 
+from cspdiag.base.ticks import latest_tick
 from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer, World
 from cspdiag.semantics.values import FaultError, RaisedError
 
@@ -168,7 +169,7 @@ class SampledInput(ExternalInput):
 
     def _followed(self, end: EndKey) -> bool:
         """Whether the process of the end followed this period at the present tick already, through another end."""
-        tick = self.world.now // self.period * self.period
+        tick = latest_tick(self.world.now, self.period)
         return any(
             other_end[0] == end[0] and session.since < tick
             for port in self.world.inputs

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
 
+from cspdiag.base.ticks import is_tick, next_tick
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
 from cspdiag.semantics.requests import CancelledError, Parent, Request, Run, Task, no_steps
@@ -246,20 +247,20 @@ class Scheduler:
         self.now = now
         outside = self.outside
         if outside is not None:
-            on_grid = now % outside.step == 0
-            if on_grid or any(now % period == 0 for period in self.periods()):
+            on_grid = is_tick(now, outside.step)
+            if on_grid or any(is_tick(now, period) for period in self.periods()):
                 outside.advance(now)
             for port in self.inputs:
                 value = outside.output(port.name.removeprefix(f"{self.top}."))
                 if isinstance(port, EventInput) and on_grid:
                     port.offered(value)
-                elif isinstance(port, SampledInput) and now % port.period == 0:
+                elif isinstance(port, SampledInput) and is_tick(now, port.period):
                     if self.observer is not None:
                         self.observer.sampled(now, port.name, value)
                     port.sampled(value)
                 self.notice()
         for output in self.outputs:
-            if now % output.period == 0:
+            if is_tick(now, output.period):
                 output.tick()
         self.due = now
         self._wake(list(self.waiting))
@@ -282,7 +283,7 @@ class Scheduler:
         periods = self.periods()
         if self.outside is not None:
             periods.append(self.outside.step)
-        return min([*deadlines, *((self.now // period + 1) * period for period in periods)])
+        return min([*deadlines, *(next_tick(self.now, period) for period in periods)])
 
     def run(self, program: Run, until: int | None) -> Ending:
         """Run to the end, or to ``until``. «Scheduling and traces»"""

@@ -17,6 +17,7 @@ from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
 from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
+from cspdiag.base.ticks import is_tick
 from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelClass
 
 if TYPE_CHECKING:
@@ -252,7 +253,7 @@ class _Follower:
             {t for path in self.laws for t in range(0, self.period, self.loops.periods[path])} | self._grid()
         )
         spans = [
-            (following - instant, instant % environment.step == 0)
+            (following - instant, is_tick(instant, environment.step))
             for instant, following in zip(ticks, [*ticks[1:], self.period], strict=True)
         ]
         position = 0
@@ -288,7 +289,8 @@ class _Follower:
         """Whether nothing but the plant goes on at an instant."""
         ports = (self.loops.external.get(name) for name, _ in self.loops.plant.inputs)
         latches = (port.period for port in ports if port is not None and port.period is not None and not port.immediate)
-        return all(instant % period for period in (*latches, *(self.loops.periods[path] for path in self.laws)))
+        periods = (*latches, *(self.loops.periods[path] for path in self.laws))
+        return not any(is_tick(instant, period) for period in periods)
 
     def _tick(self, instant: int) -> None:
         plant = self.loops.plant
@@ -300,10 +302,10 @@ class _Follower:
         }
         for leaf in plant.inputs:
             port = self.loops.external.get(leaf[0])
-            if port is not None and port.period is not None and instant % port.period == 0 and not port.immediate:
+            if port is not None and port.period is not None and is_tick(instant, port.period) and not port.immediate:
                 self.state["held", leaf] = self.state["latch", leaf]
         for path in self.laws:
-            if instant % self.loops.periods[path] == 0:
+            if is_tick(instant, self.loops.periods[path]):
                 self._run(path, sampled)
 
     def _run(self, path: str, sampled: dict[Leaf, Any]) -> None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, assert_never
 
 from cspdiag.base import Span
+from cspdiag.base.ticks import is_tick, latest_tick
 from cspdiag.network.ir.actions import End, Target
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import LocalChannel
@@ -163,7 +164,7 @@ class Input(Medium, SampledInput):
 
     def state(self) -> tuple[object, ...]:
         """See ``Medium.state``."""
-        tick = self.world.now // self.period * self.period
+        tick = latest_tick(self.world.now, self.period)
         sessions = ((end, session.since < tick, session.available) for end, session in self.sessions.items())
         return (*super().state(), frozenset(sessions))
 
@@ -182,7 +183,7 @@ class Input(Medium, SampledInput):
         """Take the sample that is there, or wait on."""
         if self.ready(offer):
             self.take(offer.end)
-            self.record.sample(followed(offer), self.world.now % self.period == 0)
+            self.record.sample(followed(offer), is_tick(self.world.now, self.period))
             self.complete(offer)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import Any, Literal
 
+from cspdiag.base.ticks import is_tick, next_tick
 from cspdiag.runtime.outside.external import Port
 from cspdiag.runtime.outside.inputs import EventInput, SampledInput
 from cspdiag.runtime.stepwise import StepwiseRun
@@ -81,7 +82,7 @@ class World:
 
     def next_instant(self) -> int | None:
         """The next instant at which a delay ends, or a sample comes to somebody who listens."""
-        instants = [(self._run.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
+        instants = [next_tick(self._run.now, port.period) for port in self._sampled if _listens(port)]
         timer = self._run.next_timer()
         return min([*instants, *([] if timer is None else [timer])], default=None)
 
@@ -98,7 +99,7 @@ class World:
         self.met += 1
         self._run.now = instant
         for port in self._sampled:
-            if instant % port.period == 0:
+            if is_tick(instant, port.period):
                 wanted = self._script.next_read(port.name)
                 if wanted is not None and wanted.action == "read":
                     self._present[port.name] = wanted.value
@@ -121,7 +122,7 @@ class World:
         if following is None:
             return (self._run.now,)
         missed = [port for port in self._sampled if self._is_to_miss(port)]
-        twice = max([(self._run.now // port.period + 2) * port.period for port in missed], default=self._run.now)
+        twice = max([next_tick(self._run.now, port.period) + port.period for port in missed], default=self._run.now)
         return tuple(dict.fromkeys((twice, self._run.now, following)))
 
     def _is_to_miss(self, port: SampledInput[Any]) -> bool:

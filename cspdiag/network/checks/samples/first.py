@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
+from cspdiag.base.ticks import latest_tick
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided
 from cspdiag.network.infer.waiting import known_duration, sample_period
@@ -92,7 +93,7 @@ class _Beginning:
         self.opened: dict[int, int] = {}
         """By period, when the first books were opened."""
         self.taken: dict[Key, tuple[int, int, Span, int]] = {}
-        """Of each input the sample that was taken last, when, where, and how many steps there were."""
+        """Of each input the tick of the sample that was taken last, when, where, and how many steps there were."""
         self.steps: list[_Step] = []
 
     def do(self, action: CoreAction) -> None:
@@ -164,23 +165,23 @@ class _Beginning:
         period = sample_period(self.placed, key)
         if not period:
             raise _LeftOpenError
-        present = self.now // period
+        present = latest_tick(self.now, period)
         if key not in self.taken:
             opened = self.opened.setdefault(period, self.now)
-            if present == opened // period:
-                if any(end <= (present + 1) * period for end in self.ends):
+            if present == latest_tick(opened, period):
+                present += period
+                if any(end <= present for end in self.ends):
                     raise _LeftOpenError
-                present += 1
         else:
             last, when, earlier, steps = self.taken[key]
-            if present > last + 1:
+            if present > last + period:
                 longest = max(self.steps[steps:], key=lambda step: step.waits)
                 raise _MissedError(
                     Late(
                         key, earlier, span, self.now - when, longest.span, longest.port if longest.port != key else None
                     )
                 )
-            present = last + 1
-        if present * period > self.now:
-            self._pass(present * period - self.now, span, key)
+            present = last + period
+        if present > self.now:
+            self._pass(present - self.now, span, key)
         self.taken[key] = present, self.now, span, len(self.steps)
