@@ -12,7 +12,7 @@ from cspdiag.network.diagnostics.composition.alternatives import BranchNeverChos
 from cspdiag.network.diagnostics.composition.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided_by_instance, overtaken
-from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_open, is_over_at_once
+from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_one_instant, is_open, is_over_at_once
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -126,10 +126,12 @@ def _check_loop(
 
     Where that follows from the values of parameters, it is refused only if all instances are given such values.
     """
-    if waiting.action(placed, loop.body) or _may_end(placed, loop, condition):
+    once = [one for one in _delays(loop.body) if is_one_instant(one[1])]
+    passes_once = bool(once) and condition is not None and _looks_at_time(condition)
+    if waiting.action(placed, loop.body) or passes_once or _may_end(placed, loop, condition):
         agreement.refuted(EndlessLoop, loop.span)
         return
-    delays = [one for one in _delays(loop.body) if is_over_at_once(placed, one[1])]
+    delays = once or [one for one in _delays(loop.body) if is_over_at_once(placed, one[1])]
     endless = EndlessLoop(
         span=loop.span,
         conditional=condition is not None,
@@ -137,6 +139,7 @@ def _check_loop(
             isinstance(loop, Repeat) and condition is not None and decided_by_instance(placed, condition) != {False}
         ),
         delay=delays[0][0] if delays else None,
+        is_instant=bool(once),
     )
     causes = [duration for _, duration in delays] + ([] if condition is None else [condition])
     if any(isinstance(part, ParameterValue) for cause in causes for part in walk(cause)):
@@ -158,11 +161,15 @@ def _may_end(placed: Placed, loop: Repeat[CoreAction] | WhileLoop[CoreAction], c
     if holds == {not ends}:
         return False
     looked_at = {value.channel for value in variables_read(condition)}
-    if not looked_at and not any(isinstance(part, PresentTime) for part in walk(condition)):
+    if not looked_at and not _looks_at_time(condition):
         # Constants that have no value: the loop ends with a fault.
         return True
     written = _written_in(placed.shape, loop.body)
     return not looked_at.isdisjoint(written) or any(is_open(placed, key) for key in looked_at)
+
+
+def _looks_at_time(condition: Expression) -> bool:
+    return any(isinstance(part, PresentTime) for part in walk(condition))
 
 
 def _delays(body: CoreAction) -> Iterator[tuple[Span, Expression]]:

@@ -10,6 +10,7 @@ from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.flow import waiting
 from cspdiag.network.infer.contexts import Placed, port_facts
 from cspdiag.network.ir.actions import (
+    AfterEvent,
     AssignValue,
     CatchException,
     Choice,
@@ -33,9 +34,9 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.expressions import Expression, ParameterValue, Value, VariableValue
+from cspdiag.network.ir.expressions import Expression, FunctionCall, ParameterValue, Value, VariableValue
 from cspdiag.network.ir.ranges import Range, value_range
-from cspdiag.network.ir.walk import all_actions
+from cspdiag.network.ir.walk import all_actions, mentions_variable
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast
@@ -89,6 +90,15 @@ def is_over_at_once(placed: Placed, duration: Expression) -> bool:
     return found <= 0 if isinstance(found, int) else value_range(duration, known)[1] <= 0
 
 
+def is_one_instant(duration: Expression) -> bool:
+    """Whether a delay ends at an instant that is always the same: it lets time pass once, and never again."""
+    match duration:
+        case FunctionCall(function="until", arguments=(instant, _)):
+            return not mentions_variable(instant)
+        case _:
+            return False
+
+
 def is_always_ready(placed: Placed, event: Event) -> bool:
     """Whether a guard is ready whenever it counts."""
     return waiting.is_always_ready(event, lambda end: placed.facts[end_key(end)][0], partial(is_over_at_once, placed))
@@ -102,7 +112,9 @@ def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
 
 
 class MayWait:
-    """Whether every run of a process in a context may wait somewhere; the contexts of instances come first."""
+    """Whether every run of a process in a context may wait somewhere, however often it has run before; the contexts of
+    instances come first.
+    """
 
     def __init__(self) -> None:
         self._known: dict[Placed, bool] = {}
@@ -127,7 +139,7 @@ class MayWait:
             case WriteValue():
                 return write_may_wait(placed, end_key(action.sink))
             case WaitStep():
-                return not is_over_at_once(placed, action.duration)
+                return not self._is_over(placed, action.duration)
             case StopStep() | RaiseException():
                 return True
             case AssignValue() | SkipStep() | ResetInstance():
@@ -154,17 +166,23 @@ class MayWait:
         skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]
         if any(branch.condition is None and not self.action(placed, branch.body) for branch in skips):
             return False
-        if any(branch.condition is None and is_always_ready(placed, branch.event) for branch in choice.branches):
+        if any(branch.condition is None and self._is_ready(placed, branch.event) for branch in choice.branches):
             return any(self.action(placed, branch.body) for branch in choice.branches)
         return True
 
     def _interrupt(self, placed: Placed, interrupt: InterruptOn[CoreAction]) -> bool:
         """A guard that is ready at once cancels the body before it waits, unless it fails before that."""
         branch = interrupt.branch
-        is_cancelled = branch.condition is None and is_always_ready(placed, branch.event)
+        is_cancelled = branch.condition is None and self._is_ready(placed, branch.event)
         if not is_cancelled or self._may_raise(placed, interrupt.body):
             return self.action(placed, interrupt.body)
         return self.action(placed, branch.body)
+
+    def _is_over(self, placed: Placed, duration: Expression) -> bool:
+        return is_over_at_once(placed, duration) or is_one_instant(duration)
+
+    def _is_ready(self, placed: Placed, event: Event) -> bool:
+        return is_always_ready(placed, event) or (isinstance(event, AfterEvent) and is_one_instant(event.duration))
 
     def _may_raise(self, placed: Placed, action: CoreAction) -> bool:
         """Whether an exception of the program may end an action."""

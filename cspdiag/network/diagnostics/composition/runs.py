@@ -136,13 +136,21 @@ class EndlessLoop(Diagnostic):
     """Whether its condition may hold after the first iteration, and so end it."""
     delay: Span | None = None
     """A delay inside that is over at once."""
+    is_instant: bool = False
+    """Whether it is one until an instant, the same in every iteration."""
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return () if self.delay is None else (Label(self.delay, "takes no time"),)
+        return (
+            ()
+            if self.delay is None
+            else (Label(self.delay, "the same instant in every iteration" if self.is_instant else "takes no time"),)
+        )
 
     @property
     def message(self) -> str:
+        if self.is_instant and not self.conditional:
+            return "from one instant on this loop never waits, so that nothing else could ever run"
         if self.may_end_first:
             return (
                 "this loop never waits, and nothing inside changes its condition: it ends after its first iteration, "
@@ -154,6 +162,8 @@ class EndlessLoop(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if self.is_instant:
+            return "let the instant move with the iterations, as in `wait until last + 10 ms`, or wait for a duration"
         if self.delay is not None:
             return "a delay of zero or negative duration ends immediately: make it longer"
         if self.may_end_first:
