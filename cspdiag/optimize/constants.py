@@ -13,24 +13,18 @@ from typing import Any, TypeAlias, TypeGuard
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import (
     Action,
-    AssignValue,
     Branch,
     ChannelEnd,
     Choice,
     IfElse,
-    InputEvent,
     InputRead,
     InterruptOn,
-    OutputEvent,
-    OutputWrite,
     PortEnd,
-    ReadValue,
     Repeat,
     RunLaw,
     SequentialSteps,
     SkipStep,
     WhileLoop,
-    WriteValue,
 )
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
@@ -44,7 +38,7 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.changes import changed, in_sequence
 from cspdiag.optimize.folding import folded, is_literal
 
@@ -182,17 +176,7 @@ def _constant_variables(entry: ProcessClass, outputs: Outputs) -> Literals:
 
 def _written(entry: ProcessClass, outputs: Outputs) -> set[str]:
     """Channels that the class or an instance in it may write."""
-    found = set()
-    for part in parts(entry.body):
-        match part:
-            case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
-                found.add(target.channel)
-            case WriteValue(sink=ChannelEnd() as sink) | OutputEvent(sink=ChannelEnd() as sink):
-                found.add(sink.channel)
-            case OutputWrite(sink=ChannelEnd() as sink):
-                found.add(sink.channel)
-            case _:  # Any other part of the composition writes nothing.
-                pass
+    found = set(channels_written(entry.body))
     for instance in entry.instances:
         written = outputs[instance.class_name]
         for connection in instance.connections:

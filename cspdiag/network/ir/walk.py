@@ -10,12 +10,16 @@ from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
     CatchException,
+    ChannelEnd,
     Choice,
     CoreAction,
     CountedLoop,
     Group,
     IfElse,
+    InputEvent,
     InterruptOn,
+    OutputEvent,
+    OutputWrite,
     ParallelSteps,
     ProcessScope,
     RaiseException,
@@ -127,3 +131,16 @@ def instances_run(action: Action) -> list[str]:
 def mentions_variable(expression: Expression) -> bool:
     """Whether an expression depends on a variable of the process, or on the present instant."""
     return any(isinstance(part, VariableValue | PresentTime) for part in parts(expression))
+
+
+def channels_written(item: object) -> Iterator[str]:
+    """The channels of the process, its variables among them, that anything in a record sets or writes."""
+    for part in parts(item):
+        match part:
+            case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
+                yield target.channel
+            case WriteValue(sink=sink) | OutputEvent(sink=sink) | OutputWrite(sink=sink):
+                if isinstance(sink, ChannelEnd):
+                    yield sink.channel
+            case _:  # Any other part of the composition writes nothing.
+                pass

@@ -9,19 +9,16 @@ from __future__ import annotations
 from collections import Counter
 
 from cspdiag.network.ir.actions import (
-    AssignValue,
     CatchException,
     CountedLoop,
-    InputEvent,
     ParallelSteps,
-    ReadValue,
     Repeat,
     RunLaw,
     WhileLoop,
 )
 from cspdiag.network.ir.expressions import SignalValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.fuse.code import NotStaticError
 
 
@@ -56,10 +53,8 @@ def _reads(action: object) -> Counter[str]:
 
 def _assigned(catch: CatchException) -> set[str]:
     """Variables, and states of control laws, that change in what the exception ends."""
-    names: set[str] = set()
+    names = set(channels_written(catch.body))
     for part in parts(catch.body):
-        if isinstance(part, AssignValue | ReadValue | InputEvent):
-            names.add(part.target.channel)
-        elif isinstance(part, RunLaw):
+        if isinstance(part, RunLaw):
             names.update(name for name, _ in (*part.next_values, *part.derivatives))
     return names

@@ -19,7 +19,7 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import channels_written
 from cspdiag.optimize.folding import folded_with
 from cspdiag.optimize.fuse.code import NotStaticError
 from cspdiag.optimize.fuse.media import Offer
@@ -106,11 +106,8 @@ class Recorder:
             self._assigned(action.target.channel, value)
             return
         self._do(action)
-        for part in parts(action):
-            if isinstance(part, AssignValue):
-                self._assigned(part.target.channel, None, surely=False)
-            elif isinstance(part, WriteValue) and isinstance(part.sink, ChannelEnd):
-                self._assigned(part.sink.channel, None, surely=False)
+        for name in channels_written(action):
+            self._assigned(name, None, surely=False)
 
     def _assigned(self, name: str, value: Expression | None, *, surely: bool = True) -> None:
         if surely:

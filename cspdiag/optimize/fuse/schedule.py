@@ -13,10 +13,12 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
+    ChannelEnd,
     Choice,
     End,
     IfElse,
     InputEvent,
+    OutputWrite,
     ReadInputs,
     ReadValue,
     Repeat,
@@ -178,6 +180,8 @@ def counting_variables(entry: ProcessClass) -> frozenset[str]:
                 unknown.add(target.channel)
             case ReadInputs():
                 unknown.update(read.name for read in part.reads)
+            case OutputWrite(sink=ChannelEnd(channel=name)):
+                unknown.add(name)
             case IfElse() | WhileLoop():
                 asked |= _variables(part.condition)
             case Repeat():
