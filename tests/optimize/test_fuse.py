@@ -156,6 +156,34 @@ REFUSED = {
         ),
         "what it does next depends on a value",
     ),
+    "an output of a control law decides": (
+        program(
+            "submodel Law {\n  in x : double\n  out y : double\n  out done : bool\n"
+            "  state n : int = 0\n  next n = n + 1\n  y = x\n  done = n >= 3\n}\n"
+            "process Mode {\n  in x : double @ 1 ms\n  out y : double @ 1 ms\n"
+            "  communication { law : Law  var stop : bool = false  x -> law.x  law.y -> y  law.done -> stop }\n"
+            "  composition { stop := false ; mu law until stop }\n}\n" + SENDER + RECEIVER,
+            "    m : Mode\n    x -> m.x\n    m.y -> y\n" + PAIR,
+            "m || s || r",
+            "  in x : double @ 1 ms\n  out y : double @ 1 ms",
+            PLANT + "environment Bench for Top { plant : Plant\n  plant.x -> x\n  y -> plant.u\n  }",
+        ),
+        "what it does next depends on a value",
+    ),
+    "an output of a control law is read after the exception": (
+        program(
+            "submodel Law {\n  in x : double\n  out y, z : double\n  y = 2 * x\n  z = 3 * x\n}\n"
+            "process Mode {\n  in x : double @ 1 ms\n  out y : double @ 1 ms\n  out o : double\n"
+            "  communication { law : Law  var last : double = 0  x -> law.x  law.y -> y  law.z -> last }\n"
+            "  composition { (mu law || (wait 5 ms ; raise Enough)) catch Enough -> o ! last }\n}\n"
+            "process Taker {\n  in i : double\n  communication { var v : double }\n  composition { mu i ? v }\n}\n",
+            "    m : Mode\n    r : Taker\n    x -> m.x\n    m.y -> y\n    m.o -> c : double -> r.i",
+            "m || r",
+            "  in x : double @ 1 ms\n  out y : double @ 1 ms",
+            PLANT + "environment Bench for Top { plant : Plant\n  plant.x -> x\n  y -> plant.u\n  }",
+        ),
+        "what a cancelled process still assigns is read after the exception",
+    ),
     "deadlock": (
         program(
             "process One {\n  in i : int\n  out o : int\n  communication { var v : int = 0 }\n"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import islice
 from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
@@ -48,15 +49,16 @@ class Group:
 @record
 class Fill:
     """Items with a `Line` between them: as many on a line as fit. What follows an item of several lines begins a new
-    one.
+    one. Those before ``start`` have been laid out.
     """
 
     items: tuple[Document, ...]
+    start: int = 0
 
     @cached_property
     def on_one_line(self) -> str:
         """The text on one line."""
-        return " ".join(map(flat, self.items))
+        return " ".join([flat(item) for item in islice(self.items, self.start, None)])
 
 
 @record
@@ -158,11 +160,11 @@ class _Layout:
                 case Group(content=content):
                     fits = not broken or self._fits(content, before + len(line), stack, following)
                     stack.append((depth, not fits, content))
-                case Fill(items=parts):
+                case Fill():
                     if not broken or self._fits(document, before + len(line), stack, following):
                         line += flat(document)
                     else:
-                        stack.append((depth, True, self._first(parts, depth, before + len(line), stack, following)))
+                        stack.append((depth, True, self._first(document, before + len(line), stack, following)))
                 case FirstThatFits(layouts=layouts):
                     if not broken:
                         line += flat(layouts[0])
@@ -172,18 +174,17 @@ class _Layout:
                     assert_never(document)
         return [*done, line]
 
-    def _first(
-        self, parts: tuple[Document, ...], depth: int, column: int, stack: Sequence[_Item], following: int
-    ) -> Document:
+    def _first(self, fill: Fill, column: int, stack: Sequence[_Item], following: int) -> Document:
         """The first item of a `Fill`, the line behind it, broken if the next item does not fit on it, and the rest."""
-        head, *rest = parts
-        if not rest:
+        head, left = fill.items[fill.start], len(fill.items) - fill.start - 1
+        if not left:
             return Group(head)
         text = flat(head)
         is_one_line = column + len(text) <= self.width
-        ahead = 0 if rest[1:] else self._ahead(stack, following)
-        stays = is_one_line and column + len(text) + 1 + len(flat(rest[0])) + ahead <= self.width
-        return (Group(head), " " if stays else LINE, Fill(tuple(rest)))
+        ahead = 0 if left > 1 else self._ahead(stack, following)
+        after = fill.items[fill.start + 1]
+        stays = is_one_line and column + len(text) + 1 + len(flat(after)) + ahead <= self.width
+        return (Group(head), " " if stays else LINE, Fill(fill.items, fill.start + 1))
 
     def _chosen(
         self, choice: FirstThatFits, depth: int, column: int, stack: Sequence[_Item], following: int
@@ -201,7 +202,9 @@ class _Layout:
         return max(lengths) <= self.width
 
     def _fits(self, content: Document, column: int, stack: Sequence[_Item], following: int) -> bool:
-        return column + len(flat(content)) + self._ahead(stack, following) <= self.width
+        room = self.width - column
+        length = _length_up_to(content, room)
+        return length <= room and length + self._ahead(stack, following) <= room
 
     def _ahead(self, stack: Sequence[_Item], following: int) -> int:
         """How many characters come before the next place where a line can end."""
@@ -212,6 +215,32 @@ class _Layout:
             if ended:
                 return count
         return count + following
+
+
+def _length_up_to(document: Document, most: int) -> int:
+    """The length of the text on one line, or one that is more than ``most``: a long list is not added up."""
+    match document:
+        case tuple():
+            length = 0
+            for part in document:
+                length += _length_up_to(part, most - length)
+                if length > most:
+                    break
+            return length
+        case Fill(items=items, start=start):
+            length = -1
+            for item in islice(items, start, None):
+                length += 1 + _length_up_to(item, most - length)
+                if length > most:
+                    break
+            return max(length, 0)
+        case Nest(content=content) | Group(content=content):
+            return _length_up_to(content, most)
+        case FirstThatFits(layouts=layouts):
+            return _length_up_to(layouts[0], most)
+        case str() | Line() | Flat():
+            return len(flat(document))
+    assert_never(document)
 
 
 def _until_line(document: Document, broken: bool) -> tuple[int, bool]:
@@ -233,8 +262,10 @@ def _until_line(document: Document, broken: bool) -> tuple[int, bool]:
             return len(flat(content)), False
         case Nest(content=content) | Group(content=content):
             return _until_line(content, broken)
-        case Fill(items=items):
-            return _until_line(joined(LINE, items), broken)
+        case Fill(items=items, start=start):
+            if broken and len(items) > start + 1:
+                return _until_line(items[start], broken)[0], True
+            return _until_line(joined(LINE, items[start:]), broken)
         case FirstThatFits(layouts=layouts):
             return _until_line(layouts[-1], broken)
     assert_never(document)
