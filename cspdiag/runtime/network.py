@@ -117,11 +117,8 @@ class _Run:
 
     def outcome(self) -> Outcome:
         began = time.perf_counter()
-        stopping.leave_run = self._leave
-        try:
+        with stopping.running(self._leave):
             return self._released_outcome(began)
-        finally:
-            stopping.leave_run = None
 
     def _leave(self) -> None:
         self._devices.leave()

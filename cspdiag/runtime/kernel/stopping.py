@@ -64,8 +64,8 @@ class Stopping:
         """The call of a driver that the main thread is in: what a driver does is not left in the middle."""
         self.say: Callable[[str], object] | None = None
         """How a command says something: set by a command, which consists of the run and ends with it."""
-        self.leave_run: Callable[[], None] | None = None
-        """While a network runs: keeps a child that is forked now from going on with it."""
+        self._runs: list[tuple[int, Callable[[], None]]] = []
+        """The networks that run: the thread, and what keeps a child that is forked now from going on with it."""
         self.is_child = False
         """Whether this process was forked while a network ran, which is its parent's."""
         self._raises = False
@@ -143,12 +143,28 @@ class Stopping:
         """A driver has forked a child, which is none of our business: signals end it as they end any process, and what
         we drive is not its own.
         """
-        if self.leave_run is not None:
+        for _, leave in self._runs:
             self.is_child = True
-            self.leave_run()
+            leave()
         self._raises = False
         self.signal = 0
         self._restore()
+
+    @contextmanager
+    def running(self, leave: Callable[[], None]) -> Iterator[None]:
+        """Around a run, with what keeps a child that is forked from going on with it. What a run inside of another does
+        to signals, or one in another thread, ends with it.
+        """
+        before = self._raises, self._patient, self._held
+        run = threading.get_ident(), leave
+        is_inside = any(thread == run[0] for thread, _ in self._runs)
+        self._runs.append(run)
+        try:
+            yield
+        finally:
+            self._runs.remove(run)
+            if is_inside:
+                self._raises, self._patient, self._held = before
 
     def end_child(self) -> None:
         """Ends a child that comes back from what has forked it."""
@@ -162,6 +178,10 @@ class Stopping:
         It does so at once, or ``patiently`` only where nobody asks for ``check`` soon, as in code that computes or
         waits for long.
         """
+        if threading.current_thread() is not threading.main_thread():
+            self.check()
+            yield
+            return
         self._raises = True
         self._patient = patiently and self.can_leave_calls
         try:
@@ -174,6 +194,8 @@ class Stopping:
         """From now on signals raise nothing: a KeyboardInterrupt is not a signal, unless a driver puts a handler of its
         own in place later.
         """
+        if threading.current_thread() is not threading.main_thread():
+            return
         self._raises = False
         self._held = True
         if self._entered:

@@ -67,6 +67,9 @@ class Watch:
         self._thread = threading.Thread(target=self._run, name="watch of the drivers", daemon=True)
         self._scheduler = 0
         self._can_leave = False
+        self._is_main = threading.current_thread() is threading.main_thread()
+        self._call: _Present | None = None
+        """The call that the scheduler's thread is in."""
         self._left: _Present | None = None
         self._gives_up = 0.0
         self._turn = 0
@@ -88,7 +91,10 @@ class Watch:
 
     def call(self, what: Call, function: Callable[..., T], *given: Any) -> T:
         """Calls a driver. Raises DriverFailed with whatever it raises, ``sys.exit`` included."""
-        stopping.call = _Present(what, time.monotonic())
+        around = stopping.call
+        self._call = _Present(what, time.monotonic())
+        if self._is_main:
+            stopping.call = self._call
         try:
             return function(*given)
         except BaseException as error:
@@ -96,7 +102,9 @@ class Watch:
                 raise
             raise what.failed(error) from error
         finally:
-            stopping.call = None
+            self._call = None
+            if self._is_main:
+                stopping.call = around
             if stopping.is_child:
                 stopping.end_child()
 
@@ -104,17 +112,17 @@ class Watch:
         while not self._ended.wait(_LOOK):
             self._look()
             stopping.look()
-            present = stopping.call
-            hanging = self._hanging_call(present) if isinstance(present, _Present) else self._hanging_step()
+            present = self._call
+            hanging = self._hanging_call(present) if present is not None else self._hanging_step()
             if hanging is None and stopping.waited > 2 * PATIENCE and not self.releasing:
                 hanging = self._outlives_signal(present)
             if hanging is not None:
                 self._stuck(hanging)
                 return
 
-    def _outlives_signal(self, present: object) -> Exception:
+    def _outlives_signal(self, present: _Present | None) -> Exception:
         """What is said of a run that goes on after a signal: where it is, in a driver or in a process."""
-        if isinstance(present, _Present) and self._is_overdue(present):
+        if present is not None and self._is_overdue(present):
             return present.call.hangs().error
         return self._hang(f"within {2 * PATIENCE:g} s after {name_of_signal(stopping.signal)}")
 
@@ -126,7 +134,7 @@ class Watch:
         if present is not self._left:
             self._left = present
             self._gives_up = time.monotonic() + PATIENCE
-            self._leave(lambda: stopping.call is present, error)
+            self._leave(lambda: self._call is present, error)
         elif time.monotonic() > self._gives_up:
             return error
         return None
@@ -151,7 +159,7 @@ class Watch:
         error = self._hang(f"within {PATIENCE:g} s")
         if took > 2 * PATIENCE:
             return error
-        self._leave(lambda: self.turns == turn and self.limits_steps and stopping.call is None, error)
+        self._leave(lambda: self.turns == turn and self.limits_steps and self._call is None, error)
         return None
 
     def _hang(self, when: str) -> HangError:
