@@ -62,19 +62,14 @@ class _MemoryLoader(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 class LoadedPackage:
     """A generated package that was imported from memory; ``close`` forgets it."""
 
-    def __init__(self, name: str, files: Mapping[str, str], runtime: ModuleType | None = None) -> None:
-        """Import ``files`` (paths as the generator made them, below the folder ``name``) under a name of its own.
-
-        ``runtime`` is what stands for the runtime in it, where that is not the installed one.
-        """
+    def __init__(self, name: str, files: Mapping[str, str]) -> None:
+        """Import ``files`` (paths as the generator made them, below the folder ``name``) under a name of its own."""
         prefix = f"{name}/"
         inside = {path.removeprefix(prefix): text for path, text in files.items() if path.startswith(prefix)}
         self.name = f"_cspdiag_{name}_{next(_serial)}"
         self._finder = _MemoryLoader(self.name, inside)
         sys.meta_path.insert(0, self._finder)
         self._share(importlib.import_module("cspdiag.runtime"))
-        if runtime is not None:
-            sys.modules[f"{self.name}.runtime"] = runtime
 
     def _share(self, runtime: ModuleType) -> None:
         for module_name, module in list(sys.modules.items()):
