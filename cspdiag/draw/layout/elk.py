@@ -11,7 +11,7 @@ from cspdiag.draw.layout import engine, sizes
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layout, LayoutError, Route, Side
 from cspdiag.draw.layout.hierarchy import Hierarchy
 from cspdiag.draw.layout.joined import joined
-from cspdiag.draw.layout.question import LABEL_GAP, ElkGraph, Json, question, whole, without_text_order, wrapped
+from cspdiag.draw.layout.question import LABEL_GAP, ElkGraph, Json, elk_graph, whole, without_text_order, wrapped
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 WIDEST = 2400.0
@@ -30,15 +30,15 @@ def lay_out(graph: Graph) -> Layout:
     Raises LayoutError where the engine fails, MissingToolError where there is none, and ValueError for a graph that is
     not one.
     """
-    asked = question(graph)
+    elk = elk_graph(graph)
     try:
-        placed = engine.run(whole(asked))
+        placed = engine.run(whole(elk))
     except LayoutError:
-        placed = engine.run(without_text_order(asked))
-    if not asked.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
+        placed = engine.run(without_text_order(elk))
+    if not elk.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
         with suppress(LayoutError):
-            placed = engine.run(wrapped(asked))
-    return _answer(asked, placed)
+            placed = engine.run(wrapped(elk))
+    return _answer(elk, placed)
 
 
 @dataclass
@@ -50,10 +50,10 @@ class _Places:
     edges: list[Json] = field(default_factory=list)
 
 
-def _answer(asked: ElkGraph, placed: Json) -> Layout:
+def _answer(elk: ElkGraph, placed: Json) -> Layout:
     places = _Places()
     _collect(placed, places)
-    hierarchy = asked.hierarchy
+    hierarchy = elk.hierarchy
     sides = {
         port: hierarchy.ports[port].side or _side(places.ports[port], places.nodes[owner])
         for port, owner in hierarchy.owners.items()
@@ -62,16 +62,16 @@ def _answer(asked: ElkGraph, placed: Json) -> Layout:
     labels = _box_labels(hierarchy, places, sides)
     lines: dict[str, list[list[Point]]] = {edge.id: [] for edge in hierarchy.edges}
     for part in places.edges:
-        lines[asked.parts[part["id"]]] += [_points(section) for section in part.get("sections", [])]
+        lines[elk.parts[part["id"]]] += [_points(section) for section in part.get("sections", [])]
         for label in part.get("labels", []):
-            labels[label["id"]] = _label_place(asked.labels[label["id"]], _rectangle(label))
+            labels[label["id"]] = _label_place(elk.labels[label["id"]], _rectangle(label))
     routes: dict[str, Route] = {}
     for edge in hierarchy.edges:
-        if joint := asked.joints.get(edge.id):
+        if joint := elk.joints.get(edge.id):
             lines[edge.id].append([places.ports[joint.entry], places.ports[joint.exit]])
             if edge.label is not None:
-                labels[edge.label.id] = _joint_label(edge.label, places.nodes[joint.node], asked.downwards)
-        routes[edge.id] = _route(asked, edge, lines[edge.id], places)
+                labels[edge.label.id] = _joint_label(edge.label, places.nodes[joint.node], elk.downwards)
+        routes[edge.id] = _route(elk, edge, lines[edge.id], places)
     return Layout(
         width=placed["width"],
         height=placed["height"],
@@ -138,18 +138,18 @@ def _label_place(label: Label, room: Rectangle) -> Rectangle:
     return Rectangle(room.centre.x - label.width / 2, room.bottom - label.height, label.width, label.height)
 
 
-def _route(asked: ElkGraph, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
+def _route(elk: ElkGraph, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
     """Names the ends of the lines by where they are: the ends of an edge are different places."""
-    joint = asked.joints.get(edge.id)
+    joint = elk.joints.get(edge.id)
     inner = {places.ports[joint.entry], places.ports[joint.exit]} if joint else set()
     begins = {point for line in lines if (point := line[0]) not in inner}
     finishes = {point for line in lines if (point := line[-1]) not in inner}
-    sources = {point: _nearest(asked, edge.sources, point, places) for point in begins}
-    targets = {point: _nearest(asked, edge.targets, point, places) for point in finishes}
+    sources = {point: _nearest(elk, edge.sources, point, places) for point in begins}
+    targets = {point: _nearest(elk, edge.targets, point, places) for point in finishes}
     return joined(lines, sources, targets)
 
 
-def _nearest(asked: ElkGraph, ends: tuple[str, ...], point: Point, places: _Places) -> str:
+def _nearest(elk: ElkGraph, ends: tuple[str, ...], point: Point, places: _Places) -> str:
     def distance(end: str) -> float:
         if end in places.ports:
             place = places.ports[end]

@@ -90,8 +90,8 @@ class ElkGraph:
         return self.graph.direction is Direction.DOWN
 
 
-def question(graph: Graph) -> ElkGraph:
-    """What ELK is asked about a graph. Raises ValueError for a graph that is not one."""
+def elk_graph(graph: Graph) -> ElkGraph:
+    """A graph in ELK's format. Raises ValueError for a graph that is not one."""
     made = ElkGraph(graph, hierarchy(graph))
     made.top = [_node(made, node) for node in graph.nodes]
     for edge in made.hierarchy.edges:
@@ -100,34 +100,34 @@ def question(graph: Graph) -> ElkGraph:
     return made
 
 
-def _options(asked: ElkGraph) -> dict[str, str]:
-    graph = asked.graph
+def _options(elk: ElkGraph) -> dict[str, str]:
+    graph = elk.graph
     return _OPTIONS | {
         **TEXT_ORDER,
         "elk.direction": graph.direction.value,
-        "elk.layered.thoroughness": str(_thoroughness(asked)),
+        "elk.layered.thoroughness": str(_thoroughness(elk)),
         "elk.spacing.nodeNode": str(graph.node_spacing),
         "elk.layered.spacing.nodeNodeBetweenLayers": str(graph.layer_spacing),
     }
 
 
-def without_text_order(asked: ElkGraph) -> Json:
+def without_text_order(elk: ElkGraph) -> Json:
     """The whole in ELK's format, without what ELK may fail on."""
-    for options in (asked.options, *(node["layoutOptions"] for node in asked.nodes.values())):
+    for options in (elk.options, *(node["layoutOptions"] for node in elk.nodes.values())):
         for option in (*TEXT_ORDER, "elk.layered.considerModelOrder.strategy"):
             options.pop(option, None)
-    return whole(asked)
+    return whole(elk)
 
 
-def wrapped(asked: ElkGraph) -> Json:
+def wrapped(elk: ElkGraph) -> Json:
     """The whole in ELK's format, to be broken into rows."""
-    asked.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
-    return whole(asked)
+    elk.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
+    return whole(elk)
 
 
-def whole(asked: ElkGraph) -> Json:
+def whole(elk: ElkGraph) -> Json:
     """The whole in ELK's format."""
-    return {"id": "", "layoutOptions": asked.options, "children": asked.top, "edges": asked.edges}
+    return {"id": "", "layoutOptions": elk.options, "children": elk.top, "edges": elk.edges}
 
 
 def _thoroughness(question: ElkGraph) -> int:
@@ -168,7 +168,7 @@ def _node(question: ElkGraph, node: Node) -> Json:
 
 
 def _layer(question: ElkGraph, node: Node) -> Layer:
-    """The layer a node asked for; a node with lines to its wrong side cannot have it."""
+    """The requested layer of a node; a node with lines to its wrong side cannot have it."""
     own = {node.id, *(port.id for port in node.ports)}
     edges = question.hierarchy.edges
     if node.layer is Layer.FIRST and any(own & {*edge.targets} for edge in edges):

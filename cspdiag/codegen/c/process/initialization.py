@@ -59,7 +59,7 @@ class Given(Code):
 
 
 FEW = 8
-"""With more than so many ports they are attached one by one, or in loops, where that makes the text shorter."""
+"""With more ports than this they are attached one by one, or in loops, where that makes the text shorter."""
 
 
 @record
