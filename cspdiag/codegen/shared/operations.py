@@ -27,7 +27,7 @@ def opposite(condition: Expression) -> Expression | None:
         case BinaryOperation(operator=operator, left=left) if operator in _OPPOSITES:
             is_exact = operator in ("==", "!=") or isinstance(left.type, IntType | TimeType)
             return replaced(condition, operator=_OPPOSITES[operator]) if is_exact else None
-        case _:
+        case _:  # Any other condition has none.
             return None
 
 
@@ -52,7 +52,7 @@ def literal_value(expression: Expression, *, by_name: bool) -> Value | None:
             by_name or name is None
         ) and not may_fault(expression):
             return -value
-        case _:
+        case _:  # Any other expression is no literal.
             return None
 
 

@@ -95,7 +95,7 @@ def is_one_instant(duration: Expression) -> bool:
     match duration:
         case FunctionCall(function="until", arguments=(instant, _)):
             return not mentions_variable(instant)
-        case _:
+        case _:  # Any other duration is counted from where it begins.
             return False
 
 

@@ -6,7 +6,7 @@ number that was chosen in place of ``i``.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, assert_never
 
 from cspdiag.base.record import field_names, is_record, record, replaced
 from cspdiag.codegen.c.process.members import ChosenEnd, StructMember
@@ -16,15 +16,18 @@ from cspdiag.codegen.c.text.statements import Statement, store
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import (
     Action,
+    AfterEvent,
     AssignValue,
     Branch,
     Choice,
     IfElse,
     InputEvent,
+    OutputEvent,
     PortEnd,
     ReadValue,
     ReadyEvent,
     SequentialSteps,
+    SkipEvent,
     SkipStep,
     Step,
     WaitStep,
@@ -103,8 +106,12 @@ class _Rolling:
         match branch.event:
             case InputEvent(source=source, target=target):
                 return not target.indexes and not self.members.source(source).at_once
-            case event:
-                return isinstance(event, ReadyEvent)
+            case ReadyEvent():
+                return True
+            case OutputEvent() | AfterEvent() | SkipEvent():
+                return False
+            case _:
+                assert_never(branch.event)
 
     def _with_number(self, first: Any, second: Any) -> Any:
         """The first body with what was chosen where the second differs from it."""

@@ -26,7 +26,7 @@ def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozens
                 shared.add(name)
             case OutputEvent(sink=ChannelEnd(channel=name)):
                 shared.add(name)
-            case _:
+            case _:  # Any other part shares no variable.
                 pass
     written = frozenset(name for name, channel in variables.items() if channel.initial is not None and not again)
     early = frozenset() if process.body is None else read_before_written(process.body, variables, written)
