@@ -302,14 +302,14 @@ class _ProcessWriter:
             python = self.members.arguments[name]
             if (python in self.spelling.bound or python in guards) and name not in read:
                 yield assign(own(python), Name(python))
+        ends = [end for end in self.members.reading_ends if isinstance(end, PortEnd) and not self._has_end(end)]
+        if not ends:
+            return
         made = guards.union(*(attributes_of_self(self.instances.made(item)) for item in self.process.instances))
-        done: set[str] = set()
-        for end in self.members.reading_ends:
-            name = self.members.end_name(end)
-            is_used = name in self.spelling.bound or name in made
-            if isinstance(end, PortEnd) and is_used and not self._has_end(end) and name not in done:
-                done.add(name)
-                yield assign(own(name), Name(self.members.arguments[end.port]))
+        ports = {self.members.end_name(end): self.members.arguments[end.port] for end in ends}
+        for name, port in ports.items():
+            if name in self.spelling.bound or name in made:
+                yield assign(own(name), Name(port))
 
     def _has_end(self, end: End) -> bool:
         """Whether a reading end is an object of its own."""
