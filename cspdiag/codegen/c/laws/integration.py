@@ -23,6 +23,7 @@ from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.statements import (
     Blank,
     Block,
+    For,
     Function,
     Plain,
     Statement,
@@ -143,7 +144,7 @@ class Integration:
         body += (self._euler if self.method == "euler" else self._runge_kutta)(shared, kept)
         if count is None:
             return [*found, *body]
-        return [*found, Block(tuple(body), f"for (int64_t step = 0; step < {count}; step++)")]
+        return [*found, For(Atom("step"), count, tuple(body), type_name="int64_t")]
 
     def _slope(self, stage: str, state: str) -> Code:
         return code(stage).field(self.local(state)) if self.several else code(stage)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Code, call, code, infix
+from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Atom, Code, call, code, infix
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.names import PackageNames
-from cspdiag.codegen.c.text.statements import Block, Function, Statement, define, give, lines, run, store
+from cspdiag.codegen.c.text.statements import Block, For, Function, Statement, define, give, lines, run, store
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.network.ir.network import Network
@@ -88,7 +88,7 @@ def _equality(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
 
 
 def _each(type_: ArrayType, body: Statement) -> Statement:
-    return Block((body,), f"for (int position = 0; position < {type_.size}; position++)")
+    return For(Atom("position"), Atom(str(type_.size)), (body,), type_name="int")
 
 
 def _equal(type_: Type, left: Code, right: Code, types: CTypes) -> Code:

@@ -21,12 +21,12 @@ from cspdiag.codegen.c.process.parallels import parallel
 from cspdiag.codegen.c.process.plain_steps import assign_value, discard, read_value, stop, wait, write_value
 from cspdiag.codegen.c.process.scopes import group, report, scope
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import address, call, ignored, negated, own
+from cspdiag.codegen.c.text.code import address, call, ignored, negated, own, unsigned
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import (
-    Block,
     DoWhile,
+    For,
     Plain,
     Statement,
     Wait,
@@ -197,8 +197,7 @@ class CompositionWriter(Writer):
             return body
         name = self.members.names.fresh("turn")
         self.members.work.append(StructMember(f"uint32_t {name}"))
-        turn = own(name)
-        return [Block(tuple(body), f"for ({turn} = 0U; {turn} < {action.turns}U; {turn}++)")]
+        return [For(own(name), unsigned(action.turns), tuple(body), begin=unsigned(0))]
 
     def _if(self, action: IfElse) -> list[Statement]:
         then, otherwise = self.statements(action.then), self.statements(action.otherwise)

@@ -23,7 +23,7 @@ from cspdiag.codegen.c.text.code import (
     unsigned,
 )
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
-from cspdiag.codegen.c.text.rolling import marked, rolled, rolled_from
+from cspdiag.codegen.c.text.rolling import Rolled, marked, rolled, rolled_from
 from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, run, store
 from cspdiag.codegen.shared.document import Document
 from cspdiag.codegen.shared.trees import nodes
@@ -189,7 +189,7 @@ class _Initialization:
         self.setup += [statement for statement in found.setup if isinstance(statement, Plain)]
         return found.code
 
-    def _behind_setup(self, made: Sequence[Plain | Block]) -> list[Plain | Block]:
+    def _behind_setup(self, made: Sequence[Rolled]) -> list[Rolled]:
         """Statements behind what has to be done for the expressions that were printed in them."""
         found = [*self.setup, *made]
         self.setup.clear()
@@ -201,7 +201,7 @@ class _Initialization:
         pending: list[CreatedInstance | End] = []
         outlines = Outlines(self.members)
 
-        def made() -> list[Plain | Block]:
+        def made() -> list[Rolled]:
             return rolled_from(
                 [outlines.created(item) for item in pending], lambda at: self._behind_setup(self._made(pending[at]))
             )
@@ -215,7 +215,7 @@ class _Initialization:
                 pending.append(item)
         return [*found, *made()]
 
-    def _made(self, item: CreatedInstance | End) -> list[Plain | Block]:
+    def _made(self, item: CreatedInstance | End) -> list[Rolled]:
         if isinstance(item, CreatedInstance):
             return self._instance(self.members.instances[item.instance])
         return [*self._end(item)]
@@ -242,7 +242,7 @@ class _Initialization:
             return address(own(self.members.member(end.channel)))
         return Given(self.members.layout.member(self.members.ports[end.port], end.index))
 
-    def _instance(self, instance: InstanceOf) -> list[Plain | Block]:
+    def _instance(self, instance: InstanceOf) -> list[Rolled]:
         class_ = self.members.classes[instance.class_name]
         struct = self.writer.names.classes[class_.name]
         lvalue = own(self.members.member(instance.name))
@@ -264,9 +264,7 @@ class _Initialization:
             arguments.append(address(Aggregate(named, f"const struct {struct}_ports")))
         return [run(call(f"{struct}_initialize", *arguments, *given))]
 
-    def _filled(
-        self, instance: InstanceOf, class_: ProcessClass, fields: Sequence[tuple[Code, Code]]
-    ) -> list[Plain | Block]:
+    def _filled(self, instance: InstanceOf, class_: ProcessClass, fields: Sequence[tuple[Code, Code]]) -> list[Rolled]:
         """Loops that attach the ports of an instance one by one; none where a list of them is as short.
 
         Elements of arrays are made in loops themselves. Where ports tell whether they were written, not each instance

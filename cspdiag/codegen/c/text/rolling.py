@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from cspdiag.codegen.c.text.code import PRODUCT, SUM, Atom, Code, Count, cast, code, infix, unsigned
-from cspdiag.codegen.c.text.statements import Block, Plain
+from cspdiag.codegen.c.text.statements import Block, For, Plain
 from cspdiag.codegen.shared.trees import LEAST, Outline, numbers_in, outline, refilled, repeated
 
 VARIABLE = "i"
 """What counts."""
 
+Rolled: TypeAlias = Plain | Block | For
+"""What a loop may stand for, and the loop."""
 
-def rolled(groups: Sequence[Sequence[Plain]]) -> list[Plain | Block]:
+
+def rolled(groups: Sequence[Sequence[Plain]]) -> list[Rolled]:
     """The statements of all groups, where at least three that count stand in a row as a loop."""
     return rolled_from([outline(tuple(group)) for group in groups], lambda position: groups[position])
 
 
-def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plain | Block]]) -> list[Plain | Block]:
+def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Rolled]]) -> list[Rolled]:
     """The same where ``make`` gives the statements of the group at a position: of a loop no more than two turns are
     made.
     """
-    result: list[Plain | Block] = []
+    result: list[Rolled] = []
     start = 0
     while start < len(outlines):
         period, turns, _ = repeated(outlines, start, any)
@@ -38,13 +42,13 @@ def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Plai
     return result
 
 
-def _loop(first: tuple[Plain | Block, ...], second: tuple[Plain | Block, ...], turns: int) -> Block:
+def _loop(first: tuple[Rolled, ...], second: tuple[Rolled, ...], turns: int) -> For:
     numbers: list[Count] = numbers_in(first)
     steps = [after - before.value for before, after in zip(numbers, outline(second).numbers, strict=True)]
     begin = next((number.value for number, step in zip(numbers, steps, strict=True) if step == 1), 0)
     values = (_value(number, step, begin) for number, step in zip(numbers, steps, strict=True))
-    head = f"for (uint32_t {VARIABLE} = {begin}U; {VARIABLE} < {begin + turns}U; {VARIABLE}++)"
-    return Block(refilled(first, lambda _, __: next(values)), head)
+    body = refilled(first, lambda _, __: next(values))
+    return For(Atom(VARIABLE), unsigned(begin + turns), body, begin=unsigned(begin), type_name="uint32_t")
 
 
 def _value(first: Count, step: int, begin: int) -> Code:

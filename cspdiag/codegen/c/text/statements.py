@@ -67,6 +67,17 @@ class While:
 
 
 @record
+class For:
+    """A loop that counts from ``begin`` up to ``limit``, which is not reached; with a type, it declares its counter."""
+
+    counter: Code
+    limit: Code
+    body: tuple[Statement, ...]
+    begin: Code = Atom("0")
+    type_name: str | None = None
+
+
+@record
 class DoWhile:
     """A loop that looks at its condition at its end."""
 
@@ -118,7 +129,7 @@ class Function:
 
 
 Statement: TypeAlias = (
-    "Function | Remark | Plain | Wait | Block | If | While | DoWhile | Switch | Label | State | Directive | Blank"
+    "Function | Remark | Plain | Wait | Block | If | While | For | DoWhile | Switch | Label | State | Directive | Blank"
 )
 
 
@@ -251,6 +262,10 @@ def _lines(statement: Statement, depth: int, following: Sequence[Statement]) -> 
             yield from _broken(("while (", Nest(len(INDENT), condition.document), ") {"), depth)
             yield from lines(body, depth + 1)
             yield f"{indent}}}"
+        case For():
+            yield from _broken(_for(statement), depth)
+            yield from lines(statement.body, depth + 1)
+            yield f"{indent}}}"
         case DoWhile(body=body, condition=condition):
             yield f"{indent}do {{"
             yield from lines(body, depth + 1)
@@ -285,6 +300,14 @@ def _if(statement: If, depth: int, before: str) -> Iterator[str]:
             yield f"{indent}}} else {{"
             yield from lines(otherwise, depth + 1)
             yield f"{indent}}}"
+
+
+def _for(loop: For) -> Document:
+    counter = loop.counter.document
+    declared = () if loop.type_name is None else (loop.type_name, " ")
+    begin, limit = loop.begin.document, loop.limit.document
+    head = (declared, counter, " = ", begin, "; ", counter, " < ", limit, "; ", counter, "++")
+    return ("for (", Nest(len(INDENT), head), ") {")
 
 
 def _plain(statement: Plain, depth: int) -> Iterator[str]:
