@@ -172,7 +172,7 @@ class Channel(In[T], Out[T]):
         writer = self._writer
         if writer is None:
             return self._take_from_alternative()
-        scheduler = present()
+        scheduler = self._scheduler
         scheduler.ready(writer)
         self._writer = None
         if self._meeting is not None:
@@ -191,7 +191,7 @@ class Channel(In[T], Out[T]):
         return value
 
     def _hand_over(self, reader: Party, value: T) -> None:
-        scheduler = present()
+        scheduler = self._scheduler
         scheduler.ready(reader)
         self._reader = None
         reader.received = value
