@@ -11,7 +11,7 @@ from typing import assert_never
 
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.values import Values, one_line
-from cspdiag.codegen.python.plain.guards import GuardNames, Guards, select_arguments
+from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, select_arguments
 from cspdiag.codegen.python.text.code import (
     BITS_AND,
     BITS_OR,

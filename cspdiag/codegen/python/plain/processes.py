@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
-from cspdiag.codegen.python.plain.actions import Composition
+from cspdiag.codegen.python.plain.composition.actions import Composition
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, assert_never
 
-from cspdiag.codegen.python.plain.accesses import Method
-from cspdiag.codegen.python.plain.alternatives import Alternatives, is_plain
+from cspdiag.codegen.python.plain.composition.accesses import Method
+from cspdiag.codegen.python.plain.composition.alternatives import Alternatives, is_plain
 from cspdiag.codegen.python.text.code import (
     TRUE,
     Argument,

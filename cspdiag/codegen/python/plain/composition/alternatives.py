@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from cspdiag.codegen.python.plain.accesses import Accesses, Method
+from cspdiag.codegen.python.plain.composition.accesses import Accesses, Method
+from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, select_arguments
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.plain.guards import GuardNames, Guards, select_arguments
 from cspdiag.codegen.python.text.code import (
     OR,
     TRUE,

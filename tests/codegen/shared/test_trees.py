@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-CODEGEN = Path(__file__).parents[2] / "cspdiag" / "codegen"
+CODEGEN = Path(__file__).parents[3] / "cspdiag" / "codegen"
 
 
 def containing(language: str, pattern: str) -> set[str]:

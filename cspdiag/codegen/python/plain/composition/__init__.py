@@ -1,0 +1,1 @@
+"""Compositions as readable Python."""
