@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from statistics import median
 
@@ -116,7 +117,15 @@ BENCHMARKS = (
 
 def main(arguments: Sequence[str]) -> int:
     """Run the benchmarks; 0, or 2 for a wrong option (from argparse)."""
-    given = _parser().parse_args(arguments)
+    parser = argparse.ArgumentParser(
+        prog="python benchmarks", epilog="example: python benchmarks --only commstime --rounds 7"
+    )
+    add_arguments(parser)
+    return run(parser.parse_args(arguments))
+
+
+def run(given: argparse.Namespace) -> int:
+    """Run the benchmarks that were chosen, and return 0."""
     chosen = [benchmark for benchmark in BENCHMARKS if not given.only or benchmark.name in given.only]
     samples: dict[str, dict[str, list[float]]] = {}
     for benchmark in chosen:
@@ -128,15 +137,33 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="cspdiag bench", epilog="example: cspdiag bench --only commstime --rounds 7")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument(
-        "--only", action="append", choices=[benchmark.name for benchmark in BENCHMARKS], metavar="NAME",
+        "--only", action="append", type=_name, metavar="NAME",
         help="only this one; may be repeated: " + ", ".join(benchmark.name for benchmark in BENCHMARKS),
     )  # fmt: skip
-    parser.add_argument("--rounds", type=int, default=3, metavar="N", help="how often each is run (default: 3)")
+    parser.add_argument("--rounds", type=_count, default=3, metavar="N", help="how often each is run (default: 3)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write all samples and medians to FILE")
-    return parser
+
+
+def _name(text: str) -> str:
+    names = [benchmark.name for benchmark in BENCHMARKS]
+    if text not in names:
+        near = get_close_matches(text, names, n=1)
+        known = f"did you mean {near[0]}?" if near else f"there are: {', '.join(names)}"
+        raise argparse.ArgumentTypeError(f"there is no benchmark {text!r}: {known}")
+    return text
+
+
+def _count(text: str) -> int:
+    try:
+        count = int(text)
+    except ValueError:
+        count = 0
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"expected a positive number, not {text!r}")
+    return count
 
 
 def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:

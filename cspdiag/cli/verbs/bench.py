@@ -4,35 +4,46 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
+from functools import cache
+from typing import Protocol, cast
 
 from cspdiag.base.files.resources import benchmark_folder
-from cspdiag.cli.support.failure import FINE
 from cspdiag.cli.support.files.written import require_file
 
 EXAMPLE = "cspdiag bench --only commstime --rounds 5"
 
 
+class _Measuring(Protocol):
+    """What the module ``measuring`` in the folder of the benchmarks offers."""
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Declare the options."""
+
+    def run(self, given: Namespace) -> int:
+        """Run the chosen benchmarks and return the exit code."""
+
+
+@cache
+def _measuring() -> _Measuring:
+    """The module, which belongs to no package: the folder of the benchmarks is also a program by itself."""
+    from importlib.util import module_from_spec, spec_from_file_location
+
+    spec = spec_from_file_location("measuring", benchmark_folder() / "measuring.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    # A dataclass looks up the module that it is defined in.
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return cast("_Measuring", module)
+
+
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="only this one; may be given again")
-    parser.add_argument("--rounds", metavar="N", help="how often each is run")
-    parser.add_argument("--json", metavar="FILE", help="also write all samples and medians")
+    _measuring().add_arguments(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """Run the program that the folder of the benchmarks is; it ends the process by itself where it
-    refuses something.
-    """
-    from runpy import run_path
-
+    """Run the benchmarks."""
     require_file("--json", arguments.json)
-    folder = str(benchmark_folder())
-    sys.argv = [folder]
-    for name in arguments.only:
-        sys.argv += ["--only", name]
-    for option in ("rounds", "json"):
-        value = getattr(arguments, option)
-        if value is not None:
-            sys.argv += [f"--{option}", value]
-    run_path(folder, run_name="__main__")
-    return FINE
+    return _measuring().run(arguments)
