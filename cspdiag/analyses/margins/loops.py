@@ -73,8 +73,8 @@ def analyse_loops(
 
     States of the plant have their initial values, but for those in ``point``; inputs are zero. Where the plant does not
     answer there, because dry friction holds it, it is looked at in motion, unless ``point`` says where. ``only`` is a
-    part of the names of the loops that are wanted. Raises NotLinearError where the plant as a whole cannot be
-    linearized.
+    part of the paths of the loops that are wanted, each that of its law and the output. Raises NotLinearError where the
+    plant as a whole cannot be linearized.
     """
     places = list(_points(network, environment, point))
     found: list[AnalysedLoop] = []
@@ -83,12 +83,11 @@ def analyse_loops(
     for path in first.classes:
         if path not in first.periods or path not in first.structure.ways:
             continue
-        if only is not None and only not in path:
-            continue
         try:
-            found += _of_law(places, path)
+            found += _of_law(places, path, only)
         except NotLinearError as problem:
-            refusals.append(LawWithoutMargins(path, problem.reason, problem.span))
+            if only is None or any(only in f"{path}.{port.name}" for port in first.classes[path].ports):
+                refusals.append(LawWithoutMargins(path, problem.reason, problem.span))
     return LoopReport(environment.name, tuple(found), tuple(refusals))
 
 
@@ -124,14 +123,17 @@ def _points(
         yield moving, Loops(network, environment, moving)
 
 
-def _of_law(places: list[tuple[dict[str, float], Loops]], path: str) -> Iterator[AnalysedLoop]:
+def _of_law(places: list[tuple[dict[str, float], Loops]], path: str, only: str | None) -> Iterator[AnalysedLoop]:
     if not any(path in loops.reachable(path, [*loops.within(path), path]) for _, loops in places):
         return
     for name, way in places[0][1].law(path).output_names:
+        cut = Cut(path, (name, way))
+        if only is not None and only not in cut.path:
+            continue
         for point, loops in places:
             if _is_passed_on(loops, path, name):
                 continue
-            opened = loops.open(Cut(path, (name, way)))
+            opened = loops.open(cut)
             if not len(minimal(opened)[0]):
                 continue
             yield AnalysedLoop(opened, margins(opened), _relevant(point, loops, opened), _within(loops, opened))

@@ -21,10 +21,15 @@ class Cut:
     output: Leaf
 
     @property
-    def name(self) -> str:
-        """As people call it: the path without the outermost process, and the output."""
+    def path(self) -> str:
+        """The path of the law, and the output."""
         port, way = self.output
-        return f"{self.law.partition('.')[2]}.{port}{''.join(f'[{k}]' for k in way)}"
+        return f"{self.law}.{port}{''.join(f'[{k}]' for k in way)}"
+
+    @property
+    def name(self) -> str:
+        """As people call it: the path without the outermost process."""
+        return self.path.partition(".")[2]
 
 
 @record

@@ -33,7 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
     parser.add_argument("--environment", metavar="NAME", help="whose plant closes the loops (default: the first)")
-    parser.add_argument("--loop", metavar="PART", help="only loops of laws with this in their path")
+    parser.add_argument("--loop", metavar="PART", help="only loops with this in their path")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
         help=(
@@ -129,7 +129,21 @@ def _environment(network: CoreNetwork, name: str | None) -> Environment:
 def _analysed(arguments: Namespace, network: CoreNetwork, environment: Environment) -> LoopReport:
     from cspdiag.analyses.margins.loops import analyse_loops
 
-    return analyse_loops(network, environment, point=_point(arguments, environment), only=arguments.loop)
+    point = _point(arguments, environment)
+    report = analyse_loops(network, environment, point=point, only=arguments.loop)
+    if arguments.loop is not None and not report.loops and not report.refusals:
+        _refuse_loop(arguments.loop, analyse_loops(network, environment, point=point))
+    return report
+
+
+def _refuse_loop(part: str, report: LoopReport) -> None:
+    """Raise UsageError for a part of a path that none of the loops has; ``report`` is of all of them."""
+    from cspdiag.network.lower.program import suggestion
+
+    laws = (refusal.law.partition(".")[2] for refusal in report.refusals)
+    known = {*(loop.opened.cut.name for loop in report.loops), *laws}
+    if known:
+        raise UsageError(f"--loop {part}: no loop has this in its path{suggestion(part, known)}")
 
 
 def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:

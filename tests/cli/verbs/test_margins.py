@@ -91,7 +91,21 @@ def test_a_period_that_is_a_number_cannot_be_searched(cspdiag: Command, loop: Pa
     assert "make it a `const`" in result.err
 
 
-def test_no_loop_is_said(cspdiag: Command, loop: Path) -> None:
-    result = cspdiag("margins", "--loop", "nothing", loop)
-    assert result.code == 1
-    assert result.out.startswith("no loop goes through `Bench`")
+def test_a_part_that_no_loop_has_in_its_path_is_refused(cspdiag: Command, loop: Path) -> None:
+    assert cspdiag("margins", "--loop", "nothing", loop) == (
+        2, "", "cspdiag: --loop nothing: no loop has this in its path (there is `law.u`)\n",
+    )  # fmt: skip
+    assert "(did you mean `law.u`?)" in cspdiag("margins", "--loop", "lwa.u", loop).err
+
+
+@pytest.mark.parametrize("part", ["law", "law.u", "w.u", "Main.law"])
+def test_a_loop_is_chosen_by_any_part_of_its_path(cspdiag: Command, loop: Path, part: str) -> None:
+    assert cspdiag("margins", "--loop", part, loop) == cspdiag("margins", loop)
+
+
+def test_no_loop_is_reported(cspdiag: Command, loop: Path) -> None:
+    loop.write_text(INTEGRATOR.format(gain=0.0, latch=""))
+    for options in ((), ("--loop", "law")):
+        result = cspdiag("margins", *options, loop)
+        assert result.code == 1
+        assert result.out.startswith("no loop goes through `Bench`")
