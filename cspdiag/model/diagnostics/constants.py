@@ -100,7 +100,7 @@ class BadSize(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return f"at most {self.most} are possible" if self.size > 0 else None
+        return f"at most {self.most} are possible" if self.size > 0 else "a size is at least 0"
 
 
 @record

@@ -52,6 +52,7 @@ class SizeNotPositive(Diagnostic):
 
     what: str
     size: int
+    least: int
 
     @property
     def message(self) -> str:
@@ -59,7 +60,7 @@ class SizeNotPositive(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        return "a size is at least 1"
+        return f"a size is at least {self.least}" if self.least else "it is at least 0: with 0, nothing is repeated"
 
 
 @record

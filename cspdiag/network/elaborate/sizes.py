@@ -37,15 +37,15 @@ class Sizes:
         value = evaluate(self.program, expression, values, self.report)
         return value if isinstance(value, int) and not isinstance(value, bool) else None
 
-    def size(self, expression: ast.Expression, what: str, values: Values, *, zero: bool = False) -> int | None:
-        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not
-        absurd.
+    def size(self, expression: ast.Expression, what: str, values: Values, *, least: int = 1) -> int | None:
+        """Like ``integer`` for a number of elements, which is ``least`` or more and, times those of all ``for`` around
+        it, not absurd.
         """
         size = self.integer(expression, values)
         if size is None:
             return None
-        if size < 0 or (size == 0 and not zero):
-            self.report.add(SizeNotPositive(span=expression.span, what=what, size=size))
+        if size < least:
+            self.report.add(SizeNotPositive(span=expression.span, what=what, size=size, least=least))
             return None
         total = size
         for outer in [key for key in values if isinstance(key, ast.Replicator)]:
@@ -57,7 +57,7 @@ class Sizes:
 
     def repeated(self, replicator: ast.Replicator, what: str, values: Values) -> list[dict[ast.Node, Value]] | None:
         """The values inside each repetition; None where their number is unknown or was reported."""
-        count = self.size(replicator.count, what, values, zero=True)
+        count = self.size(replicator.count, what, values, least=0)
         return None if count is None else [{**values, replicator: index} for index in range(count)]
 
     def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:
