@@ -132,7 +132,7 @@ def report_deadlock(
     """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``; ``called``
     names tasks.
     """
-    tasks = list(_leaves(root))
+    tasks = list(leaves(root))
     waits = [task.waits() for task in tasks]
     users: defaultdict[tuple[int, str], set[int]] = defaultdict(set)
     for index, task in enumerate(tasks):
@@ -152,8 +152,8 @@ def report_deadlock(
         WaitingProcess(
             path=paths[index],
             source=_source(task),
-            place=_place(task),
-            waits=_words(waits[index]),
+            place=place_of_wait(task),
+            waits=words_of(waits[index]),
             channels=tuple(end.name for _, end in waits[index] if end is not None),
             partners=tuple(paths[other] for other in partners[index]),
             ended=ended[index],
@@ -167,7 +167,7 @@ def report_deadlock(
     return DeadlockReport(now, tuple(processes[index] for index in waiting), cycle, others)
 
 
-def _leaves(task: Task) -> Iterator[Task]:
+def leaves(task: Task) -> Iterator[Task]:
     """The tasks below ``task`` that do not wait for branches of their own, in text order."""
     pending = [task]
     while pending:
@@ -178,7 +178,8 @@ def _leaves(task: Task) -> Iterator[Task]:
             yield task
 
 
-def _words(waits: Waits) -> str:
+def words_of(waits: Waits) -> str:
+    """What is waited for, as in reports: ``to read c or after 3 ms``."""
     return " or ".join(dict.fromkeys(words if end is None else f"{words} {end.name}" for words, end in waits))
 
 
@@ -219,7 +220,8 @@ def _wrapped(awaited: Any) -> Any:
     return next((item for item in get_referents(awaited) if iscoroutine(item)), None) if is_wrapper else None
 
 
-def _place(task: Task) -> str | None:
+def place_of_wait(task: Task) -> str | None:
+    """The file and line at which a task waits."""
     frames = list(frames_of(task))
     if not frames:
         return None

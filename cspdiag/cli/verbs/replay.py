@@ -39,7 +39,7 @@ def run(arguments: Namespace) -> int:
     except (BodyError, LimitError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
     if not arguments.quiet:
-        say("\n".join(_report(network, trace, result)))
+        say("\n".join((*_report(network, trace, result), *_other_settings(arguments, trace, result))))
     return FINE if result.succeeded else UNSUCCESSFUL
 
 
@@ -92,6 +92,20 @@ def _report(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]
     if result.deadlock is not None:
         yield below(result.deadlock, trace.process).text
     yield _conclusion(trace, result, goes_on=round_from is not None)
+
+
+def _other_settings(arguments: Namespace, trace: Trace, result: Replay) -> Iterator[str]:
+    """How the settings differ from those with which the trace was made, where that may be why it is not replayed."""
+    from cspdiag.settings import split_settings
+
+    if result.divergence is None:
+        return
+    for name, value in split_settings(arguments.settings).items():
+        made = trace.settings.get(name)
+        if made is None:
+            yield f"  {name} is set to {value}; the trace was made without this setting"
+        elif made != value:
+            yield f"  {name} is set to {value}; the trace was made with {name}={made}"
 
 
 def _conclusion(trace: Trace, result: Replay, *, goes_on: bool) -> str:

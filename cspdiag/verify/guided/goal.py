@@ -54,7 +54,7 @@ class Goal:
         steps = (step for step in self.trace.steps if step.kind in {"external", "sample"})
         return tuple(step.channel for step in steps if step.channel in self.visible)
 
-    def missed(self, root: Task) -> str | None:
+    def missed(self, root: Task, names: TaskNames) -> str | None:
         """Why nobody is stuck for ever although nobody is ready; None if somebody is, or all are."""
         waiting = [
             task
@@ -67,7 +67,7 @@ class Goal:
         for task in waiting:
             if task not in stuck:
                 channel = next((channel for _, channel in _offers(task) if channel), "")
-                return f"`{path_of(task)}` can still go on" + (f" with `{channel}`" if channel else "")
+                return f"`{self.called(task, names)}` can still go on" + (f" with `{channel}`" if channel else "")
         return None
 
     def stuck(self, root: Task) -> list[Task]:

@@ -219,7 +219,7 @@ class Run(Policy):
             raise AstrayError("it ends instead of coming to a halt" if not self._script.left else self._not_come())
         if not self._goal.is_standstill or (self._script.left and self._strict):
             return False
-        missed = self._goal.missed(self._run.root)
+        missed = self._goal.missed(self._run.root, self._names)
         if missed is None and self._goal.trace.failure != "deadlock" and not self._goal.is_as_told(self._run.root):
             missed = "others wait than the counterexample says"
         if missed is not None and not self._script.left and not self._world.time_can_pass:

@@ -33,6 +33,7 @@ from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit,
 from cspdiag.verify.runs.recurrence import counting_to_faults
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values, numbers_of, written
+from cspdiag.verify.runs.waiting import where_instead
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
 _NOTHING_DONE = (
@@ -170,7 +171,7 @@ class Attempt:
                 self._read_after_guard(channel, task)
         for action, channel, _ in expected:
             if (action, channel) not in self.conductor.done and not step.channel.endswith(WRITTEN):
-                raise DivergenceError(f"`{step}` does not come about")
+                raise DivergenceError(f"`{step}` does not come about{self._instead(step)}")
 
     def _choose_ready(self, step: TraceStep) -> None:
         """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that
@@ -258,7 +259,7 @@ class Attempt:
         if not found:
             if self._choose_silently(step, necessary=True):
                 return self._taking_part(step)
-            raise DivergenceError(f"nobody is ready for `{step}`{self._instead(step)}")
+            raise DivergenceError(f"no process is ready for `{step}`{self._instead(step)}")
         return iter(sorted(found, key=lambda entry: _order(*entry)))
 
     def _chosen(
@@ -279,12 +280,8 @@ class Attempt:
                 yield option, candidate
 
     def _instead(self, step: TraceStep) -> str:
-        told = [
-            f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
-            for gate in self.conductor.halted.values()
-            if any(belongs(gate.path, path) for _, path in step.parties)
-        ]
-        return f": {'; '.join(told[:3])}" if told else ""
+        where = where_instead(step, self.conductor.run.root, self.conductor.names, self._network.top)
+        return f": {where}" if where else ""
 
     def _go_round_again(self, process: object) -> None:
         """What leaves everything as it was can be done for ever; the first time round may still have brought it there.
@@ -388,7 +385,7 @@ class Attempt:
                 opposite = "read" if option.action == "write" else "write"
                 if can_come or (opposite, option.channel) in offered:
                     way = f" with `{option.channel}`" if option.channel else ""
-                    raise DivergenceError(f"`{gate.path}` can still go on{way}")
+                    raise DivergenceError(f"`{self.conductor.names.called(gate.task)}` can still go on{way}")
 
     def _conclude(self) -> DeadlockReport | None:
         """What was refuted is the case now."""

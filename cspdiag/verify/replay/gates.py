@@ -8,8 +8,9 @@ take any time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, assert_never
 
+from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.party import Party, Waits
 from cspdiag.runtime.kernel.policy import Interruption as LedInterrupt
 from cspdiag.runtime.kernel.policy import Option, Policy
@@ -47,7 +48,24 @@ class Gate:
 
     def waits_for(self, party: Party) -> Waits:
         """See ``Waitable.waits_for``."""
-        return tuple((f"to {option.action} {option.channel}".rstrip(), None) for option in self.options)
+        return tuple((_words(option), None) for option in self.options)
+
+
+def _words(option: Option) -> str:
+    """What a task waits for at a gate, as the runtime puts it where it waits for it itself."""
+    match option.action:
+        case "read" | "ready":
+            return f"to read {option.channel}"
+        case "write":
+            return f"to write {option.channel}"
+        case "wait":
+            return f"in `wait {shown(option.duration)}`"
+        case "after":
+            return f"after {shown(option.duration)}"
+        case "skip":
+            return "skip"
+        case _:
+            assert_never(option.action)
 
 
 class Interruption:
