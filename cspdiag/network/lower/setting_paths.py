@@ -96,7 +96,9 @@ def parameter_at(program: Program, root: Root, steps: tuple[PathStep, ...]) -> a
         instance, dimensions = found
         wrong = _wrong_indexes(steps, depth, dimensions)
         if wrong:
-            return Dead(depth, wrong)
+            # What is suggested leads somewhere.
+            end = parameter_at(program, root, (*steps[:depth], _first_element(step, dimensions), *steps[depth + 1 :]))
+            return end if isinstance(end, Dead) else Dead(depth, wrong)
         inside = program.definitions.get(instance.definition.text)
         if not isinstance(inside, _Parametrized):
             return Dead(depth)
@@ -118,17 +120,29 @@ def _other_kind(program: Program, definition: ast.Node, steps: tuple[PathStep, .
     named = None if scope is None else scope.ports.get(steps[-1].name) or scope.names.get(steps[-1].name)
     if named is None:
         return ""
-    around = ".".join(map(str, steps[:-1]))
-    inside = definition
     if isinstance(named, ast.Instance):
-        around = ".".join(map(str, steps))
-        inside = program.definitions.get(named.definition.text) or definition
-        what = f"`{around}` is {described(named)}"
-    else:
-        what = f"`{steps[-1].name}` is {described(named)}{f' of `{around}`' if around else ''}"
-    own = inside.parameters if isinstance(inside, _Parametrized) else ()
+        return _whole_instance(program, definition, named, steps)
+    around = ".".join(map(str, steps[:-1]))
+    what = f"`{steps[-1].name}` is {described(named)}{f' of `{around}`' if around else ''}"
+    return f"{what}; {_parameters_there(definition, around)}"
+
+
+def _whole_instance(program: Program, definition: ast.Node, instance: ast.Instance, steps: tuple[PathStep, ...]) -> str:
+    """That a path ends at an instance or an array of them, and what can be set there."""
+    dimensions = next(found for declared, found in _instances(definition) if declared is instance)
+    what, shown, element = described(instance), steps[-1], steps[-1]
+    if not _names_element(element, dimensions):
+        shown, element = PathStep(element.name, ()), _first_element(element, dimensions)
+        what = f"an array of instances of `{instance.definition.text}`" if dimensions else what
+    path, around = (".".join(map(str, (*steps[:-1], last))) for last in (shown, element))
+    inside = program.definitions.get(instance.definition.text)
+    return f"`{path}` is {what}; {_parameters_there(inside, around)}"
+
+
+def _parameters_there(definition: ast.Node | None, around: str) -> str:
+    own = definition.parameters if isinstance(definition, _Parametrized) else ()
     names = ", ".join(f"{around}.{parameter.name.text}" if around else parameter.name.text for parameter in own)
-    return f"{what}; parameters there: {names or 'none'}"
+    return f"parameters there: {names or 'none'}"
 
 
 def refuse_missing(program: Program, root: Root, paths: Iterable[str], instances: Iterable[str]) -> None:
@@ -158,10 +172,9 @@ def _own_parameter(definition: ast.Node, name: str) -> ast.Parameter | None:
 
 def _wrong_indexes(steps: tuple[PathStep, ...], depth: int, dimensions: int) -> str:
     step = steps[depth]
-    if len(step.indexes) == dimensions and all(index.isascii() and index.isdecimal() for index in step.indexes):
+    if _names_element(step, dimensions):
         return ""
-    right = PathStep(step.name, ("0",) * dimensions)
-    whole = ".".join(map(str, (*steps[:depth], right, *steps[depth + 1 :])))
+    whole = ".".join(map(str, (*steps[:depth], _first_element(step, dimensions), *steps[depth + 1 :])))
     if not dimensions:
         return f"{step.name!r} is a single instance, not an array: {whole!r}"
     if not step.indexes:
@@ -169,6 +182,15 @@ def _wrong_indexes(steps: tuple[PathStep, ...], depth: int, dimensions: int) -> 
     if len(step.indexes) != dimensions:
         return f"an element of {step.name!r} has {dimensions} {'index' if dimensions == 1 else 'indexes'}: {whole!r}"
     return f"the elements of {step.name!r} are numbered: {whole!r}"
+
+
+def _names_element(step: PathStep, dimensions: int) -> bool:
+    """Whether a step has as many indexes as an instance needs, and all are numbers."""
+    return len(step.indexes) == dimensions and all(index.isascii() and index.isdecimal() for index in step.indexes)
+
+
+def _first_element(step: PathStep, dimensions: int) -> PathStep:
+    return PathStep(step.name, ("0",) * dimensions)
 
 
 def paths_of(program: Program, root: Root) -> Iterator[tuple[PathStep, ...]]:
