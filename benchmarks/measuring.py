@@ -157,13 +157,9 @@ def _name(text: str) -> str:
 
 
 def _count(text: str) -> int:
-    try:
-        count = int(text)
-    except ValueError:
-        count = 0
-    if count < 1:
+    if not (text.isascii() and text.isdecimal()) or len(text) > 9 or int(text) < 1:
         raise argparse.ArgumentTypeError(f"expected a positive number, not {text!r}")
-    return count
+    return int(text)
 
 
 def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:

@@ -230,7 +230,7 @@ class LoadedProgram:
         chosen = chosen_environment(network, environment)
         if chosen is None:
             raise NoEnvironmentError(f"`{network.top}` has no environment, and so no plant that would close its loops")
-        require_states(chosen, at or ())
+        require_states(chosen, at or {})
         return analyse_loops(network, chosen, point=at)
 
     def run(

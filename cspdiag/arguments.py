@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from cspdiag.draw.pictures import Pictures
     from cspdiag.network.ir.network import Environment, Network
 
+LONGEST_LIMIT = 1e6
+"""Seconds: longer than that no timer of a system needs to wait."""
+
 Setting = str | int | float
 """A value as ``cspdiag run --set`` takes it (``"10 ms"``), or a plain number."""
 
@@ -58,9 +61,9 @@ def require_one_of(what: str, value: object, known: Collection[object]) -> None:
 
 
 def require_seconds(what: str, seconds: float) -> None:
-    """Raise ArgumentError for what is no positive time."""
-    if not 0 < seconds < math.inf:
-        raise ArgumentError(f"{what} is a positive number of seconds, not {seconds!r}")
+    """Raise ArgumentError for what is no positive time, or longer than a timer of the system can wait."""
+    if not 0 < seconds <= LONGEST_LIMIT:
+        raise ArgumentError(f"{what} is a positive number of seconds up to {LONGEST_LIMIT:g}, not {seconds!r}")
 
 
 def measured_times(network: Network, measured: Mapping[str, float] | None) -> dict[str, int]:
@@ -73,18 +76,20 @@ def measured_times(network: Network, measured: Mapping[str, float] | None) -> di
     for path, seconds in (measured or {}).items():
         if path not in paths:
             raise ArgumentError(f"measured: `{network.top}` has no law or process `{path}`{suggestion(path, paths)}")
-        if not 0 <= seconds < math.inf:
+        if not 0 <= seconds < 1e9:
             raise ArgumentError(f"measured: the time of `{path}` is a number of seconds, not {seconds!r}")
     return {path: round(seconds * 1e9) for path, seconds in (measured or {}).items()}
 
 
-def require_states(environment: Environment, point: Iterable[str]) -> None:
-    """Raise ArgumentError for the name of a state that the plant does not have."""
+def require_states(environment: Environment, point: Mapping[str, float]) -> None:
+    """Raise ArgumentError for the name of a state that the plant does not have, and for a value that is not finite."""
     states = () if environment.system is None else tuple(state.name for state in environment.system.states)
-    for name in point:
+    for name, value in point.items():
         if name not in states:
             known = ", ".join(states) or "none"
             raise ArgumentError(f"at: the plant of `{environment.name}` has no state `{name}` (it has: {known})")
+        if not isinstance(value, int | float) or not math.isfinite(value):
+            raise ArgumentError(f"at: the value of `{name}` is a finite number, not {value!r}")
 
 
 def definition_to_draw(pictures: Pictures, name: str | None) -> Drawn:

@@ -22,6 +22,8 @@ DOUBLINGS = 6
 """Periods up to 2^6 times as long or as short are looked at."""
 DIGITS = 4
 """The answer has as many."""
+MOST, MOST_DECIBELS = 1e9, 180.0
+"""No loop keeps more: the same factor of gain, as one and in dB."""
 
 
 @record
@@ -58,7 +60,8 @@ def wanted(text: str) -> Wanted:
         if compact.endswith(suffix):
             return Wanted(kind, scale * _positive(compact.removesuffix(suffix), text))  # type: ignore[arg-type]
     if compact.endswith("dB"):
-        return Wanted("gain", 10 ** (_positive(compact.removesuffix("dB"), text) / 20))
+        decibels = _positive(compact.removesuffix("dB"), text)
+        return Wanted("gain", 10 ** (_limited(decibels, MOST_DECIBELS, text) / 20))
     return Wanted("gain", _positive(compact, text))
 
 
@@ -67,7 +70,11 @@ def _positive(number: str, text: str) -> float:
         value = float(number)
     except ValueError:
         value = -1.0
-    if not 0 < value < 1e9:
+    return _limited(value, MOST, text)
+
+
+def _limited(value: float, most: float, text: str) -> float:
+    if not 0 < value <= most:
         raise ValueError(f"a margin is 30deg, 6dB, a factor of gain, a delay such as 5ms, or stable, not {text!r}")
     return value
 

@@ -12,6 +12,7 @@ from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import require_different, require_file, require_folder
+from cspdiag.cli.support.numbers import number, whole_number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.draw import exchange
 from cspdiag.pipeline import check
@@ -91,7 +92,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         ),
     )
     parser.add_argument(
-        "--depth", metavar="N", type=int, default=1, help="show the inside of instances, N levels (default: 1)"
+        "--depth", metavar="N", type=whole_number, default=1, help="show the inside of instances, N levels (default: 1)"
     )
     parser.add_argument(
         "--check", action="store_true", help="mark errors and warnings; draw what can be read of a program with errors"
@@ -102,7 +103,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         default="auto",
         help="colours (default: auto, as the viewer prefers; light in PNG and PDF)",
     )
-    parser.add_argument("--scale", type=float, default=2.0, help="dots a pixel in a PNG (default: 2)")
+    parser.add_argument("--scale", type=number, default=2.0, help="dots a pixel in a PNG (default: 2)")
 
 
 def run(arguments: Namespace) -> int:

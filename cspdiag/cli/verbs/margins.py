@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +11,7 @@ from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.written import require_file
+from cspdiag.cli.support.numbers import number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 
 if TYPE_CHECKING:
@@ -154,10 +155,10 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
     for entry in arguments.point:
         try:
             name, value = split_setting(entry)
-            point[name] = float(value)
-        except (SettingError, ValueError):
+            point[name] = number(value)
+        except (SettingError, ArgumentTypeError):
             raise UsageError(
-                f"--at {entry}: expected NAME=VALUE, the value a number in the unit of the state"
+                f"--at {entry}: expected NAME=VALUE, the value a finite number in the unit of the state"
             ) from None
         if name not in states:
             raise UsageError(

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cspdiag.arguments import LONGEST_LIMIT
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.standard_streams import standard_error
 from cspdiag.cli.support.diagnostic_formats import FORMATS
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
 from cspdiag.cli.support.files.written import require_different, require_file
+from cspdiag.cli.support.numbers import positive
 from cspdiag.cli.support.proofs.answers import refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
@@ -44,10 +46,18 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--engine", choices=("cspdiag", "spin"), default="cspdiag", help="the prover (default: cspdiag)"
     )
     parser.add_argument(
-        "--time-limit", metavar="S", type=_positive, default=60.0, help="seconds for each assertion (default: 60)"
+        "--time-limit",
+        metavar="S",
+        type=positive(1e-6, LONGEST_LIMIT, "seconds"),
+        default=60.0,
+        help="seconds for each assertion (default: 60)",
     )
     parser.add_argument(
-        "--memory-limit", metavar="MB", type=_positive, default=2000.0, help="megabytes for states (default: 2000)"
+        "--memory-limit",
+        metavar="MB",
+        type=positive(1e-6, 1e9, "megabytes"),
+        default=2000.0,
+        help="megabytes for states (default: 2000)",
     )
     parser.add_argument(
         "--format", choices=FORMATS, default="text",
@@ -70,16 +80,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--no-cache", action="store_true", help="prove again what was proved before")
     parser.add_argument("--quiet", action="store_true", help="show only what is not proved")
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < float("inf"):
-        raise ArgumentTypeError(f"expected a positive number, not {text!r}")
-    return value
 
 
 def run(arguments: Namespace) -> int:

@@ -139,7 +139,10 @@ def _drawn(cspdiag: Command, path: Path) -> str:
         (["-o", "x.svg", "--format", "pdf"], "contradicts"),
         (["--process", "Jiwi"], "did you mean `Jiwy`?"),
         (["--depth", "0"], "--depth is at least 1"),
+        (["--depth", "1.5"], "argument --depth: expected a whole number, not '1.5'"),
+        (["--depth", "1" * 5000], "argument --depth: expected a whole number"),
         (["--scale", "1000"], "--scale is between"),
+        (["--scale", "nan"], "argument --scale: expected a finite number, not 'nan'"),
     ],
 )
 def test_what_cannot_be_drawn_as_asked_is_refused_in_a_line(

@@ -60,7 +60,14 @@ def test_a_bode_picture(cspdiag: Command, loop: Path, tmp_path: Path, kind: str)
         (("--environment", "Moon"), "Moon"),
         (("--set", "T"), "NAME=VALUE"),
         (("--at", "plant.v=1"), "`Bench` has no state plant.v (it has: plant.x)"),
-        (("--at", "plant.x=fast"), "expected NAME=VALUE"),
+        *(
+            (("--at", f"plant.x={value}"), f"--at plant.x={value}: expected NAME=VALUE, the value a finite number")
+            for value in ("fast", "nan", "1e400", "-inf", "1_0", "0x1", "\u0663")
+        ),
+        *(
+            (("--largest-period", margin), f"not {margin!r}")
+            for margin in ("nan", "nandeg", "1e400", "infdB", "1e6dB", "0", "0ms")
+        ),
     ],
 )
 def test_wrong_usage(cspdiag: Command, loop: Path, options: tuple[str, ...], reason: str) -> None:

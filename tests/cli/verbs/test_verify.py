@@ -107,6 +107,12 @@ def test_warnings_stand_beside_what_is_not_proved(cspdiag: Command, refuted: Pat
     [
         (["--process", "Nobody"], "there is no process `Nobody`"),
         (["--time-limit", "-1"], "expected a positive number, not '-1'"),
+        (["--time-limit", "nan"], "expected a positive number, not 'nan'"),
+        (["--time-limit", "1_0"], "expected a positive number, not '1_0'"),
+        (["--time-limit", "1e300"], "expected 1e-06 to 1e+06 seconds, not '1e300'"),
+        (["--memory-limit", "1e400"], "expected a positive number, not '1e400'"),
+        (["--memory-limit", "1e300"], "expected 1e-06 to 1e+09 megabytes, not '1e300'"),
+        (["--memory-limit", "1e-9"], "expected 1e-06 to 1e+09 megabytes, not '1e-9'"),
         (["--time-limit", "soon"], "expected a positive number, not 'soon'"),
         (["--set", "seats"], "a setting is NAME=VALUE"),
         (["--trace-out", "nowhere/trace.json"], "there is no folder nowhere"),

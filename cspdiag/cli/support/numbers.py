@@ -1,0 +1,42 @@
+"""The numbers that options are given: finite, and written as the language writes them."""
+
+from __future__ import annotations
+
+import math
+import re
+from argparse import ArgumentTypeError
+from collections.abc import Callable
+
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+
+
+def number(text: str) -> float:
+    """The finite number that a text is; raises ArgumentTypeError for any other text."""
+    if not _NUMBER.fullmatch(text.strip()) or not math.isfinite(value := float(text)):
+        raise ArgumentTypeError(f"expected a finite number, not {text!r}")
+    return value
+
+
+def whole_number(text: str) -> int:
+    """The number without a sign and a fraction that a text is; raises ArgumentTypeError for any other text."""
+    digits = text.strip()
+    if not (digits.isascii() and digits.isdecimal()) or len(digits) > 9:
+        raise ArgumentTypeError(f"expected a whole number, not {text!r}")
+    return int(digits)
+
+
+def positive(least: float, most: float, unit: str) -> Callable[[str], float]:
+    """What reads a positive number from ``least`` to ``most``; it raises ArgumentTypeError for any other text."""
+
+    def read(text: str) -> float:
+        try:
+            value = number(text)
+        except ArgumentTypeError:
+            value = 0.0
+        if value <= 0:
+            raise ArgumentTypeError(f"expected a positive number, not {text!r}")
+        if not least <= value <= most:
+            raise ArgumentTypeError(f"expected {least:g} to {most:g} {unit}, not {text!r}")
+        return value
+
+    return read
