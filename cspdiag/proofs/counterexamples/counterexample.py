@@ -24,7 +24,7 @@ def is_shown(kind: str, parties: int) -> bool:
 @record
 class Party:
     """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the
-    outermost process, ``role`` as in ``Event.roles``.
+    outermost process, ``role`` as in ``Event.roles``, ``branch`` the text of a parallel branch whose name is a number.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -34,6 +34,7 @@ class Party:
     words: str = ""
     span: Span | None = None
     role: str = ""
+    branch: Span | None = None
 
 
 @record
@@ -132,7 +133,7 @@ class _Teller:
     def _party(self, index: int, state: int) -> Party:
         component = self._system.components[index]
         place = component.places.get(state, Place(""))
-        return Party(self._name(index), place.path or component.path, place.words, place.span)
+        return Party(self._name(index), place.path or component.path, place.words, place.span, branch=component.span)
 
     def waiting(self, state: tuple[int, ...], stuck: Iterable[int]) -> Iterator[BlockedProcess]:
         """The processes among ``stuck`` that have not ended."""

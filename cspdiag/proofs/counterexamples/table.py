@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
 
+from cspdiag.base import Span
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
 from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
@@ -16,26 +18,63 @@ def table(found: Counterexample, width: int = 120) -> str:
     """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty
     without any.
 
-    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so. Where the names of the
-    processes would make it wider than ``width`` characters, the columns have numbers, and the names follow.
+    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so, and where the branches are
+    that have numbers for names. Where the names of the processes would make it wider than ``width`` characters, the
+    columns have numbers, and the names follow.
     """
     steps = [step for step in found.steps if step.shown]
     cycle = [step for step in found.cycle if step.shown]
-    names = list(dict.fromkeys(party.name for step in (*steps, *cycle) for party in step.parties if party.role != "."))
+    parties = [party for step in (*steps, *cycle) for party in step.parties]
+    branches = {party.name: party.branch for party in parties if party.branch is not None}
+    names = _in_text_order(list(dict.fromkeys(party.name for party in parties if party.role != ".")), branches)
     silent = f"{_silent_round(found)}\n" if found.cycle and not cycle else ""
     if not names:
         return silent
-    files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
+    files = {party.span.file for party in parties if party.span is not None}
     rows = list(_rows((*steps, *cycle), names, found.process, shows_files=len(files) > 1))
     lines = _aligned([["", "", *names], *rows])
     legend = [f"lines of {printable(file)}" for file in files] if len(files) == 1 else []
     legend.append(_key(cell for row in rows for cell in row[2:]))
+    where = _where(names, branches, shows_files=len(files) > 1)
     if max(map(len, lines)) > width:
         lines = _aligned([["", "", *(f"({number})" for number in range(1, len(names) + 1))], *rows])
         legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
     if cycle:
         lines.insert(len(lines) - len(cycle), "then again and again:")
-    return "".join(f"{line}\n" for line in lines) + silent + "".join(f"{line}\n" for line in _wrapped(legend, width))
+    below = (*_wrapped(legend, width), *_wrapped(where, width))
+    return "".join(f"{line}\n" for line in lines) + silent + "".join(f"{line}\n" for line in below)
+
+
+def _in_text_order(names: Sequence[str], branches: Mapping[str, Span]) -> list[str]:
+    """The names, of which the branches of one process exchange their places so that they are in the order of the text;
+    replicated ones have the same text, and follow their numbers.
+    """
+    ordered = list(names)
+    numbered: dict[str, list[int]] = {}
+    for position, name in enumerate(names):
+        if name in branches:
+            numbered.setdefault(name.rpartition(".")[0], []).append(position)
+    for positions in numbered.values():
+        in_order = sorted(
+            (names[position] for position in positions), key=lambda name: (branches[name].start, _number(name))
+        )
+        for position, name in zip(positions, in_order, strict=True):
+            ordered[position] = name
+    return ordered
+
+
+def _number(name: str) -> int:
+    """The number in the name of a branch, ``b.3`` or ``b.3 (2)``."""
+    return int(name.rpartition(".")[2].partition(" ")[0])
+
+
+def _where(names: Iterable[str], branches: Mapping[str, Span], *, shows_files: bool) -> Iterator[str]:
+    """``4, 5: branches in line 14``, for each line of the text in which branches begin that have numbers for names."""
+    at = [(name, branches[name]) for name in names if name in branches]
+    for (file, line), group in groupby(at, key=lambda entry: (entry[1].file, entry[1].line)):
+        together = [name for name, _ in group]
+        place = f"at {on_one_line(file).rpartition('/')[2]}:{line}" if shows_files else f"in line {line}"
+        yield f"{', '.join(together)}: branch{'es' * (len(together) > 1)} {place}"
 
 
 def _silent_round(found: Counterexample) -> str:
@@ -125,7 +164,7 @@ def _padded(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
         yield cell.rjust(width) if column == 0 else cell.ljust(width)
 
 
-def _wrapped(parts: Sequence[str], width: int) -> Iterator[str]:
+def _wrapped(parts: Iterable[str], width: int) -> Iterator[str]:
     line = ""
     for part in parts:
         if line and len(line) + 2 + len(part) > width:

@@ -138,6 +138,7 @@ class Assembly(Meetings):
             places=Places(shape.spots, strand),
             failed=frozenset(state for state in shape.terminal if shape.spots[state].words == MISSED_A_SAMPLE),
             path=strand.occurrence.path,
+            span=strand.span,
         )
 
     def _with_echoes(self, edges: list[tuple[Edge, ...]], strand: Strand, shape: Shape) -> list[tuple[Edge, ...]]:

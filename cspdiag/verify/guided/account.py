@@ -197,4 +197,5 @@ class _Teller:
             state for state in self._reached(number) if any(taken == event for taken, _ in self._edges(number, state))
         ]
         place = next((component.places[state] for state in states if state in component.places), Place(""))
-        return Party(component.name.removeprefix(self._prefix), component.path, place.words, place.span)
+        name = component.name.removeprefix(self._prefix)
+        return Party(name, component.path, place.words, place.span, branch=component.span)

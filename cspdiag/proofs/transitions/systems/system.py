@@ -100,7 +100,8 @@ class Component:
     ``edges[state]`` are the edges out of a state; ``terminal`` the states in which it has ended. ``places`` describes
     states to people, and may lack some. ``failed`` are those of the terminal states in which a missed sample has ended
     it. ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the
-    instance's path from the outermost process.
+    instance's path from the outermost process. ``span`` is the text of a parallel branch that has no name but its
+    number.
     """
 
     name: str
@@ -111,6 +112,7 @@ class Component:
     process: bool = True
     path: str = ""
     failed: frozenset[int] = frozenset()
+    span: Span | None = None
 
 
 @record

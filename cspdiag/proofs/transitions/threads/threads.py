@@ -9,6 +9,7 @@ from collections import defaultdict, deque
 from collections.abc import Hashable
 from typing import TypeAlias
 
+from cspdiag.base import Span
 from cspdiag.network.ir.actions import Group, RunInstance
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import instances_run
@@ -41,6 +42,8 @@ class Strand:
         self.parallel: ParallelKey | None = None
         self.template = Template()
         self.number = -1
+        self.span: Span | None = None
+        """The text of a branch that has no name but its number."""
 
     @property
     def role(self) -> Role:
@@ -190,5 +193,8 @@ def _branch(occurrence: Occurrence, node: Node, parent: Strand, number: int) -> 
             return Strand(child, child.definition.body, child.path, parent, number)
         return Strand(occurrence, node, f"{occurrence.path}.{name}", parent, number)
     run = set(instances_run(node.action))
-    name = label or (run.pop() if len(run) == 1 else str(number + 1))
-    return Strand(occurrence, node, f"{occurrence.path}.{name}", parent, number)
+    name = label or (run.pop() if len(run) == 1 else "")
+    branch = Strand(occurrence, node, f"{occurrence.path}.{name or number + 1}", parent, number)
+    if not name:
+        branch.span = node.span
+    return branch
