@@ -64,7 +64,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     what.add_argument(
         "--all",
         action="store_true",
-        help="every process and environment of the file: a file each, or the pages of a PDF",
+        help=(
+            "every process and environment of the file: a file each in a folder, the pages of a PDF, or one below the "
+            "other in an SVG or PNG"
+        ),
     )
     what.add_argument(
         "--book",
@@ -109,8 +112,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Draw what was requested; a program with errors is drawn only to show them."""
     _find_file(arguments)
-    _refuse_senseless(arguments)
     require_different({"the program": arguments.file, "--book": arguments.book, "-o": arguments.output})
+    _refuse_senseless(arguments)
     if _format(arguments) in exchange.FORMATS:
         return _write_graph(arguments)
     if arguments.diagram != "composition":
@@ -178,7 +181,7 @@ def _refuse_book(arguments: Namespace) -> None:
     if arguments.output is not None or arguments.format is not None:
         raise UsageError("--book writes one page: -o and --format do not apply to it")
     if arguments.book != STANDARD_INPUT:
-        require_file("--book", arguments.book)
+        require_file("--book", arguments.book, (".html",), any_case=True)
 
 
 def _write_graph(arguments: Namespace) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from cspdiag.base.record import replaced
 from cspdiag.draw.scene.palette import Scheme
 from cspdiag.draw.scene.scene_geometry import stacked
 from cspdiag.draw.scene.shapes import Scene
@@ -36,4 +37,6 @@ def rendered(scenes: Sequence[Scene], format_: str, scheme: str = "auto", scale:
 
 
 def _whole(scenes: Sequence[Scene]) -> Scene:
-    return scenes[0] if len(scenes) == 1 else stacked(scenes)
+    if len(scenes) == 1:
+        return scenes[0]
+    return replaced(stacked(scenes), title=", ".join(scene.title for scene in scenes), description="")

@@ -76,6 +76,19 @@ def test_all_pictures_go_into_a_folder(cspdiag: Command, tmp_path: Path) -> None
 
 
 @needs_engine
+def test_all_pictures_go_into_one_below_each_other(cspdiag: Command, tmp_path: Path) -> None:
+    path, single = tmp_path / "all.svg", tmp_path / "one.svg"
+    assert cspdiag("draw", JIWY, "--all", "-o", path, "--diagram", "communication").code == 0
+    assert cspdiag("draw", JIWY, "--process", "Align", "-o", single, "--diagram", "communication").code == 0
+    drawn, alone = path.read_text(), single.read_text()
+    names = ["Align", "MotionControl", "Homing", "JointControl", "Jiwy", "Bench", "Worn"]
+    assert f"<title>{', '.join(names)}</title>" in drawn
+    assert "<desc>" not in drawn
+    assert "<desc>" in alone
+    assert set(texts(alone)) < set(texts(drawn))
+
+
+@needs_engine
 def test_labels_are_hidden_by_name(cspdiag: Command, good: Path) -> None:
     result = cspdiag("draw", good, "-o", "-", "--diagram", "communication", "--hide-labels=types")
     assert "int" not in texts(result.out)
@@ -138,6 +151,8 @@ def _drawn(cspdiag: Command, path: Path) -> str:
         (["-o", "nowhere/x.svg"], "there is no folder nowhere"),
         (["-o", "x.svg", "--format", "pdf"], "contradicts"),
         (["--process", "Jiwi"], "did you mean `Jiwy`?"),
+        (["--book", "x.svg"], "--book x.svg: the name must end in .html"),
+        (["--book", "x"], "--book x: the name must end in .html"),
         (["--depth", "0"], "--depth is at least 1"),
         (["--depth", "1.5"], "argument --depth: expected a whole number, not '1.5'"),
         (["--depth", "1" * 5000], "argument --depth: expected a whole number"),
