@@ -133,7 +133,7 @@ def run(given: argparse.Namespace) -> int:
         for line in rows(benchmark, samples[benchmark.name]):
             print(line, flush=True)
     if given.json is not None:
-        given.json.write_text(json.dumps(results(chosen, samples), indent=2) + "\n")
+        Path(given.json).write_text(json.dumps(results(chosen, samples), indent=2) + "\n")
     return 0
 
 
@@ -144,7 +144,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="only this one; may be repeated: " + ", ".join(benchmark.name for benchmark in BENCHMARKS),
     )  # fmt: skip
     parser.add_argument("--rounds", type=_count, default=3, metavar="N", help="how often each is run (default: 3)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all samples and medians to FILE")
+    parser.add_argument("--json", metavar="FILE", help="also write all samples and medians to FILE")
 
 
 def _name(text: str) -> str:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import require_file
+from cspdiag.cli.support.files.written import file_path, require_file
 from cspdiag.cli.support.revisions import LAST_COMMIT, reader_of, split_name
 from cspdiag.cli.support.terminal import say, show_diagnostics, wants_colour, write_out
 from cspdiag.pipeline import check
@@ -44,7 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="OUT",
-        type=Path,
+        type=file_path,
         help=(
             "draw the changed diagrams into a file that ends in .svg, .png or .pdf: added green with +, removed red "
             "and broken, changed amber"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import require_file
+from cspdiag.cli.support.files.written import file_path, require_file
 from cspdiag.cli.support.numbers import number
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 
@@ -50,7 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--largest-period", metavar="MARGIN",
         help="the largest sample period that leaves 30deg, 6dB, a factor of gain, a delay of 5ms, or stable",
     )  # fmt: skip
-    parser.add_argument("--plot", type=Path, metavar="FILE", help="a Bode picture, as .svg, .png or .pdf")
+    parser.add_argument("--plot", type=file_path, metavar="FILE", help="a Bode picture, as .svg, .png or .pdf")
     parser.add_argument("--format", choices=("text", "json"), default="text", help="output format (default: text)")
 
 

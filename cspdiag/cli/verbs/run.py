@@ -5,12 +5,11 @@ from __future__ import annotations
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable
 from contextlib import nullcontext
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.base.sources import read_source
 from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.files.written import require_different, require_file
+from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
@@ -59,17 +58,19 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="reference",
         help="run the language reference itself, as a program: slowly",
     )
-    parser.add_argument("--record", type=Path, metavar="FILE", help="the external ports over time, as .csv or .npz")
     parser.add_argument(
-        "--trace", type=Path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
+        "--record", type=file_path, metavar="FILE", help="the external ports over time, as .csv or .npz"
     )
-    parser.add_argument("--plot", type=Path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
     parser.add_argument(
-        "--draw-deadlock", type=Path, metavar="FILE",
+        "--trace", type=file_path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
+    )
+    parser.add_argument("--plot", type=file_path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
+    parser.add_argument(
+        "--draw-deadlock", type=file_path, metavar="FILE",
         help="if the run ends in a deadlock: who waits for whom, as .svg, .png or .pdf",
     )  # fmt: skip
     parser.add_argument(
-        "--replay", type=Path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
+        "--replay", type=file_path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
     )
     parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
 

@@ -14,7 +14,7 @@ from cspdiag.base.standard_streams import standard_error
 from cspdiag.cli.support.diagnostic_formats import FORMATS
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.files.output import replace_text
-from cspdiag.cli.support.files.written import require_different, require_file
+from cspdiag.cli.support.files.written import file_path, require_different, require_file
 from cspdiag.cli.support.numbers import positive
 from cspdiag.cli.support.proofs.answers import refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
@@ -66,17 +66,24 @@ def add_arguments(parser: ArgumentParser) -> None:
             "prints, on standard output (default: text)"
         ),
     )  # fmt: skip
-    parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
     parser.add_argument(
-        "--draw", type=Path, metavar="FILE",
+        "--trace-out", type=file_path, metavar="FILE", help="the first counterexample, for run --replay"
+    )
+    parser.add_argument(
+        "--draw", type=file_path, metavar="FILE",
         help="who waits for whom in the first deadlock or knot, as .svg, .png or .pdf",
     )  # fmt: skip
     parser.add_argument(
         "--timing", action="store_true", help="print response times, latencies and advice instead of proving assertions"
     )
-    parser.add_argument("--gantt", type=Path, metavar="FILE", help="with --timing: one hyperperiod as an .svg picture")
     parser.add_argument(
-        "--wcet-from", type=Path, metavar="FILE", help="execution times measured in a run, instead of those in the text"
+        "--gantt", type=file_path, metavar="FILE", help="with --timing: one hyperperiod as an .svg picture"
+    )
+    parser.add_argument(
+        "--wcet-from",
+        type=file_path,
+        metavar="FILE",
+        help="execution times measured in a run, instead of those in the text",
     )
     parser.add_argument("--no-cache", action="store_true", help="prove again what was proved before")
     parser.add_argument("--quiet", action="store_true", help="show only what is not proved")
@@ -90,6 +97,8 @@ def run(arguments: Namespace) -> int:
         return run_timing(arguments)
     from cspdiag.cli.support.proofs.cache import Cache, Printed
 
+    if arguments.engine == "spin" and arguments.method is not None:
+        raise UsageError("--method is for the prover of cspdiag: --engine spin has its own (leave one of them out)")
     require_file("--trace-out", arguments.trace_out)
     require_different({"the program": arguments.file, "--trace-out": arguments.trace_out, "--draw": arguments.draw})
     if arguments.draw is not None:

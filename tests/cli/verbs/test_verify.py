@@ -107,6 +107,7 @@ def test_warnings_stand_beside_what_is_not_proved(cspdiag: Command, refuted: Pat
     [
         (["--process", "Nobody"], "there is no process `Nobody`"),
         (["--time-limit", "-1"], "expected a positive number, not '-1'"),
+        (["--engine", "spin", "--method", "rules"], "--method is for the prover of cspdiag"),
         (["--time-limit", "nan"], "expected a positive number, not 'nan'"),
         (["--time-limit", "1_0"], "expected a positive number, not '1_0'"),
         (["--time-limit", "1e300"], "expected 1e-06 to 1e+06 seconds, not '1e300'"),

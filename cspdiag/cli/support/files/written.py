@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from argparse import ArgumentTypeError
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -12,6 +13,17 @@ from cspdiag.cli.support.failure import UsageError, described
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+def file_path(text: str) -> Path:
+    """The path of a file, as the value of an option; raises ArgumentTypeError for what can only be a folder, which a
+    ``Path`` does not show.
+    """
+    from pathlib import Path
+
+    if os.path.basename(text) in {"", os.curdir, os.pardir}:
+        raise ArgumentTypeError(f"expected the name of a file, not {text!r}")
+    return Path(text)
 
 
 def require_file(option: str, path: str | Path | None, endings: Sequence[str] = (), *, any_case: bool = False) -> None:

@@ -80,6 +80,36 @@ def test_an_output_is_refused_by_its_own_name(
     assert os.listdir() == ["main.csp"]
 
 
+@pytest.mark.parametrize("ending", ["/", "/.", "/.."])
+@pytest.mark.parametrize(
+    ("command", "option", "name"),
+    [
+        ("run", "--record", "out.csv"),
+        ("run", "--trace", "out.json"),
+        ("run", "--plot", "out.svg"),
+        ("run", "--draw-deadlock", "out.svg"),
+        ("run", "--replay", "out.json"),
+        ("margins", "--plot", "out.svg"),
+        ("verify", "--trace-out", "out.json"),
+        ("verify", "--draw", "out.svg"),
+        ("verify --timing", "--gantt", "out.svg"),
+        ("verify --timing", "--wcet-from", "out.json"),
+        ("draw", "--book", "out.html"),
+        ("diff", "-o", "out.svg"),
+        ("bench", "--json", "out.json"),
+    ],
+)
+def test_a_folder_is_no_place_for_a_file(
+    cspdiag: Command, program: Path, command: str, option: str, name: str, ending: str
+) -> None:
+    """A path is read without a slash at its end, so the file would have been written."""
+    files = [] if command == "bench" else [program]
+    result = cspdiag(*command.split(), option, name + ending, *files)
+    assert (result.code, result.out) == (2, "")
+    assert name + ending in result.err
+    assert os.listdir() == ["main.csp"]
+
+
 class _Refusing:
     """The module ``os``, but for opening files."""
 
