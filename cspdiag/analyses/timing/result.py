@@ -141,8 +141,10 @@ class TimingReport:
         if late and self.is_overloaded:
             return f"{_listed(late)} cannot always be ready before the next sample: there is more work than time"
         if late:
+            # That this analysis shows none does not say that there is none: W0707 may report what is missed.
             return (
-                f"{_listed(late)} may not be ready before the next sample, though no run is known in which it is late"
+                f"{_listed(late)} may not be ready before the next sample, though response times alone show no run in "
+                "which it is late"
             )
         if not self.loops:
             return "no loop follows a sample period"
