@@ -60,7 +60,7 @@ def test_a_bound_that_no_run_is_known_to_reach_refutes_nothing() -> None:
     report = report_of(text)
     assert report.loops[0].response == 1100 * US - 1
     assert report.is_schedulable is None
-    assert table(report).startswith("NOT PROVED: Main: `fast` may not be ready before the next sample, though no run")
+    assert table(report).startswith("NOT PROVED: Main: `fast` may not be ready before the next sample, though response")
     network = network_of(text)
     found = diagnostic_of(report, network.class_named(network.top).span)
     assert found is not None
