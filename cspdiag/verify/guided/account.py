@@ -75,14 +75,20 @@ class _Teller:
                 self._named[event.channel].append(number)
 
     def step(self, happened: Happened, value: str | None) -> Step:
-        """What happened as a step; without places where the components do not tell them."""
+        """What happened as a step; without places where the components do not tell them.
+
+        Values that proofs do not follow leave a component in several states that offer the same: the place is then
+        that at which the run was.
+        """
         if happened.action == "skip":
             return Step("internal", "", None, self._untold(happened))
         for actors in (happened.actors, happened.actors[1:], happened.actors[:1]):
             matches = list(self._matches(happened, actors, value)) if actors else []
             if matches:
                 best = min(matches, key=lambda match: match.fit)
-                return self._taken(value, best, [match for match in matches if match.actors == best.actors])
+                places = {number: actor.place for number, actor in zip(best.actors, actors, strict=True)}
+                same = [match for match in matches if match.actors == best.actors]
+                return self._taken(value, best, same, places)
         return Step("communication", happened.channel, value, self._untold(happened))
 
     def _untold(self, happened: Happened) -> tuple[Party, ...]:
@@ -101,7 +107,9 @@ class _Teller:
         if not candidates:
             name = actor.path.removeprefix(self._prefix)
             return BlockedProcess(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
-        _, number, state = min(candidates, key=lambda candidate: candidate[0])
+        _, number, state = min(
+            candidates, key=lambda entry: (entry[0], not self._is_at(entry[1], entry[2], actor.place))
+        )
         component, events = (
             self._system.components[number],
             [self._system.events[e] for e in self._waits(number, state)],
@@ -122,6 +130,9 @@ class _Teller:
         """The events for which a component waits in a state, but for the end of all that runs beside it."""
         events = sorted({event for event, _ in self._edges(component, state)} - {INTERNAL})
         return [event for event in events if self._system.events[event].kind not in _UNSEEN - {"delivered"}]
+
+    def _is_at(self, component: int, state: int, at: str | None) -> bool:
+        return _is_at(self._system.components[component].places.get(state, Place("")), at)
 
     def _channels(self, component: int, state: int) -> frozenset[str]:
         return frozenset(
@@ -176,10 +187,13 @@ class _Teller:
                     pending.append(target)
         return list(reached)
 
-    def _taken(self, value: str | None, best: _Match, same: Sequence[_Match]) -> Step:
+    def _taken(self, value: str | None, best: _Match, same: Sequence[_Match], places: Mapping[int, str | None]) -> Step:
         """The step; from now on the components are where it leads, whatever the value."""
         event = self._system.events[best.event]
-        parties = tuple(replaced(self._party(number, best.event), role=event.role(number)) for number in event.parties)
+        parties = tuple(
+            replaced(self._party(number, best.event, places.get(number)), role=event.role(number))
+            for number in event.parties
+        )
         events = {match.event for match in same}
         for number in event.parties:
             after = frozenset(
@@ -191,11 +205,17 @@ class _Teller:
             self._states[number] = after or self._states[number]
         return Step(event.kind, event.channel, value or event.value, parties)
 
-    def _party(self, number: int, event: int) -> Party:
+    def _party(self, number: int, event: int, at: str | None) -> Party:
         component = self._system.components[number]
         states = [
             state for state in self._reached(number) if any(taken == event for taken, _ in self._edges(number, state))
         ]
-        place = next((component.places[state] for state in states if state in component.places), Place(""))
+        places = [component.places[state] for state in states if state in component.places]
+        place = min(places, key=lambda place: not _is_at(place, at), default=Place(""))
         name = component.name.removeprefix(self._prefix)
         return Party(name, component.path, place.words, place.span, branch=component.span)
+
+
+def _is_at(place: Place, at: str | None) -> bool:
+    """Whether a place is in the line of a run's ``file.csp:12``, in which files have no folders."""
+    return place.span is not None and f"{place.span.file.rpartition('/')[2]}:{place.span.line}" == at

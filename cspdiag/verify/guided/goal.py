@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.runtime.composition import Branches
+from cspdiag.runtime.deadlock import place_of_wait
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.verify.guided.script import Actor, Standing
 from cspdiag.verify.runs.names import belongs
@@ -107,9 +108,8 @@ class Goal:
         for task in _leaves(root):
             offers = list(_offers(task))
             if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), offers):
-                yield Standing(
-                    Actor(path_of(task), names.told(task)), frozenset(channel for _, channel in offers if channel)
-                )
+                actor = Actor(path_of(task), names.told(task), place_of_wait(task))
+                yield Standing(actor, frozenset(channel for _, channel in offers if channel))
 
     def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:
         channels = {channel for _, channel in offers if channel}

@@ -28,6 +28,7 @@ from cspdiag.verify.guided.result import GuidedRun
 from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round
 from cspdiag.verify.guided.world import World
 from cspdiag.verify.runs.task_names import Key, TaskNames, path_of, task_of
+from cspdiag.verify.runs.task_places import TaskPlaces
 
 MOST_CHOICES = 6
 """So many of the processes that are ready are tried as the next."""
@@ -71,6 +72,7 @@ class Run(Policy):
         self._expected = goal.expected() if goal.trace.failure == "refinement" else None
         self._seen = 0
         self._names = TaskNames()
+        self._places = TaskPlaces()
         self._keys: dict[Task, Key] = {}
         self._ready: dict[Priority, list[tuple[int, int, Party]]] = {(): []}
         self._serial = 0
@@ -334,7 +336,8 @@ class Run(Policy):
         if self._actions > self._limit:
             self._break_off()
         tasks = [task_of(party) for party in parties if party is not None]
-        actors = tuple(Actor(path_of(task), self._names.told(task)) for task in tasks)
+        current = self._run.current
+        actors = tuple(Actor(path_of(task), self._names.told(task), self._places.of(task, current)) for task in tasks)
         self._happened.append(Happened(action, channel, actors, value))
 
     def _match(self, party: Party, action: str, channel: str, index: int = 0) -> bool:

@@ -39,10 +39,13 @@ class Passed:
 
 @record
 class Actor:
-    """A task that took part in something: its process, and what a counterexample may call it."""
+    """A task that took part in something: its process, what a counterexample may call it, and the file and line of the
+    text at which it was.
+    """
 
     path: str
     names: tuple[str, ...]
+    place: str | None = None
 
 
 @record

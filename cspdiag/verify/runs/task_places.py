@@ -1,0 +1,40 @@
+"""Where the text says what a task of a run does: of those that wait, and of the one that runs."""
+
+from __future__ import annotations
+
+import sys
+from types import CodeType, FrameType
+
+from cspdiag.runtime.deadlock import frames_of
+from cspdiag.runtime.kernel.places import is_of_runtime, source_line
+from cspdiag.runtime.kernel.scheduler import Task
+from cspdiag.runtime.stepwise import StepwiseRun
+
+_OUTSIDE = StepwiseRun.run_one.__code__
+"""What calls it is not the program."""
+
+
+class TaskPlaces:
+    """Files and lines, each looked up once."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[CodeType, int], str | None] = {}
+
+    def of(self, task: Task, current: Task | None) -> str | None:
+        """Where a task is, of which ``current`` is the one that runs and has called this; None if that is unknown."""
+        if task is not current:
+            frames = list(frames_of(task))
+            return self._place(frames[-1]) if frames else None
+        frame: FrameType | None = sys._getframe(1)
+        while frame is not None and frame.f_code is not _OUTSIDE:
+            place = None if is_of_runtime(frame) else self._place(frame)
+            if place is not None:
+                return place
+            frame = frame.f_back
+        return None
+
+    def _place(self, frame: FrameType) -> str | None:
+        key = frame.f_code, frame.f_lineno
+        if key not in self._known:
+            self._known[key] = source_line(*key)
+        return self._known[key]
