@@ -397,7 +397,7 @@ static void build_parallel(void)
 
 int main(int count, char **arguments)
 {
-    static const csp_program program = {&top.process, NULL, 0U, NULL, NULL, NULL, NULL};
+    static const csp_program program = {.process = &top.process};
     const char *const name = (count > 1) ? arguments[1] : "commstime";
     const long size = (count > 2) ? strtol(arguments[2], NULL, 10) : 10;
     csp_process_init(&top.process, &program_class, 1U);

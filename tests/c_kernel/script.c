@@ -328,7 +328,7 @@ void script_run(script *scripts, const char *const *channel_names, const csp_por
     static const char *const exceptions[] = {"Alarm", "Other"};
     static const char *const endings[] = {"terminated", "failed", "deadlock", "time limit", "stopped"};
     const csp_program program = {&scripts[0].process, ports, port_count, environment, name_process, name_channel,
-                                 exceptions};
+                                 exceptions, false};
     char text[200];
     names = channel_names;
     all = scripts;

@@ -171,9 +171,9 @@ static void show_lateness(void)
 void csp_port_finish(const struct csp_program *program)
 {
     if (instants > 0U) {
-        char text[MISSED] = "";
         show_lateness();
         if (!program->tells_misses) {
+            char text[MISSED] = "";
             csp_describe_missed(program, text, sizeof text);
             (void)fprintf(stderr, "  missed samples: %s\n", text);
         }
