@@ -11,7 +11,7 @@ from typing import assert_never
 
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.values import Values, one_line
-from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, select_arguments
+from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, guards_of, select_arguments
 from cspdiag.codegen.python.text.code import (
     BITS_AND,
     BITS_OR,
@@ -225,17 +225,7 @@ class Alternatives(Values):
 
     def _needs(self, branches: Sequence[Branch], *, always: bool = False) -> Guards:
         """What guards need, evaluated where they begin."""
-        names = self.imports.names
-        found = Guards(
-            self.printer.print,
-            may_fault,
-            lambda span: names.place(span.file, span.line),
-            self.guard_names,
-            always,
-        )
-        for branch in branches:
-            found.add(branch)
-        return found
+        return guards_of(branches, self.printer.print, may_fault, self.imports.names, self.guard_names, always=always)
 
     def _guard(self, event: Event, printer: FastPrinter, *, made: bool, needed: Code | None = None) -> Code:
         """A guard; ``made`` in the constructor, where values are not known yet."""

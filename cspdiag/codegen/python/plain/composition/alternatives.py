@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from cspdiag.codegen.python.plain.composition.accesses import Accesses, Method
-from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, select_arguments
+from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, guards_of, select_arguments
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.text.code import (
     OR,
@@ -167,17 +167,9 @@ class Alternatives(Accesses):
 
     def _guards(self, branches: Sequence[Branch[CoreAction]], *, always: bool = False) -> Guards:
         """What guards need, evaluated where they begin."""
-        names = self.imports.names
-        found = Guards(
-            self.printer.print,
-            self._may_fault,
-            lambda span: names.place(span.file, span.line),
-            self.guard_names,
-            always,
+        return guards_of(
+            branches, self.printer.print, self._may_fault, self.imports.names, self.guard_names, always=always
         )
-        for branch in branches:
-            found.add(branch)
-        return found
 
     def _condition(self, branch: Branch[CoreAction]) -> Code:
         return TRUE if branch.condition is None else self.printer.print(branch.condition)

@@ -7,7 +7,7 @@ the rest stands where it is used.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from cspdiag.base.span import Span
@@ -25,6 +25,7 @@ from cspdiag.codegen.python.text.code import (
     at_least,
     tuple_of,
 )
+from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.statements import Statement, assign
 from cspdiag.network.ir.actions import AfterEvent, Branch, OutputEvent, Step
 from cspdiag.network.ir.expressions import Expression
@@ -107,4 +108,20 @@ def select_arguments(branches: Sequence[Branch], guards: Guards) -> list[Argumen
         )
         if entries:
             found.append(Argument(Items("{}", entries), name))
+    return found
+
+
+def guards_of(
+    branches: Iterable[Branch],
+    printed: Callable[[Expression], Code],
+    can_fault: Callable[[Expression], bool],
+    package: PackageNames,
+    names: GuardNames,
+    *,
+    always: bool,
+) -> Guards:
+    """What the guards of an alternative need, evaluated where they begin."""
+    found = Guards(printed, can_fault, lambda span: package.place(span.file, span.line), names, always)
+    for branch in branches:
+        found.add(branch)
     return found
