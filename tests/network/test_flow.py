@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.network.checks.endless import never_ends
+from cspdiag.network.flow import code as flow
 from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
+from cspdiag.network.flow.code import Abandon, Code, Communicate, Delay, Join, Loop, Resume, Unwatch, following
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, exceptions_of
 from cspdiag.network.flow.waiting import is_always_ready, only_computes
@@ -158,6 +159,43 @@ def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
     assert {type(found.instructions[loop]) for loop in found.back.values()} == {Loop}
     assert len(found.back) == 2
     assert len(found.before[places(found, Join)[0]]) == 2
+
+
+@pytest.mark.parametrize(
+    ("composition", "holds", "fails"),
+    [
+        ("(if x > 3 then u ? x else y ! 1) ; wait 1 ms", "ReadValue", "WriteValue"),
+        ("mu ((while x > 3 do u ? x) ; y ! 1)", "ReadValue", "WriteValue"),
+        ("mu u ? x until x > 3 ; y ! 1", "WriteValue", "ReadValue"),
+        ("mu (wait 1 ms ; mu u ? x until x > 3)", "WaitStep", "ReadValue"),
+        ("mu (wait 1 ms ; while x > 3 do u ? x)", "ReadValue", "WaitStep"),
+    ],
+)
+def test_the_first_way_from_a_condition_is_where_it_holds(composition: str, holds: str, fails: str) -> None:
+    found = code(composition)
+    after = following(found)
+
+    def next_step(index: int) -> str:
+        instruction = found.instructions[index]
+        if isinstance(instruction, Communicate | Delay):
+            return type(instruction.step).__name__
+        return next_step(after[index][0])
+
+    (test,) = places(found, flow.Test)
+    assert [next_step(way) for way in after[test]] == [holds, fails]
+
+
+def test_every_condition_and_loop_knows_its_instructions() -> None:
+    found = code("mu ((if x > 3 then while x > 5 do u ? x) ; y ! x)")
+    kinds = [type(action).__name__ for action, _ in found.decisions]
+    assert kinds == ["WhileLoop", "IfElse", "Repeat"], "what is inside comes first"
+    inner, condition, outer = (inside for _, inside in found.decisions)
+    assert set(inner) < set(condition) < set(outer)
+    assert isinstance(found.instructions[inner.start], Loop)
+    assert isinstance(found.instructions[condition.start], flow.Test)
+    reads, writes = places(found, Communicate)
+    assert reads in inner
+    assert writes not in condition
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,7 @@ class _Builder:
     """Adds instructions in the order of the text."""
 
     def __init__(self) -> None:
-        self.code = Code(instructions=[], before=[], back={}, abandoned=[], sequences=[])
+        self.code = Code(instructions=[], before=[], back={}, abandoned=[], sequences=[], decisions=[])
         self._open: tuple[int, ...] = ()
         """What the next instruction comes after: at most one, but where ways come together, and none where nothing
         ends.
@@ -93,7 +93,7 @@ class _Builder:
 
     def action(self, action: Action) -> None:
         """Add the instructions of an action."""
-        span = action.span
+        span, first = action.span, len(self.code.instructions)
         match action:
             case RunInstance():
                 self.add(Call(span=span, step=action))
@@ -161,6 +161,8 @@ class _Builder:
                 self.add(Leave(span=span, step=action))
             case _:
                 assert_never(action)
+        if isinstance(action, IfElse | WhileLoop | Repeat | CountedLoop):
+            self.code.decisions.append((action, range(first, len(self.code.instructions))))
 
     def _back(self, start: int) -> None:
         self.code.before[start] += self._open

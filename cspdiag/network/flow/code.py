@@ -17,12 +17,15 @@ from cspdiag.network.ir.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
+    IfElse,
     InterruptOn,
     ParallelSteps,
     ProcessScope,
     RaiseException,
     ReadInputs,
     ReadValue,
+    Repeat,
     ReportCommunication,
     ResetInstance,
     ResetStates,
@@ -32,6 +35,7 @@ from cspdiag.network.ir.actions import (
     SkipStep,
     StopStep,
     WaitStep,
+    WhileLoop,
     WriteOutputs,
     WriteValue,
 )
@@ -39,6 +43,8 @@ from cspdiag.network.ir.expressions import Expression
 
 Computation: TypeAlias = AssignValue | SkipStep | ResetInstance | RunLaw | ResetStates | ReportCommunication
 Communication: TypeAlias = ReadValue | WriteValue | ReadInputs | WriteOutputs
+
+Decision: TypeAlias = IfElse | WhileLoop | Repeat | CountedLoop
 
 SINGLE_STEPS = Computation | Communication | WaitStep
 """The steps that one ``Compute``, ``Communicate`` or ``Delay`` stands for."""
@@ -219,3 +225,18 @@ class Code:
     """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
     sequences: list[tuple[SequentialSteps, list[int]]]
     """Every sequence, with the instruction at which each of its steps begins."""
+    decisions: list[tuple[Decision, range]]
+    """Every condition and loop, with its instructions; those inside it come before it."""
+
+
+def following(code: Code) -> list[list[int]]:
+    """The instructions after each: those behind it in the order of the text, then those that it goes back to, from the
+    outermost loop; so the first after a ``Test`` is where its condition holds.
+    """
+    after: list[list[int]] = [[] for _ in code.instructions]
+    for index, before in enumerate(code.before):
+        for earlier in before:
+            after[earlier].append(index)
+    for index, ways in enumerate(after):
+        ways.sort(key=lambda way: (way <= index, way))
+    return after

@@ -25,7 +25,7 @@ from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralV
 from cspdiag.network.ir.network import LocalChannel
 from cspdiag.network.lower.distinct_names import DistinctNames
 from cspdiag.optimize.changes import in_sequence
-from cspdiag.optimize.fuse.code import Raise
+from cspdiag.optimize.fuse.code import Failure
 from cspdiag.optimize.fuse.follow import Ends, Loops
 from cspdiag.optimize.fuse.record import Step, Turn
 from cspdiag.optimize.fuse.rolling import rolled
@@ -191,7 +191,7 @@ class PathWriter:
         return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
 
 
-def _raised(failure: Raise) -> Action:
+def _raised(failure: Failure) -> Action:
     """Where it was raised, by the process that raised it."""
     return failure.action if failure.process is None else replaced(failure.process, ends=(), body=failure.action)
 

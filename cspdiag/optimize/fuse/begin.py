@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Iterator
+from typing import Protocol, assert_never
 
-from cspdiag.network.ir.actions import AfterEvent, Choice, End, InputEvent, OutputEvent, ReadyEvent, SkipEvent
+from cspdiag.network.flow.code import Communication
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    Choice,
+    End,
+    InputEvent,
+    OutputEvent,
+    ReadInputs,
+    ReadValue,
+    ReadyEvent,
+    SkipEvent,
+    Target,
+    WriteOutputs,
+    WriteValue,
+)
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.optimize.folding import is_literal
-from cspdiag.optimize.fuse import code
 from cspdiag.optimize.fuse.code import NotStaticError
 from cspdiag.optimize.fuse.media import Medium, Offer, Place
 from cspdiag.semantics.choice import Choose
@@ -36,44 +50,46 @@ class Surroundings(Protocol):
         """The value of one of several offers is computed before any of them is made."""
 
 
-def exchange(world: Surroundings, place: Place, instruction: code.Communicate) -> Communicate:
+def exchange(world: Surroundings, place: Place, step: Communication) -> Communicate:
     """Readers and writers; of several values, each is computed before any is offered."""
     request = Communicate()
-    for end, target in instruction.reads:
-        request.offers.append(
-            Offer(
-                request=request,
-                medium=world.medium_of(end),
-                end=world.key_of(end),
-                writes=False,
-                place=place,
-                source=end,
-                number=len(request.offers),
-                span=instruction.span,
-                target=target,
-            )
-        )
-    for end, value in instruction.writes:
+    ends = list(_ends(step))
+    for number, (end, target, value) in enumerate(ends):
         offer = Offer(
             request=request,
             medium=world.medium_of(end),
             end=world.key_of(end),
-            writes=True,
+            writes=value is not None,
             value=value,
             place=place,
             source=end,
-            number=len(request.offers),
-            span=instruction.span,
+            number=number,
+            span=step.span,
+            target=target,
         )
         request.offers.append(offer)
-        if len(instruction.writes) > 1:
+        if offer.writes and len(ends) > 1:
             world.compute_beside(offer)
     return request
 
 
-def delay(world: Surroundings, instruction: code.Delay) -> Wait:
-    """A delay. Raises NotStaticError where its length is not known."""
-    return Wait(None if instruction.duration is None else _time(world, instruction.duration))
+def _ends(step: Communication) -> Iterator[tuple[End, Target | None, Expression | None]]:
+    match step:
+        case ReadValue():
+            yield step.source, step.target, None
+        case WriteValue():
+            yield step.sink, None, step.value
+        case ReadInputs():
+            yield from ((read.source, Target(read.name), None) for read in step.reads)
+        case WriteOutputs():
+            yield from ((write.sink, None, write.value) for write in step.writes)
+        case _:
+            assert_never(step)
+
+
+def delay(world: Surroundings, duration: Expression | None) -> Wait:
+    """A delay; None: for ever. Raises NotStaticError where its length is not known."""
+    return Wait(None if duration is None else _time(world, duration))
 
 
 def _time(world: Surroundings, duration: Expression) -> int:

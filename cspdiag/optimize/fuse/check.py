@@ -8,7 +8,7 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.network.ir.actions import AssignValue, ProcessScope
 from cspdiag.optimize.fuse.actions import opposite
-from cspdiag.optimize.fuse.code import Raise
+from cspdiag.optimize.fuse.code import Failure
 from cspdiag.optimize.fuse.follow import Ends, Loops
 from cspdiag.optimize.fuse.record import Happening, Step, Turn
 from cspdiag.optimize.fuse.schedule import Path
@@ -63,7 +63,7 @@ def _same_end(one: Part, other: Part) -> bool:
     return _same_failure(outcome.failure, other_outcome.failure) and one[0].now - one[2] == other[0].now - other[2]
 
 
-def _same_failure(one: Raise | None, other: Raise | None) -> bool:
+def _same_failure(one: Failure | None, other: Failure | None) -> bool:
     if one is None or other is None:
         return one is other
     processes = [None if failure.process is None else failure.process.instance for failure in (one, other)]

@@ -1,52 +1,35 @@
-"""A composition as a list of instructions, for following at compile time what all processes of a program do.
+"""The instructions of a whole program, with what it takes to follow at compile time what all its processes do.
 
-An instruction is what a process does between two points at which it could stop: a computation, a communication, a
-delay, an alternative, or a decision where to go on. What only computes is one instruction, however large; outputs to
-the environment never wait, and count as computing.
+What only computes is done as a whole, however large; outputs to the environment never wait, and count as computing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Container
-from typing import TypeAlias, assert_never
+from typing import assert_never
 
 from cspdiag.base import Span
-from cspdiag.base.record import record, replaced
+from cspdiag.base.record import record
+from cspdiag.network.flow import code as flow
+from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
 from cspdiag.network.ir.actions import (
     Action,
-    AssignValue,
     CatchException,
     ChannelEnd,
-    Choice,
     CountedLoop,
     End,
-    Group,
-    IfElse,
-    InputRead,
-    InterruptOn,
-    ParallelSteps,
     ProcessScope,
     RaiseException,
     ReadInputs,
     ReadValue,
-    Repeat,
-    ReportCommunication,
     ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
     SequentialSteps,
-    SkipStep,
-    StopStep,
-    Target,
-    WaitStep,
-    WhileLoop,
     WriteOutputs,
     WriteValue,
 )
-from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import MediumKind, ProcessClass
+from cspdiag.optimize.changes import with_inner_actions
 
 MOST_TURNS = 1_000
 """A loop of more turns that communicate stays one."""
@@ -60,106 +43,15 @@ class NotStaticError(Exception):
 
 
 @record(eq=False)
-class Compute:
-    """Anything without waiting."""
-
-    action: Action
-
-
-@record(eq=False)
-class Communicate:
-    """Reads or writes, begun all at once."""
-
-    reads: tuple[tuple[End, Target], ...]
-    writes: tuple[tuple[End, Expression], ...]
-    span: Span
-
-
-@record(eq=False)
-class Delay:
-    """Waits for a time; None: for ever."""
-
-    duration: Expression | None
-    span: Span
-
-
-@record(eq=False)
-class Select:
-    """An alternative; branch n goes on at ``bodies[n]``."""
-
-    choice: Choice
-    bodies: tuple[int, ...]
-
-
-@record(eq=False)
-class Decide:
-    """Goes on with the next instruction where the condition holds, else at ``otherwise``."""
-
-    condition: Expression
-    otherwise: int
-    span: Span
-
-
-@record(eq=False)
-class Jump:
-    """Goes on elsewhere."""
-
-    to: int
-
-
-@record(eq=False)
-class Start:
-    """A parallel, whose branches begin at these instructions; then it goes on at ``after``."""
-
-    branches: tuple[int, ...]
-    prioritized: bool
-    after: int
-
-
-@record(eq=False)
-class Raise:
-    """Raises an exception in a process, None for the outermost."""
+class Failure:
+    """What raises an exception, in a process, None for the outermost."""
 
     action: RaiseException
     process: ProcessScope | None
 
 
-@record(eq=False)
-class Close:
-    """A process has ended; ``scope`` is it, without what it did."""
-
-    scope: ProcessScope
-
-
-@record(eq=False)
-class Finish:
-    """The end of a branch, or of the program."""
-
-
-Instruction: TypeAlias = Compute | Communicate | Delay | Select | Decide | Jump | Start | Raise | Close | Finish
-
-
-@record
-class Handler:
-    """A ``catch`` around an instruction."""
-
-    exception: str
-    handler: int
-
-
-@record
-class Scope:
-    """A process around an instruction, without what it does."""
-
-    process: ProcessScope
-
-
-Around: TypeAlias = tuple[Handler | Scope, ...]
-"""What is around an instruction within its task, innermost first."""
-
-
 class Code:
-    """The instructions of a process class whose composition runs no instances any more.
+    """The instructions of a process class whose composition runs no instances any more, and where each goes on.
 
     ``whole`` are the conditions and loops that may be computed as a whole; None: all that only compute.
     """
@@ -168,16 +60,70 @@ class Code:
         assert entry.body is not None
         self.entry = entry
         self._whole = whole
-        self.instructions: list[Instruction] = []
-        self.around: list[Around] = []
         self.kinds: dict[str, MediumKind] = {channel.name: channel.kind for channel in entry.channels}
-        self._process: ProcessScope | None = None
         self._media = {port.name: port.media for port in entry.ports}
-        self._add_action(entry.body, ())
-        self._add(Finish(), ())
+        code = flow_of(self._unrolled(entry.body))
+        self.instructions = code.instructions
+        self.after = flow.following(code)
+        self.computations = self._computations(code)
+        """By its first instruction what is computed as a whole, with the instruction after it."""
+        self._refuse(code)
+        self.around: list[tuple[int, ...]] = []
+        """By instruction what is around it within its branch, innermost first: the ``Enter`` of processes, and the
+        ``Abandon`` of what catches exceptions.
+        """
+        self.failures: dict[int, Failure] = {}
+        self.joins: dict[int, int] = {}
+        """The ``Join`` of each ``Fork``."""
+        self._nest(code)
 
-    def medium(self, end: End) -> MediumKind:
-        """What an end belongs to."""
+    def _unrolled(self, action: Action) -> Action:
+        """The action with the turns of loops that communicate one after another."""
+        action = with_inner_actions(action, self._unrolled)
+        if not isinstance(action, CountedLoop) or action.turns > MOST_TURNS or 0 in self._computations(flow_of(action)):
+            return action
+        return SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+
+    def _computations(self, code: flow.Code) -> dict[int, tuple[Action, int]]:
+        after = flow.following(code)
+        computes = [self._computes(instruction) for instruction in code.instructions]
+        found: dict[int, tuple[Action, int]] = {}
+        for action, inside in code.decisions:
+            out = next((way for index in inside for way in after[index] if way not in inside), None)
+            chosen = self._whole is None or isinstance(action, CountedLoop) or action in self._whole
+            if chosen and out is not None and all(computes[inside.start : inside.stop]):
+                found[inside.start] = (action, out)
+            computes[inside.start] = inside.start in found
+        return found
+
+    def _computes(self, instruction: flow.Instruction) -> bool:
+        """Whether it never waits, and goes on after it in every case (but a fault)."""
+        match instruction:
+            case flow.Compute():
+                return not isinstance(instruction.step, ResetInstance)
+            case flow.Communicate():
+                return self.is_over_at_once(instruction.step)
+            case _:  # Of all others these lead from step to step.
+                return isinstance(instruction, flow.Test | flow.Loop | flow.Turn | flow.Meet)
+
+    def is_over_at_once(self, step: flow.Communication) -> bool:
+        """Whether it never waits, and nobody can have waited for it."""
+        match step:
+            case ReadValue():
+                return False
+            case ReadInputs():
+                return not step.reads
+            case WriteValue():
+                return self._never_waits(step.sink)
+            case WriteOutputs():
+                return all(self._never_waits(write.sink) for write in step.writes)
+            case _:
+                assert_never(step)
+
+    def _never_waits(self, sink: End) -> bool:
+        return self._medium(sink) in WRITTEN_AT_ONCE - {"overwrite"}
+
+    def _medium(self, end: End) -> MediumKind:
         if isinstance(end, ChannelEnd):
             return self.kinds[end.channel]
         media = self._media[end.port]
@@ -185,159 +131,47 @@ class Code:
             raise NotStaticError("classes are not specialized")
         return media[end.index or 0].kind
 
-    def _add(self, instruction: Instruction, around: Around) -> int:
-        self.instructions.append(instruction)
-        self.around.append(around)
-        return len(self.instructions) - 1
+    def _refuse(self, code: flow.Code) -> None:
+        counted = {inside.start: action for action, inside in code.decisions if isinstance(action, CountedLoop)}
+        for index, instruction in enumerate(code.instructions):
+            match instruction:
+                case flow.Call(step=step) | flow.Compute(step=ResetInstance() as step):
+                    raise NotStaticError(f"{step.instance} is a process or control law of its own", step.span)
+                case flow.Watch(step=CatchException(exception="Fault" | "Timeout" as exception)):
+                    raise NotStaticError(f"a {exception} that is caught may come at any time", instruction.span)
+                case flow.Watch(step=step) if not isinstance(step, CatchException):
+                    raise NotStaticError("an interrupt may come at any time", instruction.span)
+                case flow.Loop() if index in counted and index not in self.computations:
+                    raise NotStaticError(f"{counted[index].turns} turns are too many to write down", instruction.span)
+                case _:  # Every other instruction can be followed.
+                    pass
 
-    @property
-    def _next(self) -> int:
-        return len(self.instructions)
-
-    def _add_action(self, action: Action, around: Around) -> None:
-        if not isinstance(action, SequentialSteps | Group) and self.computes(action):
-            if not isinstance(action, SkipStep):
-                self._add(Compute(action), around)
-            return
-        match action:
-            case SequentialSteps(steps=steps):
-                for step in steps:
-                    self._add_action(step, around)
-            case Group(body=body):
-                self._add_action(body, around)
-            case ReadValue(source=source, target=target):
-                self._add(Communicate(((source, target),), (), action.span), around)
-            case WriteValue(sink=sink, value=value):
-                self._add(Communicate((), ((sink, value),), action.span), around)
-            case ReadInputs(reads=reads):
-                self._add(Communicate(tuple(map(_target, reads)), (), action.span), around)
-            case WriteOutputs(writes=writes):
-                pairs = tuple((write.sink, write.value) for write in writes)
-                self._add(Communicate((), pairs, action.span), around)
-            case WaitStep(duration=duration):
-                self._add(Delay(duration, action.span), around)
-            case StopStep():
-                self._add(Delay(None, action.span), around)
-            case RaiseException():
-                self._add(Raise(action, self._process), around)
-            case ProcessScope(body=body):
-                process = replaced(action, body=SkipStep(span=action.span))
-                outer, self._process = self._process, process
-                self._add_action(body, (Scope(process), *around))
-                self._process = outer
-                self._add(Close(process), around)
-            case IfElse() | WhileLoop() | Repeat():
-                self._add_decision(action, around)
-            case CountedLoop():
-                self._add_turns(action, around)
-            case Choice():
-                self._add_choice(action, around)
-            case ParallelSteps():
-                self._add_parallel(action, around)
-            case CatchException():
-                self._add_catch(action, around)
-            case InterruptOn():
-                raise NotStaticError("an interrupt may come at any time", action.span)
-            case RunInstance() | ResetInstance():
-                raise NotStaticError(f"{action.instance} is a process or control law of its own", action.span)
-            case _:
-                raise NotStaticError("a step without an order", action.span)
-
-    def _add_decision(self, action: IfElse | WhileLoop | Repeat, around: Around) -> None:
-        start = self._next
-        match action:
-            case IfElse():
-                decision = self._add(Jump(0), around)
-                self._add_action(action.then, around)
-                leave = self._add(Jump(0), around)
-                self.instructions[decision] = Decide(action.condition, self._next, action.span)
-                self._add_action(action.otherwise, around)
-                self.instructions[leave] = Jump(self._next)
-            case WhileLoop():
-                self._add(Jump(0), around)
-                self._add_action(action.body, around)
-                self._add(Jump(start), around)
-                self.instructions[start] = Decide(action.condition, self._next, action.span)
-            case Repeat(until=None):
-                self._add_action(action.body, around)
-                self._add(Jump(start), around)
-            case Repeat(until=until):
-                assert until is not None
-                self._add_action(action.body, around)
-                self._add(Decide(until, start, action.span), around)
-
-    def _add_turns(self, loop: CountedLoop, around: Around) -> None:
-        if loop.turns > MOST_TURNS:
-            raise NotStaticError(f"{loop.turns} turns are too many to write down", loop.span)
-        for _ in range(loop.turns):
-            self._add_action(loop.body, around)
-
-    def _add_choice(self, choice: Choice, around: Around) -> None:
-        place = self._add(Jump(0), around)
-        bodies, leaves = [], []
-        for branch in choice.branches:
-            bodies.append(self._next)
-            self._add_action(branch.body, around)
-            leaves.append(self._add(Jump(0), around))
-        for leave in leaves:
-            self.instructions[leave] = Jump(self._next)
-        self.instructions[place] = Select(choice, tuple(bodies))
-
-    def _add_parallel(self, action: ParallelSteps, around: Around) -> None:
-        place = self._add(Jump(0), around)
-        branches = []
-        for step in action.steps:
-            branches.append(self._next)
-            self._add_action(step, ())
-            self._add(Finish(), ())
-        self.instructions[place] = Start(tuple(branches), action.prioritized, self._next)
-
-    def _add_catch(self, action: CatchException, around: Around) -> None:
-        if action.exception in ("Fault", "Timeout"):
-            raise NotStaticError(f"a {action.exception} that is caught may come at any time", action.span)
-        before = self._next
-        handler = Handler(action.exception, -1)
-        self._add_action(action.body, (handler, *around))
-        leave = self._add(Jump(0), around)
-        known = Handler(action.exception, self._next)
-        for position in range(before, leave):
-            self.around[position] = tuple(known if item is handler else item for item in self.around[position])
-        self._add_action(action.handler, around)
-        self.instructions[leave] = Jump(self._next)
-
-    def computes(self, action: Action) -> bool:
-        """Whether an action never waits, and goes on after it in every case (but a fault)."""
-        match action:
-            case SkipStep() | AssignValue() | RunLaw() | ResetStates() | ReportCommunication():
-                return True
-            case WriteValue(sink=sink):
-                return self.never_waits(sink)
-            case WriteOutputs(writes=writes):
-                return all(self.never_waits(write.sink) for write in writes)
-            case ReadInputs(reads=()):
-                return True
-            case SequentialSteps(steps=steps):
-                return all(map(self.computes, steps))
-            case IfElse() | WhileLoop() | Repeat() if self._whole is not None and action not in self._whole:
-                return False
-            case IfElse():
-                return self.computes(action.then) and self.computes(action.otherwise)
-            case WhileLoop(body=body) | CountedLoop(body=body) | Group(body=body):
-                return self.computes(body)
-            case Repeat(body=body, until=until):
-                return until is not None and self.computes(body)
-            case (
-                RunInstance() | ReadValue() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
-                | ParallelSteps() | Choice() | CatchException() | InterruptOn() | ReadInputs() | ProcessScope()
-            ):  # fmt: skip
-                return False
-            case _:
-                assert_never(action)
-
-    def never_waits(self, sink: End) -> bool:
-        """Whether writing to it is over at once, and nobody can have waited to read it."""
-        return self.medium(sink) in WRITTEN_AT_ONCE - {"overwrite"}
-
-
-def _target(read: InputRead) -> tuple[End, Target]:
-    return read.source, Target(read.name)
+    def _nest(self, code: flow.Code) -> None:
+        around: list[tuple[int, ...]] = [()]
+        forks: list[int] = []
+        for index, instruction in enumerate(code.instructions):
+            match instruction:
+                case flow.Join():
+                    around.pop()
+                    self.joins[forks.pop()] = index
+                case flow.Leave() | flow.Unwatch():
+                    around[-1] = around[-1][1:]
+                case _:  # Nothing else ends what is around.
+                    pass
+            self.around.append(around[-1])
+            match instruction:
+                case flow.Fork():
+                    around.append(())
+                    forks.append(index)
+                case flow.Enter():
+                    around[-1] = (index, *around[-1])
+                case flow.Watch():
+                    abandon = code.abandoned[index + 1]
+                    assert abandon is not None
+                    around[-1] = (abandon, *around[-1])
+                case flow.Raise():
+                    scopes = (code.instructions[place] for branch in reversed(around) for place in branch)
+                    process = next((scope.step for scope in scopes if isinstance(scope, flow.Enter)), None)
+                    self.failures[index] = Failure(instruction.step, process)
+                case _:  # Nothing else begins what is around.
+                    pass

@@ -17,7 +17,7 @@ from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.network.ir.network import CreatedChoice, ExternalPort, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.optimize.fuse.code import Code, NotStaticError, Raise
+from cspdiag.optimize.fuse.code import Code, Failure, NotStaticError
 from cspdiag.optimize.fuse.media import AtOnce, Input, Medium, Offer, channel_medium
 from cspdiag.optimize.fuse.record import Recorder
 from cspdiag.optimize.fuse.walker import FailureError, Walker
@@ -35,7 +35,7 @@ LONGEST = 1000
 class Ends:
     """The program ends, by an exception if ``failure`` is not None."""
 
-    failure: Raise | None
+    failure: Failure | None
 
 
 @record
@@ -156,7 +156,7 @@ class Following(Scheduler):
             return found.outcome
         if ending.ended == "deadlock":
             raise NotStaticError("it deadlocks")
-        return Ends(self.failure.instruction if isinstance(self.failure, FailureError) else None)
+        return Ends(self.failure.failure if isinstance(self.failure, FailureError) else None)
 
     def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
         """A new branch."""

@@ -4,27 +4,37 @@ ask for.
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Protocol, assert_never
 
-from cspdiag.network.ir.actions import ProcessScope
-from cspdiag.network.ir.expressions import Expression
-from cspdiag.optimize.fuse.begin import Surroundings, delay, exchange, selection
-from cspdiag.optimize.fuse.code import (
-    Close,
-    Code,
+from cspdiag.base.record import replaced
+from cspdiag.network.flow.code import (
+    Abandon,
+    Call,
     Communicate,
     Compute,
-    Decide,
     Delay,
-    Finish,
-    Handler,
+    Enter,
+    Fork,
     Instruction,
-    Jump,
+    Join,
+    Leave,
+    Loop,
+    Meet,
+    ProcessEnd,
     Raise,
-    Scope,
+    Resume,
     Select,
-    Start,
+    Stop,
+    Take,
+    Test,
+    Turn,
+    Unwatch,
+    Watch,
 )
+from cspdiag.network.ir.actions import CatchException, ProcessScope, SkipStep
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.optimize.fuse.begin import Surroundings, delay, exchange, selection
+from cspdiag.optimize.fuse.code import Code, Failure
 from cspdiag.optimize.fuse.record import Recorder
 from cspdiag.semantics.choice import Choose
 from cspdiag.semantics.requests import CancelledError, Parallel, Request, Steps, Task, Wait
@@ -35,9 +45,9 @@ from cspdiag.semantics.values import RaisedError
 class FailureError(RaisedError):
     """An exception of the program, with where it was raised."""
 
-    def __init__(self, instruction: Raise) -> None:
-        super().__init__(instruction.action.exception)
-        self.instruction = instruction
+    def __init__(self, failure: Failure) -> None:
+        super().__init__(failure.action.exception)
+        self.failure = failure
 
 
 class FollowedProgram(Surroundings, Protocol):
@@ -87,16 +97,14 @@ class Walker:
     def _walk(self) -> Steps:
         try:
             self._end_if_cancelled()
-            while not isinstance(self._instruction, Finish):
+            while not isinstance(self._instruction, Join | ProcessEnd):
                 try:
                     yield from self._step()
                 except FailureError as failure:
                     self._end_if_cancelled()
                     self._handle(failure)
         except CancelledError:
-            for item in self._program.code.around[self.position]:
-                if isinstance(item, Scope):
-                    self._program.close(item.process)
+            self._leave(None)
             raise
         finally:
             self._program.record.forget(self.key)
@@ -107,46 +115,69 @@ class Walker:
             raise CancelledError
 
     def _handle(self, failure: FailureError) -> None:
-        for item in self._program.code.around[self.position]:
-            match item:
-                case Scope(process=process):
-                    self._program.close(process)
-                case Handler(exception=caught, handler=handler) if caught == failure.instruction.action.exception:
-                    self.position = handler
-                    return
-        raise failure
+        if not self._leave(failure.failure.action.exception):
+            raise failure
+
+    def _leave(self, exception: str | None) -> bool:
+        """Close the processes around, up to what catches an exception; tells whether something does."""
+        code = self._program.code
+        for place in code.around[self.position]:
+            match code.instructions[place]:
+                case Enter(step=process):
+                    self._close(process)
+                case Abandon(step=CatchException(exception=caught)) if caught == exception:
+                    self.position = place
+                    return True
+                case _:  # It catches another one.
+                    pass
+        return False
+
+    def _close(self, process: ProcessScope) -> None:
+        self._program.close(replaced(process, body=SkipStep(span=process.span)))
 
     def _step(self) -> Steps:
         program = self._program
+        code = program.code
         program.record.count_instruction()
+        if self.position in code.computations:
+            action, after = code.computations[self.position]
+            program.record.compute_action(action)
+            self._go(after)
+            return
         instruction = self._instruction
+        way = 0
         match instruction:
-            case Compute(action=action):
-                program.record.compute_action(action)
-                self.position += 1
-            case Decide():
-                self._jump(self.position + 1 if program.holds(instruction.condition) else instruction.otherwise)
-            case Jump(to=to):
-                self._jump(to)
-            case Raise():
-                raise FailureError(instruction)
-            case Close(scope=scope):
-                program.close(scope)
-                self.position += 1
-            case Finish():
+            case Compute(step=step):
+                if not isinstance(step, SkipStep):
+                    program.record.compute_action(step)
+            case Communicate(step=step):
+                if code.is_over_at_once(step):
+                    program.record.compute_action(step)
+                else:
+                    yield from self._asked(exchange(program, self, step))
+            case Delay(step=step):
+                yield from self._asked(delay(program, step.duration))
+            case Stop():
+                yield from self._asked(delay(program, None))
+            case Select(step=step):
+                way, _ = yield from self._asked(selection(program, self, step))
+            case Test():
+                way = 0 if program.holds(instruction.condition) else 1
+            case Fork(step=step):
+                yield from self._asked(Parallel(self._branches(), step.prioritized))
+                self._go(code.after[code.joins[self.position]][0])
                 return
-            case Start():
-                yield from self._asked(Parallel(self._branches(instruction), instruction.prioritized))
-                self.position = instruction.after
-            case Communicate():
-                yield from self._asked(exchange(program, self, instruction))
-                self.position += 1
-            case Delay():
-                yield from self._asked(delay(program, instruction))
-                self.position += 1
-            case Select():
-                index, _ = yield from self._asked(selection(program, self, instruction.choice))
-                self.position = instruction.bodies[index]
+            case Raise():
+                raise FailureError(code.failures[self.position])
+            case Leave(step=process):
+                self._close(process)
+            case Loop() | Take() | Meet() | Enter() | Watch() | Unwatch() | Abandon() | Resume():
+                pass
+            case Call() | Turn() | Join() | ProcessEnd():
+                raise AssertionError(instruction)
+            case _:
+                assert_never(instruction)
+        self._go(code.after[self.position][way])
 
     def _asked(self, request: Request) -> Steps:
         answer = yield request
@@ -154,13 +185,13 @@ class Walker:
         self._program.record.resumed(self.key)
         return answer
 
-    def _branches(self, start: Start) -> list[Walker]:
+    def _branches(self) -> list[Walker]:
         return [
-            Walker(self._program, (*self.key, self.position, number), position)
-            for number, position in enumerate(start.branches)
+            Walker(self._program, (*self.key, self.position, number), first)
+            for number, first in enumerate(self._program.code.after[self.position])
         ]
 
-    def _jump(self, to: int) -> None:
+    def _go(self, to: int) -> None:
         back = to <= self.position
         self.position = to
         if back:
@@ -180,7 +211,7 @@ def request_state(request: Request, now: int) -> tuple[object, ...]:
         case Wait(duration=duration):
             return (request.done, None if duration is None else request.until - now)
         case Parallel(failure=failure):
-            raised = failure.instruction if isinstance(failure, FailureError) else None
+            raised = failure.failure if isinstance(failure, FailureError) else None
             return (request.done, id(raised), request.abandoned, tuple(task.ended for task in request.tasks))
         case _:
             raise AssertionError(request)
