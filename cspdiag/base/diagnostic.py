@@ -35,7 +35,7 @@ class Diagnostic:
     """One thing that is wrong, where, why, and how to correct it.
 
     A subclass is a ``record`` that sets ``code`` and ``title`` and adds the facts it needs as fields;
-    ``message``, ``help`` and ``labels`` make sentences of them.
+    ``message``, ``help`` and ``labels`` make sentences of them. A sentence without facts is set as ``code`` is.
     """
 
     code: ClassVar[str]
@@ -56,8 +56,11 @@ class Diagnostic:
 
     @property
     def help(self) -> str | None:
-        """How to correct it, or None if there is no useful advice."""
-        return None
+        """How to correct it, or None if there is no useful advice: what its finder says in a field ``advice``, unless
+        the subclass knows more.
+        """
+        advice: str | None = vars(self).get("advice")
+        return advice
 
     @property
     def edits(self) -> tuple[Edit, ...]:

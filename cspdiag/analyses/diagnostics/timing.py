@@ -22,10 +22,6 @@ class NotSchedulable(Diagnostic):
         return f"`{self.process}` is not schedulable: {self.reason}"
 
     @property
-    def help(self) -> str | None:
-        return self.advice
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return tuple(
             Label(place, f"`{name}` has {period} and may take {response}")
@@ -47,10 +43,6 @@ class NoTimingBound(Diagnostic):
     @property
     def message(self) -> str:
         return f"it is not known whether `{self.process}` is schedulable: {self.reason}"
-
-    @property
-    def help(self) -> str | None:
-        return self.advice
 
     @property
     def labels(self) -> tuple[Label, ...]:

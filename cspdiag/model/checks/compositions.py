@@ -5,7 +5,7 @@ from __future__ import annotations
 from cspdiag.base import Label, Report, Span
 from cspdiag.model.checks.ports import check_duration
 from cspdiag.model.diagnostics.names import WrongKind
-from cspdiag.model.diagnostics.ports import DifferentEnds, NotReadable, NotVariable, NotWritable
+from cspdiag.model.diagnostics.ports import DifferentEnds, Misused, NotReadable, NotVariable, NotWritable
 from cspdiag.model.expressions.coercion import same
 from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program, Symbol
@@ -50,8 +50,13 @@ def _named(program: Program, reference: ast.Reference) -> Symbol | None:
     return member if isinstance(member, PortSymbol) else program.bindings.get(reference)
 
 
-def _kind(reference: ast.Reference, symbol: Symbol) -> str:
-    return f"{described(symbol)} of an instance" if reference.member is not None else described(symbol)
+def _refuse(
+    misuse: type[Misused], program: Program, reference: ast.Reference, symbol: Symbol, advice: str, report: Report
+) -> None:
+    kind = f"{described(symbol)} of an instance" if reference.member is not None else described(symbol)
+    declared = declared_at(symbol)
+    report.add(misuse(reference.span, name=reference.span.text, kind=kind, advice=advice, declared=declared))
+    program.poisoned.add(reference)
 
 
 def _check_readable(program: Program, reference: ast.Reference, report: Report) -> None:
@@ -67,12 +72,7 @@ def _check_readable(program: Program, reference: ast.Reference, report: Report) 
             advice = f"write it by `{reference.span.text} ! value`, or declare it as an in port"
         case _:  # What has a value and is neither port nor channel.
             advice = "use its name alone in conditions and expressions"
-    kind = _kind(reference, symbol)
-    refused = NotReadable(
-        reference.span, name=reference.span.text, kind=kind, advice=advice, declared=declared_at(symbol)
-    )
-    report.add(refused)
-    program.poisoned.add(reference)
+    _refuse(NotReadable, program, reference, symbol, advice, report)
 
 
 def _check_writable(program: Program, reference: ast.Reference, report: Report) -> None:
@@ -88,12 +88,7 @@ def _check_writable(program: Program, reference: ast.Reference, report: Report) 
             advice = f"read it by `{reference.span.text} ? x`, or declare it as an out port"
         case _:  # What has a value and is neither port nor channel.
             advice = f"set it by `{reference.span.text} := value`"
-    kind = _kind(reference, symbol)
-    refused = NotWritable(
-        reference.span, name=reference.span.text, kind=kind, advice=advice, declared=declared_at(symbol)
-    )
-    report.add(refused)
-    program.poisoned.add(reference)
+    _refuse(NotWritable, program, reference, symbol, advice, report)
 
 
 def _check_variable(program: Program, reference: ast.Reference, report: Report, read: str | None) -> None:
@@ -107,12 +102,7 @@ def _check_variable(program: Program, reference: ast.Reference, report: Report, 
         advice = f"write it by `{reference.span.text} ! value`"
     else:
         advice = "only variables are set by `:=`"
-    kind = _kind(reference, symbol)
-    refused = NotVariable(
-        reference.span, name=reference.span.text, kind=kind, advice=advice, declared=declared_at(symbol)
-    )
-    report.add(refused)
-    program.poisoned.add(reference)
+    _refuse(NotVariable, program, reference, symbol, advice, report)
 
 
 def _check_same(program: Program, channel: ast.Reference, target: ast.Reference, report: Report) -> None:

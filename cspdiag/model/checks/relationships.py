@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import assert_never
 
 from cspdiag.base import Label, Report
-from cspdiag.model.diagnostics.ports import DifferentEnds, WrongSink, WrongSource
+from cspdiag.model.diagnostics.ports import DifferentEnds, Misused, WrongSink, WrongSource
 from cspdiag.model.expressions.coercion import same
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program
 from cspdiag.model.symbols import declared_at, described
@@ -48,11 +48,7 @@ def _check_directions(program: Program, connection: ast.Connection, report: Repo
         wrong = _port_of_direction(program, source, own="out", inner="in")
         if wrong is not None:
             advice = _source_advice(program, connection, source, wrong)
-            kind = _kind(source, wrong)
-            refused = WrongSource(
-                source.span, name=source.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
-            )
-            _refuse(program, report, refused, connection, source)
+            _refuse(program, report, WrongSource, connection, source, wrong, advice)
     if connection in program.poisoned:
         # The whole arrow stands the wrong way around, as a rule.
         return
@@ -61,18 +57,20 @@ def _check_directions(program: Program, connection: ast.Connection, report: Repo
             continue
         wrong = _port_of_direction(program, sink, own="in", inner="out")
         if wrong is not None:
-            advice = _sink_advice(sink, wrong)
-            kind = _kind(sink, wrong)
-            refused_sink = WrongSink(
-                sink.span, name=sink.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
-            )
-            _refuse(program, report, refused_sink, connection, sink)
+            _refuse(program, report, WrongSink, connection, sink, wrong, _sink_advice(sink, wrong))
 
 
 def _refuse(
-    program: Program, report: Report, refused: WrongSource | WrongSink, connection: ast.Connection, end: ast.Reference
+    program: Program,
+    report: Report,
+    misuse: type[Misused],
+    connection: ast.Connection,
+    end: ast.Reference,
+    port: PortSymbol,
+    advice: str,
 ) -> None:
-    report.add(refused)
+    name, kind, declared = end.span.text, _kind(end, port), declared_at(port)
+    report.add(misuse(end.span, name=name, kind=kind, advice=advice, declared=declared))
     program.poisoned.update((connection, end))
 
 

@@ -71,6 +71,7 @@ class UnknownArgument(Diagnostic):
 class RepeatedArgument(Diagnostic):
     code = "E0213"
     title = "an argument given twice"
+    help = "leave one of them out"
 
     name: str
     first: Span
@@ -78,10 +79,6 @@ class RepeatedArgument(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.name}` is given a value twice"
-
-    @property
-    def help(self) -> str:
-        return "leave one of them out"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -118,12 +115,9 @@ class TooManyArguments(Diagnostic):
 class PositionalAfterNamed(Diagnostic):
     code = "E0215"
     title = "a positional argument after a named one"
+    message = "an argument by position cannot follow one by name"
 
     names: tuple[str, ...]
-
-    @property
-    def message(self) -> str:
-        return "an argument by position cannot follow one by name"
 
     @property
     def help(self) -> str:

@@ -10,6 +10,7 @@ from cspdiag.base.record import record
 class NotConstant(Diagnostic):
     code = "E0209"
     title = "a value that must be known before the program runs"
+    help = "use numbers, constants and parameters here"
 
     name: str
     kind: str
@@ -18,10 +19,6 @@ class NotConstant(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind}, but this must be known before the program runs"
-
-    @property
-    def help(self) -> str:
-        return "use numbers, constants and parameters here"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -41,10 +38,6 @@ class NotAvailableHere(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.what}` is not available in {self.where}"
-
-    @property
-    def help(self) -> str | None:
-        return self.advice
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -72,16 +72,13 @@ class CertainFault(Diagnostic):
     code = "W0907"
     title = "a fault whenever it is computed"
     severity = "warning"
+    help = "change the constants, or compute it only where they allow it: `if ... then ... else ...`"
 
     problem: str
 
     @property
     def message(self) -> str:
         return f"{self.problem}: whenever this is computed, it is the exception `Fault`"
-
-    @property
-    def help(self) -> str:
-        return "change the constants, or compute it only where they allow it: `if ... then ... else ...`"
 
 
 @record

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
+from cspdiag.model.diagnostics.ports import Misused
 
 
 @record
@@ -27,6 +28,7 @@ class MissingEquation(Diagnostic):
 class RepeatedEquation(Diagnostic):
     code = "E0402"
     title = "two equations for one name"
+    help = "keep one of them, or choose by `if condition then a else b`"
 
     name: str
     first: Span
@@ -36,35 +38,18 @@ class RepeatedEquation(Diagnostic):
         return f"`{self.name}` has two equations"
 
     @property
-    def help(self) -> str:
-        return "keep one of them, or choose by `if condition then a else b`"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.first, "the first one"),)
 
 
 @record
-class EquationForInput(Diagnostic):
+class EquationForInput(Misused):
     code = "E0403"
     title = "an equation for an input"
-
-    name: str
-    kind: str
-    advice: str
-    declared: Span | None
 
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind} and cannot be given a value here"
-
-    @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
 
 
 @record
@@ -87,6 +72,7 @@ class StateWithoutLaw(Diagnostic):
 class StateWithTwoLaws(Diagnostic):
     code = "E0405"
     title = "a state with two laws"
+    help = "keep one of them"
 
     name: str
     second: str
@@ -97,10 +83,6 @@ class StateWithTwoLaws(Diagnostic):
     def message(self) -> str:
         second = "a second one" if self.second == self.first_law else f"{self.second} as well"
         return f"the state `{self.name}` already has {self.first_law}; it cannot have {second}"
-
-    @property
-    def help(self) -> str:
-        return "keep one of them"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -22,9 +22,5 @@ class PartByItself(Diagnostic):
         return f"`{self.name}` {self.problem}"
 
     @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, f"`{self.whole}` is declared here"),) if self.declared else ()

@@ -79,6 +79,7 @@ class DuplicateName(Diagnostic):
 class ReservedName(Diagnostic):
     code = "E0203"
     title = "a reserved name"
+    help = "choose another name"
 
     name: str
     meaning: str
@@ -86,10 +87,6 @@ class ReservedName(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.meaning}, and cannot be redefined"
-
-    @property
-    def help(self) -> str:
-        return "choose another name"
 
 
 @record
@@ -140,10 +137,6 @@ class WrongKind(Diagnostic):
         return f"`{self.name}` is {self.kind}, not {self.wanted}"
 
     @property
-    def help(self) -> str | None:
-        return self.advice
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
 
@@ -186,6 +179,7 @@ class UnknownMember(Diagnostic):
 class ShadowedReplicator(Diagnostic):
     code = "E0207"
     title = "a replicator that hides another name"
+    help = "choose another name for the replicator"
 
     name: str
     kind: str
@@ -194,10 +188,6 @@ class ShadowedReplicator(Diagnostic):
     @property
     def message(self) -> str:
         return f"the replicator `{self.name}` hides {self.kind} of the same name"
-
-    @property
-    def help(self) -> str:
-        return "choose another name for the replicator"
 
     @property
     def labels(self) -> tuple[Label, ...]:

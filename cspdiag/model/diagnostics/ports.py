@@ -9,118 +9,67 @@ from cspdiag.model.wording import noun
 
 
 @record
-class WrongSource(Diagnostic):
-    code = "E0230"
-    title = "an arrow that begins at a sink"
+class Misused(Diagnostic):
+    """A name that stands where what it means cannot."""
 
     name: str
     kind: str
     advice: str
     declared: Span | None
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
+
+
+@record
+class WrongSource(Misused):
+    code = "E0230"
+    title = "an arrow that begins at a sink"
 
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind}, which is not a source of values"
 
-    @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
-
 
 @record
-class WrongSink(Diagnostic):
+class WrongSink(Misused):
     code = "E0231"
     title = "an arrow that ends at a source"
-
-    name: str
-    kind: str
-    advice: str
-    declared: Span | None
 
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind}, which takes no values"
 
-    @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
-
 
 @record
-class NotReadable(Diagnostic):
+class NotReadable(Misused):
     code = "E0232"
     title = "reading what cannot be read"
-
-    name: str
-    kind: str
-    advice: str
-    declared: Span | None
 
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind} and cannot be read here"
 
-    @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
-
 
 @record
-class NotWritable(Diagnostic):
+class NotWritable(Misused):
     code = "E0233"
     title = "writing what cannot be written"
-
-    name: str
-    kind: str
-    advice: str
-    declared: Span | None
 
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind} and cannot be written here"
 
-    @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
-
 
 @record
-class NotVariable(Diagnostic):
+class NotVariable(Misused):
     code = "E0234"
     title = "no variable"
-
-    name: str
-    kind: str
-    advice: str
-    declared: Span | None
 
     @property
     def message(self) -> str:
         return f"`{self.name}` is {self.kind}, not a variable"
-
-    @property
-    def help(self) -> str:
-        return self.advice
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, f"`{self.name}` is declared here"),) if self.declared else ()
 
 
 @record
@@ -162,6 +111,7 @@ class DifferentEnds(Diagnostic):
 class MisplacedPortOption(Diagnostic):
     code = "E0235"
     title = "a port option in the wrong place"
+    help = "remove it, or turn the port around"
 
     option: str
     wanted: str
@@ -169,7 +119,3 @@ class MisplacedPortOption(Diagnostic):
     @property
     def message(self) -> str:
         return f"{self.option} belongs to {self.wanted}"
-
-    @property
-    def help(self) -> str:
-        return "remove it, or turn the port around"

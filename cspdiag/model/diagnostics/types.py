@@ -25,10 +25,6 @@ class WrongType(Diagnostic):
         return f"{self.what} is {self.wanted}, but this is {noun(self.found)}"
 
     @property
-    def help(self) -> str | None:
-        return self.advice
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, self.declared_text),) if self.declared else ()
 
@@ -85,10 +81,6 @@ class UnsuitableOperand(Diagnostic):
     def message(self) -> str:
         return f"`{self.operator}` does not work on {noun(self.found)}"
 
-    @property
-    def help(self) -> str | None:
-        return self.advice
-
 
 @record
 class NotCondition(Diagnostic):
@@ -129,10 +121,6 @@ class NotIndexed(Diagnostic):
     @property
     def message(self) -> str:
         return f"{self.what} {self.problem}"
-
-    @property
-    def help(self) -> str | None:
-        return self.advice
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -180,10 +168,6 @@ class UselessValue(Diagnostic):
     def message(self) -> str:
         return f"{self.what} cannot be used here"
 
-    @property
-    def help(self) -> str | None:
-        return self.advice
-
 
 @record
 class ConstantNoTime(Diagnostic):
@@ -199,10 +183,6 @@ class ConstantNoTime(Diagnostic):
     @property
     def message(self) -> str:
         return f"the constant `{self.name}` is {noun(self.found)}, but {self.what} is a time"
-
-    @property
-    def help(self) -> str | None:
-        return self.advice
 
     @property
     def labels(self) -> tuple[Label, ...]:

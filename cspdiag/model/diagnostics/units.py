@@ -179,6 +179,7 @@ class UnitNotAllowed(Diagnostic):
 class BrokenPower(Diagnostic):
     code = "E0313"
     title = "a power of a unit that is not a unit"
+    help = "make it a number first by dividing by a quantity of the same unit, or use a whole number as the power"
 
     found: Type
     operation: str
@@ -186,10 +187,6 @@ class BrokenPower(Diagnostic):
     @property
     def message(self) -> str:
         return f"{self.operation} of {noun(self.found)} has no unit"
-
-    @property
-    def help(self) -> str:
-        return "make it a number first by dividing by a quantity of the same unit, or use a whole number as the power"
 
 
 @record

@@ -81,6 +81,7 @@ class TooManyInstances(Diagnostic):
 class ArraysDiffer(Diagnostic):
     code = "E0510"
     title = "arrays of different size connected"
+    help = "arrays are connected element by element: give both the same size, or index one with `[i]`"
 
     size: int
     other: Span
@@ -93,10 +94,6 @@ class ArraysDiffer(Diagnostic):
         return f"an array of {self.size} is connected to {'one' if self.other_size == 1 else self.other_size}"
 
     @property
-    def help(self) -> str | None:
-        return "arrays are connected element by element: give both the same size, or index one with `[i]`"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.other, "the other end"),)
 
@@ -105,6 +102,7 @@ class ArraysDiffer(Diagnostic):
 class ValueSizesDiffer(Diagnostic):
     code = "E0513"
     title = "arrays of different lengths"
+    help = "give the parameter that the length depends on the value that fits"
 
     one: str
     one_type: Type
@@ -114,7 +112,3 @@ class ValueSizesDiffer(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.one}` carries a {self.one_type}, but `{self.other}` a {self.other_type}"
-
-    @property
-    def help(self) -> str | None:
-        return "give the parameter that the length depends on the value that fits"

@@ -11,6 +11,7 @@ from cspdiag.network.relations import Access
 class ChannelOneSided(Diagnostic):
     code = "E0529"
     title = "channel with one side only"
+    help = "let one process write it with `!` and another in parallel read it with `?`"
 
     channel: str
     used: Access | None
@@ -20,10 +21,6 @@ class ChannelOneSided(Diagnostic):
         if self.used is None:
             return f"the channel `{self.channel}` is never used"
         return f"the channel `{self.channel}` has only one side: nobody is there to take or give what passes"
-
-    @property
-    def help(self) -> str | None:
-        return "let one process write it with `!` and another in parallel read it with `?`"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -100,6 +100,7 @@ class ConnectedTwice(Diagnostic):
 class PortToPort(Diagnostic):
     code = "E0507"
     title = "port connected straight to a port"
+    help = "put an instance between them, or connect the two where this process is used"
 
     source: str
     sink: str
@@ -110,10 +111,6 @@ class PortToPort(Diagnostic):
         return f"there is no process between the ports `{self.source}` and `{self.sink}`: nobody would carry the values"
 
     @property
-    def help(self) -> str | None:
-        return "put an instance between them, or connect the two where this process is used"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.first, "the other port"),)
 
@@ -122,6 +119,7 @@ class PortToPort(Diagnostic):
 class JoinsTwoObjects(Diagnostic):
     code = "E0508"
     title = "relationship with two communication objects"
+    help = "give the instance a port for each, or copy the values in a process between them"
 
     one: str
     other: str
@@ -130,10 +128,6 @@ class JoinsTwoObjects(Diagnostic):
     @property
     def message(self) -> str:
         return f"one relationship cannot join `{self.one}` and `{self.other}`: each is a channel of its own"
-
-    @property
-    def help(self) -> str | None:
-        return "give the instance a port for each, or copy the values in a process between them"
 
     @property
     def labels(self) -> tuple[Label, ...]:

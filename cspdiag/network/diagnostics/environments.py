@@ -72,23 +72,17 @@ class UnconnectedInputs(Diagnostic):
 class EnvironmentStepNotPositive(Diagnostic):
     code = "E0808"
     title = "a step that is not positive"
-
-    @property
-    def message(self) -> str:
-        return "the step of an environment must be positive"
+    message = "the step of an environment must be positive"
 
 
 @record
 class UnknownMissPolicy(Diagnostic):
     code = "E0809"
     title = "an unknown answer to a missed sample"
+    help = "write `on miss timeout` or `on miss count`"
 
     name: str
 
     @property
     def message(self) -> str:
         return f"a missed sample cannot be answered by `{self.name}`"
-
-    @property
-    def help(self) -> str:
-        return "write `on miss timeout` or `on miss count`"

@@ -12,6 +12,7 @@ from cspdiag.network.shapes import RequestedKind
 class MixedRelation(Diagnostic):
     code = "E0524"
     title = "users of a channel both in sequence and in parallel"
+    help = "give each pair a channel of its own: one that waits for the partner, and one that keeps a value"
 
     channel: str
     parallel: Pair
@@ -25,10 +26,6 @@ class MixedRelation(Diagnostic):
             f"`{self.channel}` passes values between {writer.who} and {reader.who}, which are in parallel, "
             f"and between {earlier.who} and {later.who}, which are in sequence"
         )
-
-    @property
-    def help(self) -> str | None:
-        return "give each pair a channel of its own: one that waits for the partner, and one that keeps a value"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -45,6 +42,7 @@ class MixedRelation(Diagnostic):
 class KindsDisagree(Diagnostic):
     code = "E0525"
     title = "two kinds for one channel"
+    help = "a channel has one kind: write the same in both places, or remove one of them"
 
     channel: str
     kind: str
@@ -53,10 +51,6 @@ class KindsDisagree(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.channel}` is declared `{self.kind}` here and `{self.other.name}` elsewhere"
-
-    @property
-    def help(self) -> str | None:
-        return "a channel has one kind: write the same in both places, or remove one of them"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -15,6 +15,7 @@ _METHODS = ("tustin", "zoh", "euler", "backward", "rk4")
 class ImproperTransfer(Diagnostic):
     code = "E0453"
     title = "an improper transfer function"
+    help = "add a fast pole to the denominator; coefficients go from the highest power of s down to the constant"
 
     numerator: int
     denominator: int
@@ -25,10 +26,6 @@ class ImproperTransfer(Diagnostic):
             f"the numerator is of degree {self.numerator} and the denominator of degree {self.denominator}: "
             "a transfer function may not look into the future"
         )
-
-    @property
-    def help(self) -> str:
-        return "add a fast pole to the denominator; coefficients go from the highest power of s down to the constant"
 
 
 @record
@@ -59,16 +56,13 @@ class ValueOutOfRange(Diagnostic):
 class UnknownMethod(Diagnostic):
     code = "E0456"
     title = "an unknown method"
+    help = "the methods are tustin, zoh, euler and backward, and rk4 for states with `der`"
 
     name: str
 
     @property
     def message(self) -> str:
         return f"there is no method `{self.name}`"
-
-    @property
-    def help(self) -> str:
-        return "the methods are tustin, zoh, euler and backward, and rk4 for states with `der`"
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -79,6 +73,7 @@ class UnknownMethod(Diagnostic):
 class UnstableDiscretization(Diagnostic):
     code = "W0457"
     title = "an unstable discretization"
+    help = "choose the method tustin or backward, or a shorter sample period"
     severity: ClassVar[Severity] = "warning"
 
     sample: str
@@ -90,7 +85,3 @@ class UnstableDiscretization(Diagnostic):
             f"this operator is stable, but discretized by euler at {self.sample} it has a pole at |z| = "
             f"{self.radius:.3g}"
         )
-
-    @property
-    def help(self) -> str:
-        return "choose the method tustin or backward, or a shorter sample period"

@@ -47,6 +47,7 @@ class AlgebraicLoop(Diagnostic):
 class TimeOutsideEnvironment(Diagnostic):
     code = "E0458"
     title = "time outside an environment"
+    help = "count samples in a state: `next t = t + sample`"
 
     submodel: str
 
@@ -54,25 +55,19 @@ class TimeOutsideEnvironment(Diagnostic):
     def message(self) -> str:
         return f"the submodel `{self.submodel}` runs in a process, where there is no `time`"
 
-    @property
-    def help(self) -> str:
-        return "count samples in a state: `next t = t + sample`"
-
 
 @record
 class IntegrationStepNotPositive(Diagnostic):
     code = "E0459"
     title = "a step that is not positive"
-
-    @property
-    def message(self) -> str:
-        return "the step of an integration must be positive"
+    message = "the step of an integration must be positive"
 
 
 @record
 class TooManyEquations(Diagnostic):
     code = "E0461"
     title = "too many equations"
+    help = "compute them in a body in another language, or divide them over several submodels of a process"
 
     submodel: str
     limit: int
@@ -80,7 +75,3 @@ class TooManyEquations(Diagnostic):
     @property
     def message(self) -> str:
         return f"the submodels nested in `{self.submodel}` have more than {self.limit} equations in all"
-
-    @property
-    def help(self) -> str:
-        return "compute them in a body in another language, or divide them over several submodels of a process"

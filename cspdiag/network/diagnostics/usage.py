@@ -11,16 +11,13 @@ class VariableUnused(Diagnostic):
     code = "W0511"
     title = "variable, channel or label that nobody uses"
     severity = "warning"
+    help = "remove it"
 
     name: str
 
     @property
     def message(self) -> str:
         return f"nobody uses `{self.name}`"
-
-    @property
-    def help(self) -> str | None:
-        return "remove it"
 
 
 @record
@@ -50,6 +47,7 @@ class InputDiscarded(Diagnostic):
     code = "W0514"
     title = "input that no equation uses"
     severity = "warning"
+    help = "use it in an equation, or remove the input"
 
     port: str
     submodel: str
@@ -57,10 +55,6 @@ class InputDiscarded(Diagnostic):
     @property
     def message(self) -> str:
         return f"no equation of `{self.submodel}` uses its input `{self.port}`: its values are taken and discarded"
-
-    @property
-    def help(self) -> str | None:
-        return "use it in an equation, or remove the input"
 
 
 @record

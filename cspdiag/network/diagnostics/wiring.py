@@ -11,6 +11,7 @@ from cspdiag.network.ir.network import Direction
 class WrongDirection(Diagnostic):
     code = "E0803"
     title = "a relationship against the direction of a port"
+    help = "turn the arrow around"
 
     reference: str
     direction: Direction
@@ -24,10 +25,6 @@ class WrongDirection(Diagnostic):
         return f"`{self.reference}` is an {self.direction} port{owner} and cannot be a {role} in the environment"
 
     @property
-    def help(self) -> str:
-        return "turn the arrow around"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, f"declared as `{self.direction}` here"),)
 
@@ -36,6 +33,7 @@ class WrongDirection(Diagnostic):
 class TwoSources(Diagnostic):
     code = "E0804"
     title = "two sources for one port"
+    help = "keep one of them, or combine them in a submodel"
 
     sink: str
     first: str
@@ -47,10 +45,6 @@ class TwoSources(Diagnostic):
         return f"`{self.sink}` is driven by both `{self.first}` and `{self.second}`"
 
     @property
-    def help(self) -> str:
-        return "keep one of them, or combine them in a submodel"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.first_span, f"driven by `{self.first}` here"),)
 
@@ -59,6 +53,7 @@ class TwoSources(Diagnostic):
 class DriverToSubmodel(Diagnostic):
     code = "E0805"
     title = "a driver connected to a submodel"
+    help = "connect drivers to ports of the process"
 
     driver: str
     source: str
@@ -68,15 +63,12 @@ class DriverToSubmodel(Diagnostic):
     def message(self) -> str:
         return f"the driver `{self.driver}` is connected to a submodel: `{self.source} -> {self.sink}`"
 
-    @property
-    def help(self) -> str:
-        return "connect drivers to ports of the process"
-
 
 @record
 class SharedPort(Diagnostic):
     code = "E0806"
     title = "a port with two counterparts"
+    help = "write an environment for each, or one driver that does both"
 
     port: str
     first: str
@@ -89,10 +81,6 @@ class SharedPort(Diagnostic):
         return f"`{self.port}` of the process is connected to both {owners[0]} and {owners[1]}"
 
     @property
-    def help(self) -> str:
-        return "write an environment for each, or one driver that does both"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.first_span, "the other relationship"),)
 
@@ -101,13 +89,10 @@ class SharedPort(Diagnostic):
 class NotInEnvironment(Diagnostic):
     code = "E0807"
     title = "not in an environment"
+    help = "compute in submodels, and connect their ports"
 
     what: str
 
     @property
     def message(self) -> str:
         return f"an environment cannot have {self.what}"
-
-    @property
-    def help(self) -> str:
-        return "compute in submodels, and connect their ports"

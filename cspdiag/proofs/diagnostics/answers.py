@@ -20,10 +20,6 @@ class Refutation(Diagnostic):
         return f"`{self.process}` {self.found}"
 
     @property
-    def help(self) -> str | None:
-        return self.advice
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return self.places
 

@@ -23,10 +23,6 @@ class UnexpectedText(Diagnostic):
         return f"expected {self.expected}, found {self.found}"
 
     @property
-    def help(self) -> str | None:
-        return self.advice
-
-    @property
     def edits(self) -> tuple[Edit, ...]:
         return (replacing(self.span, self.keyword),) if self.keyword else ()
 
@@ -35,16 +31,13 @@ class UnexpectedText(Diagnostic):
 class NestedTooDeeply(Diagnostic):
     code = "E0103"
     title = "nested too deeply"
+    help = "give parts of it names: `let` or `const` for expressions, processes for compositions"
 
     limit: int
 
     @property
     def message(self) -> str:
         return f"this is nested deeper than {self.limit} levels"
-
-    @property
-    def help(self) -> str | None:
-        return "give parts of it names: `let` or `const` for expressions, processes for compositions"
 
 
 @record
@@ -64,10 +57,6 @@ class ParenthesesNeeded(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.other_span, f"`{self.other}` is here"),)
-
-    @property
-    def help(self) -> str | None:
-        return self.advice
 
 
 @record

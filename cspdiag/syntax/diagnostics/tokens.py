@@ -61,84 +61,58 @@ class UnknownCharacter(Diagnostic):
 class UnterminatedString(Diagnostic):
     code = "E0105"
     title = "unterminated string"
-
-    @property
-    def message(self) -> str:
-        return "this string has no closing quotes on its line"
-
-    @property
-    def help(self) -> str | None:
-        return 'end it with `"`'
+    message = "this string has no closing quotes on its line"
+    help = 'end it with `"`'
 
 
 @record
 class UnterminatedComment(Diagnostic):
     code = "E0106"
     title = "unterminated comment"
-
-    @property
-    def message(self) -> str:
-        return "this comment has no end"
-
-    @property
-    def help(self) -> str | None:
-        return "end it with `*/`"
+    message = "this comment has no end"
+    help = "end it with `*/`"
 
 
 @record
 class NumberOutOfRange(Diagnostic):
     code = "E0110"
     title = "number out of range"
-
-    @property
-    def message(self) -> str:
-        return "this number is too large, or has too many digits"
+    message = "this number is too large, or has too many digits"
 
 
 @record
 class ZeroFrequency(Diagnostic):
     code = "E0111"
     title = "frequency of zero"
-
-    @property
-    def message(self) -> str:
-        return "a frequency of zero has no period"
+    message = "a frequency of zero has no period"
 
 
 @record
 class NotAnInstanceName(Diagnostic):
     code = "E0112"
     title = "name of an instance"
-
-    @property
-    def message(self) -> str:
-        return "an instance needs a plain name, or a name and one size for an array of instances"
+    message = "an instance needs a plain name, or a name and one size for an array of instances"
 
 
 @record
 class SourceDiscarded(Diagnostic):
     code = "E0113"
     title = "discard as a source"
-
-    @property
-    def message(self) -> str:
-        return "`_` discards values and gives none: it can only end an arrow"
+    message = "`_` discards values and gives none: it can only end an arrow"
 
 
 @record
 class LabelNotAName(Diagnostic):
     code = "E0114"
     title = "label of an arrow"
-
-    @property
-    def message(self) -> str:
-        return "the label in the middle of an arrow, or before a type at its end, is a plain name"
+    message = "the label in the middle of an arrow, or before a type at its end, is a plain name"
 
 
 @record
 class OptionNotHere(Diagnostic):
     code = "E0115"
     title = "clause not allowed here"
+    help = "remove it"
 
     clause: str
     definition: str
@@ -147,15 +121,12 @@ class OptionNotHere(Diagnostic):
     def message(self) -> str:
         return f"the head of a {self.definition} cannot have {self.clause}"
 
-    @property
-    def help(self) -> str | None:
-        return "remove it"
-
 
 @record
 class OptionTwice(Diagnostic):
     code = "E0116"
     title = "clause given twice"
+    help = "keep one of them"
 
     clause: str
     definition: str
@@ -165,10 +136,6 @@ class OptionTwice(Diagnostic):
     @property
     def message(self) -> str:
         return f"the head of this {self.definition} has {self.clause} already"
-
-    @property
-    def help(self) -> str | None:
-        return "keep one of them"
 
     @property
     def edits(self) -> tuple[Edit, ...]:

@@ -11,12 +11,9 @@ from cspdiag.model.constants.durations import duration
 class UnguardedBranch(Diagnostic):
     code = "E0602"
     title = "branch without a guard"
+    message = "this branch of the alternative has no guard, so nothing says when it may be chosen"
 
     communicates: bool
-
-    @property
-    def message(self) -> str:
-        return "this branch of the alternative has no guard, so nothing says when it may be chosen"
 
     @property
     def help(self) -> str | None:

@@ -27,6 +27,8 @@ def both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...
 class Race(Diagnostic):
     code = "E0520"
     title = "race on a variable"
+    label = "written here"
+    help = "pass the value over a channel between the two, or run them one after the other"
 
     variable: str
     one: Access
@@ -41,14 +43,6 @@ class Race(Diagnostic):
         if not self.one.instance and not self.other.instance:
             return f"`{self.variable}` is written in one parallel part of the process and read in another"
         return f"{self.one.who} writes `{self.variable}` in parallel with {self.other.who}, which reads it"
-
-    @property
-    def label(self) -> str:
-        return "written here"
-
-    @property
-    def help(self) -> str | None:
-        return "pass the value over a channel between the two, or run them one after the other"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -113,6 +107,7 @@ class ParallelReaders(Diagnostic):
 class EventReadInParallel(Diagnostic):
     code = "E0523"
     title = "event read by several in parallel"
+    help = "write `-> broadcast ->` if each of them must get every event, `-> any ->` if one of them is enough"
 
     port: str
     one: Access
@@ -123,10 +118,6 @@ class EventReadInParallel(Diagnostic):
     def message(self) -> str:
         reading = _do_in_parallel(self.one, self.other, "read the event", self.port)
         return f"{reading}, so that one can take it from the other"
-
-    @property
-    def help(self) -> str | None:
-        return "write `-> broadcast ->` if each of them must get every event, `-> any ->` if one of them is enough"
 
     @property
     def labels(self) -> tuple[Label, ...]:

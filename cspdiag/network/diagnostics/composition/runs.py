@@ -11,16 +11,13 @@ from cspdiag.network.relations import Access
 class NoComposition(Diagnostic):
     code = "E0606"
     title = "process without a composition"
+    help = "add `composition { ... }` with the instances in the order in which they run"
 
     process: str
 
     @property
     def message(self) -> str:
         return f"nothing says what `{self.process}` does: it has no composition"
-
-    @property
-    def help(self) -> str | None:
-        return "add `composition { ... }` with the instances in the order in which they run"
 
 
 @record
@@ -53,6 +50,7 @@ class InstanceNeverRun(Diagnostic):
 class RunTwiceAtOnce(Diagnostic):
     code = "E0608"
     title = "instance that runs twice at the same time"
+    help = "declare a second instance of the same definition"
 
     instance: str
     first: Span
@@ -60,10 +58,6 @@ class RunTwiceAtOnce(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.instance}` is used in two parallel parts, but one instance cannot run twice at the same time"
-
-    @property
-    def help(self) -> str | None:
-        return "declare a second instance of the same definition"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -110,16 +104,10 @@ class Unreachable(Diagnostic):
     code = "W0611"
     title = "part that is never reached"
     severity = "warning"
+    message = "this part is never reached: what comes before it never ends by itself"
+    help = "remove it, or let the part before it end (`mu ... until ...`)"
 
     endless: Span
-
-    @property
-    def message(self) -> str:
-        return "this part is never reached: what comes before it never ends by itself"
-
-    @property
-    def help(self) -> str | None:
-        return "remove it, or let the part before it end (`mu ... until ...`)"
 
     @property
     def labels(self) -> tuple[Label, ...]:

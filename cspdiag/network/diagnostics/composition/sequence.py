@@ -41,6 +41,7 @@ class RendezvousInSequence(Diagnostic):
 class BroadcastInSequence(Diagnostic):
     code = "E0527"
     title = "broadcast to readers in sequence"
+    help = "put the readers in parallel, or write `any` if each value goes to whichever of them runs"
 
     channel: str
     one: Access
@@ -52,10 +53,6 @@ class BroadcastInSequence(Diagnostic):
             f"`{self.channel}` is `broadcast`, but {self.one.who} and {self.other.who} read it in sequence: "
             "the writer would wait for both at once"
         )
-
-    @property
-    def help(self) -> str | None:
-        return "put the readers in parallel, or write `any` if each value goes to whichever of them runs"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -35,6 +35,7 @@ class PeriodNotPositive(Diagnostic):
 class PeriodsDisagree(Diagnostic):
     code = "E0702"
     title = "two sample periods on one net"
+    help = "give both ends the same period; between two rates, a process must read at one and write at the other"
 
     net: str
     one: int
@@ -50,10 +51,6 @@ class PeriodsDisagree(Diagnostic):
         )
 
     @property
-    def help(self) -> str | None:
-        return "give both ends the same period; between two rates, a process must read at one and write at the other"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (
             Label(self.one_span, f"{duration(self.one)} here"),
@@ -65,6 +62,7 @@ class PeriodsDisagree(Diagnostic):
 class SampledInsideOnly(Diagnostic):
     code = "E0703"
     title = "event port used as a sampled one"
+    help = "write `@` and the period at this port too"
 
     port: str
     period: int
@@ -78,10 +76,6 @@ class SampledInsideOnly(Diagnostic):
         )
 
     @property
-    def help(self) -> str | None:
-        return "write `@` and the period at this port too"
-
-    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.inner, "sampled here"),)
 
@@ -90,6 +84,7 @@ class SampledInsideOnly(Diagnostic):
 class SampleUnknown(Diagnostic):
     code = "E0704"
     title = "sample period that cannot be inferred"
+    help = "write `@` and the period at the port of the process that it reads or writes"
 
     instance: str
     definition: str
@@ -102,15 +97,12 @@ class SampleUnknown(Diagnostic):
     def label(self) -> str:
         return f"`{self.definition}` has states or operators that depend on the period"
 
-    @property
-    def help(self) -> str | None:
-        return "write `@` and the period at the port of the process that it reads or writes"
-
 
 @record
 class SamplesDisagree(Diagnostic):
     code = "E0705"
     title = "control law between two sample periods"
+    help = "keep the slower value in a variable (`port ? x`), and connect the variable"
 
     instance: str
     one: int
@@ -124,10 +116,6 @@ class SamplesDisagree(Diagnostic):
             f"`{self.instance}` is connected to a net sampled every {duration(self.one)} "
             f"and to one sampled every {duration(self.other)}, but one run takes one sample of each"
         )
-
-    @property
-    def help(self) -> str | None:
-        return "keep the slower value in a variable (`port ? x`), and connect the variable"
 
     @property
     def labels(self) -> tuple[Label, ...]:
