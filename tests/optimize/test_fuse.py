@@ -290,6 +290,15 @@ FUSED = {
         "    s : Sender\n    r : Receiver\n    s.o -> c : time -> r.i",
         "s || r",
     ),
+    "conditions and loops inside those that only compute": program(
+        "process Sender {\n  in x : double @ 1 ms\n  out o : int\n  communication { var v : double  var n : int = 0 }\n"
+        "  composition {\n    mu (x ? v ; (if v > 0.5 then (if v > 1.5 then n := 2 else n := 1)"
+        " else while n % 7 != 0 do n := n + 1) ; o ! n)\n  }\n}\n" + RECEIVER,
+        PAIR + "\n    x -> s.x",
+        "s || r",
+        "  in x : double @ 1 ms",
+        PLANT + "environment Bench for Top { plant : Plant\n  plant.x -> x\n  }",
+    ),
     "two rates": program(
         "process Fast {\n  in x : double @ 1 ms\n  out o : double\n  communication { var v : double  var w : double }\n"
         "  composition { mu (x ? v ; x ? w ; o ! v + w) }\n}\n"

@@ -53,7 +53,8 @@ class Failure:
 class Code:
     """The instructions of a process class whose composition runs no instances any more, and where each goes on.
 
-    ``whole`` are the conditions and loops that may be computed as a whole; None: all that only compute.
+    ``whole`` are the conditions and loops that may be computed as a whole, with all that is inside them; None: all that
+    only compute.
     """
 
     def __init__(self, entry: ProcessClass, whole: Container[Action] | None = None) -> None:
@@ -90,10 +91,10 @@ class Code:
         found: dict[int, tuple[Action, int]] = {}
         for action, inside in code.decisions:
             out = next((way for index in inside for way in after[index] if way not in inside), None)
-            chosen = self._whole is None or isinstance(action, CountedLoop) or action in self._whole
-            if chosen and out is not None and all(computes[inside.start : inside.stop]):
+            if out is None or not all(computes[inside.start : inside.stop]):
+                computes[inside.start] = False
+            elif self._whole is None or isinstance(action, CountedLoop) or action in self._whole:
                 found[inside.start] = (action, out)
-            computes[inside.start] = inside.start in found
         return found
 
     def _computes(self, instruction: flow.Instruction) -> bool:
