@@ -7,6 +7,7 @@ from typing import Any, cast
 from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
+from cspdiag.syntax.build.common import declared, gathered, node
 from cspdiag.syntax.build.expressions import ExpressionBuilder
 from cspdiag.syntax.diagnostics.tokens import LabelNotAName, NotAnInstanceName, SourceDiscarded
 from cspdiag.syntax.parse.lexer import Token
@@ -32,9 +33,7 @@ class Period:
 class CommunicationBuilder(ExpressionBuilder):
     """The rules of ports and of the communication diagram."""
 
-    def port_list(self, span: Span, *ports: ast.Ports) -> tuple[ast.Ports, ...]:
-        """All port declarations of a definition."""
-        return ports
+    port_list = gathered  # All port declarations of a definition
 
     def ports(self, span: Span, direction: Token, first: ast.PortName, *rest: Any) -> ast.Ports:
         """A port declaration."""
@@ -67,13 +66,8 @@ class CommunicationBuilder(ExpressionBuilder):
         """``@ T immediate``."""
         return Period(period, True)
 
-    def communication_block(self, span: Span, declarations: tuple[ast.Declaration, ...]) -> ast.Communication:
-        """``communication { ... }``."""
-        return ast.Communication(span=span, declarations=declarations)
-
-    def declarations(self, span: Span, *declarations: ast.Declaration) -> tuple[ast.Declaration, ...]:
-        """What is in a communication block."""
-        return declarations
+    communication_block = node(ast.Communication, "declarations")  # communication { ... }
+    declarations = gathered  # What is in a communication block
 
     def instance(
         self,
@@ -98,23 +92,9 @@ class CommunicationBuilder(ExpressionBuilder):
             arguments=arguments or (),
         )
 
-    def variable(
-        self, span: Span, name: ast.Identifier, variable_type: ast.TypeName, initial: ast.Expression | None
-    ) -> ast.Variable:
-        """``var name : type = initial``."""
-        return ast.Variable(span=span, doc=self.doc(span.start), name=name, type=variable_type, initial=initial)
-
-    def channel(
-        self, span: Span, name: ast.Identifier, channel_type: ast.TypeName, kind: ast.Kind | None
-    ) -> ast.Channel:
-        """``channel name : type kind``."""
-        return ast.Channel(span=span, doc=self.doc(span.start), name=name, type=channel_type, kind=kind)
-
-    def repeated_declarations(
-        self, span: Span, replicator: ast.Replicator, declarations: tuple[ast.Declaration, ...]
-    ) -> ast.RepeatedDeclarations:
-        """``for i < N { ... }``."""
-        return ast.RepeatedDeclarations(span=span, replicator=replicator, declarations=declarations)
+    variable = declared(ast.Variable, "name", "type", "initial")  # var name : type = initial
+    channel = declared(ast.Channel, "name", "type", "kind")  # channel name : type kind
+    repeated_declarations = node(ast.RepeatedDeclarations, "replicator", "declarations")  # for i < N { ... }
 
     def connection_direct(
         self,
@@ -161,15 +141,8 @@ class CommunicationBuilder(ExpressionBuilder):
             sinks=sinks,
         )
 
-    def references(
-        self, span: Span, *references: ast.Reference | ast.Discard
-    ) -> tuple[ast.Reference | ast.Discard, ...]:
-        """Ends of an arrow."""
-        return references
-
-    def discard(self, span: Span) -> ast.Discard:
-        """``_``."""
-        return ast.Discard(span=span)
+    references = gathered  # Ends of an arrow
+    discard = node(ast.Discard)  # _
 
     def medium(self, span: Span, label: ast.Reference, kind: ast.Kind | None) -> ArrowMiddle:
         """``label kind``."""

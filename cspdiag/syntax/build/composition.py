@@ -7,6 +7,7 @@ from typing import Any, cast
 from cspdiag.base.record import replaced
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
+from cspdiag.syntax.build.common import chain, node
 from cspdiag.syntax.build.expressions import ExpressionBuilder
 from cspdiag.syntax.parse.lexer import Token
 
@@ -18,47 +19,16 @@ class CompositionBuilder(ExpressionBuilder):
         """``composition { ... }``: its place and what is in it."""
         return span, composition
 
-    def sequence(self, span: Span, *processes: ast.Composition) -> ast.Sequence:
-        """``P ; Q``."""
-        return ast.Sequence(span=span, processes=processes)
-
-    def parallel(self, span: Span, *processes: ast.Composition) -> ast.Parallel:
-        """``P || Q``."""
-        return ast.Parallel(span=span, prioritized=False, processes=processes)
-
-    def prioritized_parallel(self, span: Span, *processes: ast.Composition) -> ast.Parallel:
-        """``P ||> Q``."""
-        return ast.Parallel(span=span, prioritized=True, processes=processes)
-
-    def alternative(self, span: Span, *branches: ast.Composition) -> ast.Alternative:
-        """``P [] Q``."""
-        return ast.Alternative(span=span, prioritized=False, branches=branches)
-
-    def prioritized_alternative(self, span: Span, *branches: ast.Composition) -> ast.Alternative:
-        """``P []> Q``."""
-        return ast.Alternative(span=span, prioritized=True, branches=branches)
-
-    def mu(self, span: Span, process: ast.Composition, until: ast.Expression | None) -> ast.Mu:
-        """``mu P until e``."""
-        return ast.Mu(span=span, process=process, until=until)
-
-    def if_then(self, span: Span, condition: ast.Expression, then: ast.Composition) -> ast.If:
-        """``if e then P``."""
-        return ast.If(span=span, condition=condition, then=then, otherwise=None)
-
-    def if_else(
-        self, span: Span, condition: ast.Expression, then: ast.Composition, otherwise: ast.Composition
-    ) -> ast.If:
-        """``if e then P else Q``."""
-        return ast.If(span=span, condition=condition, then=then, otherwise=otherwise)
-
-    def while_do(self, span: Span, condition: ast.Expression, process: ast.Composition) -> ast.While:
-        """``while e do P``."""
-        return ast.While(span=span, condition=condition, process=process)
-
-    def labelled(self, span: Span, label: ast.Identifier, process: ast.Composition) -> ast.Labelled:
-        """``label: P``."""
-        return ast.Labelled(span=span, label=label, process=process)
+    sequence = chain(ast.Sequence, "processes")  # P ; Q
+    parallel = chain(ast.Parallel, "processes", prioritized=False)  # P || Q
+    prioritized_parallel = chain(ast.Parallel, "processes", prioritized=True)  # P ||> Q
+    alternative = chain(ast.Alternative, "branches", prioritized=False)  # P [] Q
+    prioritized_alternative = chain(ast.Alternative, "branches", prioritized=True)  # P []> Q
+    mu = node(ast.Mu, "process", "until")  # mu P until e
+    if_then = node(ast.If, "condition", "then", otherwise=None)  # if e then P
+    if_else = node(ast.If, "condition", "then", "otherwise")  # if e then P else Q
+    while_do = node(ast.While, "condition", "process")  # while e do P
+    labelled = node(ast.Labelled, "label", "process")  # label: P
 
     def replicated(
         self, span: Span, operator: Token, replicator: ast.Replicator, process: ast.Composition
@@ -66,93 +36,31 @@ class CompositionBuilder(ExpressionBuilder):
         """``par i < N : P``."""
         return ast.Replicated(span=span, operator=cast("Any", operator.text), replicator=replicator, process=process)
 
-    def guarded(self, span: Span, guard: ast.Guard, process: ast.Composition) -> ast.Guarded:
-        """``guard -> P``."""
-        return ast.Guarded(span=span, guard=guard, process=process)
-
-    def catch(
-        self, span: Span, process: ast.Composition, exception: ast.Identifier, handler: ast.Composition
-    ) -> ast.Catch:
-        """``P catch Timeout -> Q``."""
-        return ast.Catch(span=span, process=process, exception=exception, handler=handler)
-
-    def interrupt(
-        self, span: Span, process: ast.Composition, guard: ast.Guard, handler: ast.Composition
-    ) -> ast.Interrupt:
-        """``P interrupt g -> Q``."""
-        return ast.Interrupt(span=span, process=process, guard=guard, handler=handler)
-
-    def run(self, span: Span, instance: ast.Reference) -> ast.Run:
-        """The name of an instance."""
-        return ast.Run(span=span, instance=instance)
-
-    def read(self, span: Span, channel: ast.Reference, target: ast.Reference) -> ast.Read:
-        """``port ? x``."""
-        return ast.Read(span=span, channel=channel, target=target)
-
-    def write(self, span: Span, channel: ast.Reference, value: ast.Expression) -> ast.Write:
-        """``port ! e``."""
-        return ast.Write(span=span, channel=channel, value=value)
-
-    def assign(self, span: Span, target: ast.Reference, value: ast.Expression) -> ast.Assign:
-        """``x := e``."""
-        return ast.Assign(span=span, target=target, value=value)
-
-    def skip(self, span: Span) -> ast.Skip:
-        """``skip``."""
-        return ast.Skip(span=span)
-
-    def stop(self, span: Span) -> ast.Stop:
-        """``stop``."""
-        return ast.Stop(span=span)
-
-    def wait(self, span: Span, time: ast.Expression) -> ast.Wait:
-        """``wait 5 ms``."""
-        return ast.Wait(span=span, time=time, until=False)
-
-    def wait_until(self, span: Span, time: ast.Expression) -> ast.Wait:
-        """``wait until last + 10 ms``."""
-        return ast.Wait(span=span, time=time, until=True)
-
-    def reset(self, span: Span, instance: ast.Reference) -> ast.Reset:
-        """``reset name``."""
-        return ast.Reset(span=span, instance=instance)
-
-    def raise_exception(self, span: Span, exception: ast.Identifier) -> ast.Raise:
-        """``raise Name``."""
-        return ast.Raise(span=span, exception=exception)
+    guarded = node(ast.Guarded, "guard", "process")  # guard -> P
+    catch = node(ast.Catch, "process", "exception", "handler")  # P catch Timeout -> Q
+    interrupt = node(ast.Interrupt, "process", "guard", "handler")  # P interrupt g -> Q
+    run = node(ast.Run, "instance")  # The name of an instance
+    read = node(ast.Read, "channel", "target")  # port ? x
+    write = node(ast.Write, "channel", "value")  # port ! e
+    assign = node(ast.Assign, "target", "value")  # x := e
+    skip = node(ast.Skip)
+    stop = node(ast.Stop)
+    wait = node(ast.Wait, "time", until=False)  # wait 5 ms
+    wait_until = node(ast.Wait, "time", until=True)  # wait until last + 10 ms
+    reset = node(ast.Reset, "instance")  # reset name
+    raise_exception = node(ast.Raise, "exception")  # raise Name
 
     def group(self, span: Span, process: ast.Composition) -> ast.Composition:
         """``(P)``; the span of the process then includes the parentheses."""
         return replaced(process, span=span, parenthesized=True)
 
-    def guard(self, span: Span, condition: ast.Expression | None, event: ast.Event) -> ast.Guard:
-        """``[when e &] event``."""
-        return ast.Guard(span=span, condition=condition, event=event)
-
-    def ready_guard(self, span: Span, channel: ast.Reference) -> ast.ReadyGuard:
-        """``port``."""
-        return ast.ReadyGuard(span=span, channel=channel)
-
-    def input_guard(self, span: Span, channel: ast.Reference, target: ast.Reference) -> ast.InputGuard:
-        """``port ? x``."""
-        return ast.InputGuard(span=span, channel=channel, target=target)
-
-    def output_guard(self, span: Span, channel: ast.Reference, value: ast.Expression) -> ast.OutputGuard:
-        """``port ! e``."""
-        return ast.OutputGuard(span=span, channel=channel, value=value)
-
-    def after_guard(self, span: Span, time: ast.Expression) -> ast.TimeGuard:
-        """``after 5 ms``."""
-        return ast.TimeGuard(span=span, time=time, at=False)
-
-    def at_guard(self, span: Span, time: ast.Expression) -> ast.TimeGuard:
-        """``at last + 200 ms``."""
-        return ast.TimeGuard(span=span, time=time, at=True)
-
-    def skip_guard(self, span: Span) -> ast.SkipGuard:
-        """``skip``."""
-        return ast.SkipGuard(span=span)
+    guard = node(ast.Guard, "condition", "event")  # [when e &] event
+    ready_guard = node(ast.ReadyGuard, "channel")  # port
+    input_guard = node(ast.InputGuard, "channel", "target")  # port ? x
+    output_guard = node(ast.OutputGuard, "channel", "value")  # port ! e
+    after_guard = node(ast.TimeGuard, "time", at=False)  # after 5 ms
+    at_guard = node(ast.TimeGuard, "time", at=True)  # at last + 200 ms
+    skip_guard = node(ast.SkipGuard)
 
     def reference_named_stop(self, span: Span) -> ast.Reference:
         """A port or variable whose name is ``stop``."""

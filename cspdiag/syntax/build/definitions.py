@@ -7,6 +7,7 @@ from typing import Any, TypeAlias, cast
 from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
+from cspdiag.syntax.build.common import declared, gathered, node
 from cspdiag.syntax.build.communication import CommunicationBuilder
 from cspdiag.syntax.build.composition import CompositionBuilder
 from cspdiag.syntax.diagnostics.tokens import OptionNotHere, OptionTwice
@@ -37,9 +38,7 @@ Names: TypeAlias = tuple[ast.Identifier, ...]
 class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
     """The rules of definitions and of the equations of submodels."""
 
-    def start(self, span: Span, *items: ast.Item) -> tuple[ast.Item, ...]:
-        """A file."""
-        return items
+    start = gathered  # A file
 
     def import_file(self, span: Span, path: Token) -> ast.Import:
         """``import "laws.csp"``."""
@@ -49,15 +48,8 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``import std.control``."""
         return ast.Import(span=span, path=None, library=".".join(name.text for name in names))
 
-    def constant(
-        self, span: Span, name: ast.Identifier, constant_type: ast.TypeName | None, value: ast.Expression
-    ) -> ast.Constant:
-        """``const name = value``."""
-        return ast.Constant(span=span, doc=self.doc(span.start), name=name, type=constant_type, value=value)
-
-    def type_alias(self, span: Span, name: ast.Identifier, meant: ast.TypeName) -> ast.TypeAliasDefinition:
-        """``type Angle = double<rad>``."""
-        return ast.TypeAliasDefinition(span=span, doc=self.doc(span.start), name=name, type=meant)
+    constant = declared(ast.Constant, "name", "type", "value")  # const name = value
+    type_alias = declared(ast.TypeAliasDefinition, "name", "type")  # type Angle = double<rad>
 
     def enum(self, span: Span, name: ast.Identifier, *literals: ast.Identifier) -> ast.EnumDefinition:
         """``enum Mode { idle, run }``."""
@@ -67,23 +59,10 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``struct Pose { x: double  y: double }``."""
         return ast.StructDefinition(span=span, doc=self.doc(span.start), name=name, fields=fields)
 
-    def field(self, span: Span, name: ast.Identifier, field_type: ast.TypeName) -> ast.Field:
-        """A field of a struct."""
-        return ast.Field(span=span, doc=self.doc(span.start), name=name, type=field_type)
-
-    def exception(self, span: Span, name: ast.Identifier) -> ast.ExceptionDefinition:
-        """``exception Overheated``."""
-        return ast.ExceptionDefinition(span=span, doc=self.doc(span.start), name=name)
-
-    def parameters(self, span: Span, *parameters: ast.Parameter) -> tuple[ast.Parameter, ...]:
-        """Parameters in parentheses."""
-        return parameters
-
-    def parameter(
-        self, span: Span, name: ast.Identifier, parameter_type: ast.TypeName, default: ast.Expression | None
-    ) -> ast.Parameter:
-        """``speed: double<rad/s> = 0.5<rad/s>``."""
-        return ast.Parameter(span=span, doc=self.doc(span.start), name=name, type=parameter_type, default=default)
+    field = declared(ast.Field, "name", "type")  # A field of a struct
+    exception = declared(ast.ExceptionDefinition, "name")  # exception Overheated
+    parameters = gathered  # Parameters in parentheses
+    parameter = declared(ast.Parameter, "name", "type", "default")  # speed: double<rad/s> = 0.5<rad/s>
 
     def external(self, span: Span, language: ast.Identifier, target: Token) -> Option:
         """``python "plant.py:Joint"``."""
@@ -106,13 +85,8 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``on miss count``."""
         return Option(span, "on_miss", reaction)
 
-    def options(self, span: Span, *options: Option) -> tuple[Option, ...]:
-        """The clauses of a head."""
-        return options
-
-    def environment_options(self, span: Span, *options: Option) -> tuple[Option, ...]:
-        """The clauses of the head of an environment."""
-        return options
+    options = gathered  # The clauses of a head
+    environment_options = gathered  # The clauses of the head of an environment
 
     def _clauses(self, definition: str, options: tuple[Option, ...], *allowed: str) -> dict[str, Any]:
         """The clauses by name, None where absent; reports those that are given twice or that have no meaning here."""
@@ -247,30 +221,10 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``refines Q in failures``."""
         return "refines", specification, "failures", hidden
 
-    def hidden(self, span: Span, *ports: ast.Identifier) -> Names:
-        """``hide a, b``, or nothing."""
-        return ports
-
-    def equations(self, span: Span, *items: ast.SubmodelItem) -> tuple[ast.SubmodelItem, ...]:
-        """What is in a submodel after its ports."""
-        return items
-
-    def let(self, span: Span, name: ast.Identifier, value: ast.Expression) -> ast.Let:
-        """``let name = value``."""
-        return ast.Let(span=span, doc=self.doc(span.start), name=name, value=value)
-
-    def state(self, span: Span, name: ast.Identifier, state_type: ast.TypeName, initial: ast.Expression) -> ast.State:
-        """``state name : type = initial``."""
-        return ast.State(span=span, doc=self.doc(span.start), name=name, type=state_type, initial=initial)
-
-    def next(self, span: Span, name: ast.Identifier, value: ast.Expression) -> ast.Next:
-        """``next name = value``."""
-        return ast.Next(span=span, name=name, value=value)
-
-    def derivative(self, span: Span, name: ast.Identifier, value: ast.Expression) -> ast.Derivative:
-        """``der name = value``."""
-        return ast.Derivative(span=span, name=name, value=value)
-
-    def equation(self, span: Span, target: ast.Reference, value: ast.Expression) -> ast.Equation:
-        """``target = value``."""
-        return ast.Equation(span=span, target=target, value=value)
+    hidden = gathered  # hide a, b, or nothing
+    equations = gathered  # What is in a submodel after its ports
+    let = declared(ast.Let, "name", "value")  # let name = value
+    state = declared(ast.State, "name", "type", "initial")  # state name : type = initial
+    next = node(ast.Next, "name", "value")  # next name = value
+    derivative = node(ast.Derivative, "name", "value")  # der name = value
+    equation = node(ast.Equation, "target", "value")  # target = value

@@ -7,7 +7,7 @@ from typing import Any, cast
 from cspdiag.base.record import replaced
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
-from cspdiag.syntax.build.common import Construction
+from cspdiag.syntax.build.common import Construction, chain, gathered, node
 from cspdiag.syntax.diagnostics.tokens import NumberOutOfRange, ZeroFrequency
 from cspdiag.syntax.parse.lexer import Token
 from cspdiag.syntax.parse.numbers import nanoseconds, number_value
@@ -47,25 +47,15 @@ class ExpressionBuilder(Construction):
         """A string."""
         return ast.Text(span=span, value=token.text[1:-1])
 
-    def true(self, span: Span) -> ast.Boolean:
-        """``true``."""
-        return ast.Boolean(span=span, value=True)
-
-    def false(self, span: Span) -> ast.Boolean:
-        """``false``."""
-        return ast.Boolean(span=span, value=False)
+    true = node(ast.Boolean, value=True)
+    false = node(ast.Boolean, value=False)
 
     def name(self, span: Span, name: ast.Identifier) -> ast.Name:
         """A name used as a value."""
         return ast.Name(span=span, name=name.text)
 
-    def member(self, span: Span, value: ast.Expression, name: ast.Identifier) -> ast.Member:
-        """``value.name``."""
-        return ast.Member(span=span, value=value, name=name)
-
-    def indexed(self, span: Span, value: ast.Expression, index: ast.Expression) -> ast.Index:
-        """``value[index]``."""
-        return ast.Index(span=span, value=value, index=index)
+    member = node(ast.Member, "value", "name")  # value.name
+    indexed = node(ast.Index, "value", "index")  # value[index]
 
     def unary(self, span: Span, operator: Token, operand: ast.Expression) -> ast.Unary:
         """``-x`` or ``not x``."""
@@ -75,35 +65,17 @@ class ExpressionBuilder(Construction):
         """An operator between two expressions."""
         return ast.Binary(span=span, operator=cast("Any", operator.text), left=left, right=right)
 
-    def conditional(
-        self, span: Span, condition: ast.Expression, then: ast.Expression, otherwise: ast.Expression
-    ) -> ast.Conditional:
-        """``if condition then value else otherwise``."""
-        return ast.Conditional(span=span, condition=condition, then=then, otherwise=otherwise)
+    conditional = node(ast.Conditional, "condition", "then", "otherwise")  # if condition then value else otherwise
 
     def parenthesized(self, span: Span, value: ast.Expression) -> ast.Expression:
         """``(value)``; the span of the value then includes the parentheses."""
         return replaced(value, span=span, parenthesized=True)
 
-    def array(self, span: Span, *elements: ast.Expression) -> ast.ArrayValue:
-        """``[1, 2]``."""
-        return ast.ArrayValue(span=span, elements=elements)
-
-    def call(self, span: Span, function: ast.Identifier, arguments: tuple[ast.Argument, ...]) -> ast.Call:
-        """``function(arguments)``."""
-        return ast.Call(span=span, function=function, arguments=arguments)
-
-    def arguments(self, span: Span, *arguments: ast.Argument) -> tuple[ast.Argument, ...]:
-        """Arguments in parentheses."""
-        return arguments
-
-    def positional(self, span: Span, value: ast.Expression) -> ast.Argument:
-        """An argument without a name."""
-        return ast.Argument(span=span, name=None, value=value)
-
-    def named(self, span: Span, name: ast.Identifier, value: ast.Expression) -> ast.Argument:
-        """``name = value``."""
-        return ast.Argument(span=span, name=name, value=value)
+    array = chain(ast.ArrayValue, "elements")  # [1, 2]
+    call = node(ast.Call, "function", "arguments")  # function(arguments)
+    arguments = gathered  # Arguments in parentheses
+    positional = node(ast.Argument, "value", name=None)  # An argument without a name
+    named = node(ast.Argument, "name", "value")  # name = value
 
     def type_name(self, span: Span, name: ast.Identifier, unit: Token | None, *sizes: ast.Expression) -> ast.TypeName:
         """``double<rad>[3]``."""
@@ -119,9 +91,7 @@ class ExpressionBuilder(Construction):
         """``[size]``."""
         return size
 
-    def replicator(self, span: Span, name: ast.Identifier, count: ast.Expression) -> ast.Replicator:
-        """``i < N``."""
-        return ast.Replicator(span=span, name=name, count=count)
+    replicator = node(ast.Replicator, "name", "count")  # i < N
 
     def index(self, span: Span, value: ast.Expression) -> list[ast.Expression | ast.Identifier]:
         """One index of a reference; a list, so that ``reference`` can distinguish it from the member."""
