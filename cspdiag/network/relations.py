@@ -12,38 +12,7 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    End,
-    Event,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    PortEnd,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    StopStep,
-    Target,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.ir.walk import parts
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
@@ -194,50 +163,50 @@ class _Walk:
             _put(uses, self.same.get(key, key), use, parallel=False)
         return uses if self.shape.is_external else {}
 
-    def _action(self, action: CoreAction) -> UsesByKey:
+    def _action(self, action: ir.CoreAction) -> UsesByKey:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 return self._run(self.shape.instances[action.instance], action.span)
-            case ResetInstance():
+            case ir.ResetInstance():
                 access = Access(action.span, action.span, action.instance)
                 return {run_key(action.instance): Uses(writer=access)}
-            case ReadValue():
+            case ir.ReadValue():
                 uses = self._reads(action.source, action.span)
                 self._target(uses, action.target, action.span)
                 return uses
-            case WriteValue():
+            case ir.WriteValue():
                 uses = self._values(action.value)
                 self._put_end(uses, action.sink, Uses(writer=Access(action.span, action.span, "")))
                 return uses
-            case AssignValue():
+            case ir.AssignValue():
                 uses = self._values(action.value)
                 self._target(uses, action.target, action.span)
                 return uses
-            case WaitStep():
+            case ir.WaitStep():
                 return self._values(action.duration)
-            case SkipStep() | StopStep() | RaiseException():
+            case ir.SkipStep() | ir.StopStep() | ir.RaiseException():
                 return {}
-            case SequentialSteps() | ParallelSteps():
-                return self._fold(map(self._action, action.steps), isinstance(action, ParallelSteps))
-            case Choice():
+            case ir.SequentialSteps() | ir.ParallelSteps():
+                return self._fold(map(self._action, action.steps), isinstance(action, ir.ParallelSteps))
+            case ir.Choice():
                 return self._fold(map(self._branch, action.branches), False)
-            case Repeat():
+            case ir.Repeat():
                 parts = [self._action(action.body)]
                 if action.until is not None:
                     parts.append(self._values(action.until))
                 return self._fold(parts, False)
-            case WhileLoop():
+            case ir.WhileLoop():
                 return self._fold([self._values(action.condition), self._action(action.body)], False)
-            case IfElse():
+            case ir.IfElse():
                 parts = [self._values(action.condition), self._action(action.then), self._action(action.otherwise)]
                 return self._fold(parts, False)
-            case CatchException():
+            case ir.CatchException():
                 return self._fold([self._action(action.body), self._action(action.handler)], False)
-            case InterruptOn():
+            case ir.InterruptOn():
                 waiting = self._event(action.branch.event, action.branch.condition)
                 both = self._fold([self._action(action.body), waiting], True)
                 return self._fold([both, self._action(action.branch.body)], False)
-            case CountedLoop() | Group():
+            case ir.CountedLoop() | ir.Group():
                 return self._action(action.body)
             case _:
                 assert_never(action)
@@ -248,23 +217,23 @@ class _Walk:
             whole = _joined(whole, part, parallel)
         return whole
 
-    def _branch(self, branch: Branch[CoreAction]) -> UsesByKey:
+    def _branch(self, branch: ir.Branch[ir.CoreAction]) -> UsesByKey:
         return self._fold([self._event(branch.event, branch.condition), self._action(branch.body)], False)
 
-    def _event(self, event: Event, condition: Expression | None) -> UsesByKey:
+    def _event(self, event: ir.Event, condition: Expression | None) -> UsesByKey:
         uses: UsesByKey = {} if condition is None else self._values(condition)
         match event:
-            case ReadyEvent():
+            case ir.ReadyEvent():
                 self._put_end(uses, event.source, Uses(reader=Access(event.span, event.span, "")))
-            case InputEvent():
+            case ir.InputEvent():
                 self._put_end(uses, event.source, Uses(reader=Access(event.span, event.span, "")))
                 self._target(uses, event.target, event.span)
-            case OutputEvent():
+            case ir.OutputEvent():
                 uses = _joined(uses, self._values(event.value), False)
                 self._put_end(uses, event.sink, Uses(writer=Access(event.span, event.span, "")))
-            case AfterEvent():
+            case ir.AfterEvent():
                 uses = _joined(uses, self._values(event.duration), False)
-            case SkipEvent():
+            case ir.SkipEvent():
                 pass
             case _:
                 assert_never(event)
@@ -288,16 +257,16 @@ class _Walk:
                 _put(uses, self.same.get(key, key), _lifted(use, access), False)
         return uses
 
-    def _reads(self, source: End, span: Span) -> UsesByKey:
+    def _reads(self, source: ir.End, span: Span) -> UsesByKey:
         uses: UsesByKey = {}
         self._put_end(uses, source, Uses(reader=Access(span, span, "")))
         return uses
 
-    def _put_end(self, uses: UsesByKey, end: End, use: Uses) -> None:
+    def _put_end(self, uses: UsesByKey, end: ir.End, use: Uses) -> None:
         key = end_key(end)
         _put(uses, self.same.get(key, key), use, False)
 
-    def _target(self, uses: UsesByKey, target: Target, span: Span) -> None:
+    def _target(self, uses: UsesByKey, target: ir.Target, span: Span) -> None:
         for index in target.indexes:
             for key, use in self._values(index).items():
                 _put(uses, key, use, False)
@@ -313,12 +282,12 @@ class _Walk:
         return uses
 
 
-def end_key(end: End) -> Key:
+def end_key(end: ir.End) -> Key:
     """The key of a port or channel that a process uses itself."""
-    return element_name(end.port, end.index) if isinstance(end, PortEnd) else end.channel
+    return element_name(end.port, end.index) if isinstance(end, ir.PortEnd) else end.channel
 
 
-def variables_read(item: Expression | CoreAction) -> Iterator[VariableValue]:
+def variables_read(item: Expression | ir.CoreAction) -> Iterator[VariableValue]:
     """The variables that an expression reads, or all expressions of an action."""
     return (part for part in parts(item) if isinstance(part, VariableValue))
 

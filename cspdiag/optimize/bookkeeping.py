@@ -17,34 +17,7 @@ from typing import assert_never
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.waiting import only_computes
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.optimize.changes import changed, mapped, rebuilt, with_inner_actions
 
@@ -63,11 +36,11 @@ def drop_bookkeeping(network: Network) -> Network:
     return replaced(network, classes=tuple(classes))
 
 
-def _without_memory(body: Action, runs_once: bool) -> Action:
+def _without_memory(body: ir.Action, runs_once: bool) -> ir.Action:
     again = choices_made_again(body)
 
-    def change(action: Action) -> Action:
-        if isinstance(action, Choice) and not action.prioritized:
+    def change(action: ir.Action) -> ir.Action:
+        if isinstance(action, ir.Choice) and not action.prioritized:
             chooses_once = runs_once and action.name not in again
             if chooses_once or len(action.branches) == 1:
                 action = replaced(action, prioritized=True)
@@ -76,27 +49,28 @@ def _without_memory(body: Action, runs_once: bool) -> Action:
     return change(body)
 
 
-def _alone(action: Action) -> Action:
-    if isinstance(action, ParallelSteps) and len(action.steps) == 1:
+def _alone(action: ir.Action) -> ir.Action:
+    if isinstance(action, ir.ParallelSteps) and len(action.steps) == 1:
         return changed(action, prioritized=False)
     return action
 
 
-def _without_priorities(action: Action) -> Action:
+def _without_priorities(action: ir.Action) -> ir.Action:
     """The same for the outermost parallels of a composition."""
     match action:
-        case ParallelSteps(prioritized=True, steps=steps) if sum(map(only_computes, steps)) >= len(steps) - 1:
+        case ir.ParallelSteps(prioritized=True, steps=steps) if sum(map(only_computes, steps)) >= len(steps) - 1:
             return replaced(action, prioritized=False)
-        case SequentialSteps():
+        case ir.SequentialSteps():
             return changed(action, steps=mapped(action.steps, _without_priorities))
-        case Repeat() | WhileLoop() | CountedLoop() | Group():
+        case ir.Repeat() | ir.WhileLoop() | ir.CountedLoop() | ir.Group():
             return changed(action, body=_without_priorities(action.body))
-        case CatchException():
+        case ir.CatchException():
             return changed(action, body=_without_priorities(action.body), handler=_without_priorities(action.handler))
         case (
-            RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
-            | ResetInstance() | RaiseException() | ParallelSteps() | Choice() | IfElse() | InterruptOn()
-            | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication()
+            ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
+            | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.ParallelSteps() | ir.Choice() | ir.IfElse()
+            | ir.InterruptOn() | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates()
+            | ir.ProcessScope() | ir.ReportCommunication()
         ):  # fmt: skip
             return action
         case _:

@@ -6,102 +6,63 @@ from collections.abc import Callable, Iterable
 from typing import TypeVar, assert_never
 
 from cspdiag.base.record import field_names, is_record, replaced
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 
 T = TypeVar("T")
 
 _NOT_LOOKED_AT = frozenset({"span", "type", "doc"})
 
 
-def with_inner_actions(action: Action, change: Callable[[Action], Action]) -> Action:
+def with_inner_actions(action: ir.Action, change: Callable[[ir.Action], ir.Action]) -> ir.Action:
     """The action with each action directly inside it changed, in text order."""
     match action:
-        case SequentialSteps() | ParallelSteps():
+        case ir.SequentialSteps() | ir.ParallelSteps():
             return changed(action, steps=mapped(action.steps, change))
-        case Choice():
+        case ir.Choice():
             return changed(action, branches=mapped(action.branches, lambda branch: _branch(branch, change)))
-        case Repeat() | WhileLoop() | CountedLoop() | Group() | ProcessScope():
+        case ir.Repeat() | ir.WhileLoop() | ir.CountedLoop() | ir.Group() | ir.ProcessScope():
             return changed(action, body=change(action.body))
-        case IfElse():
+        case ir.IfElse():
             return changed(action, then=change(action.then), otherwise=change(action.otherwise))
-        case CatchException():
+        case ir.CatchException():
             return changed(action, body=change(action.body), handler=change(action.handler))
-        case InterruptOn():
+        case ir.InterruptOn():
             return changed(action, body=change(action.body), branch=_branch(action.branch, change))
         case (
-            RunInstance()
-            | ReadValue()
-            | WriteValue()
-            | AssignValue()
-            | SkipStep()
-            | StopStep()
-            | WaitStep()
-            | ResetInstance()
-            | RaiseException()
-            | ReadInputs()
-            | WriteOutputs()
-            | RunLaw()
-            | ResetStates()
-            | ReportCommunication()
-        ):
+            ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
+            | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.ReadInputs() | ir.WriteOutputs()
+            | ir.RunLaw() | ir.ResetStates() | ir.ReportCommunication()
+        ):  # fmt: skip
             return action
         case _:
             assert_never(action)
 
 
-def _branch(branch: Branch, change: Callable[[Action], Action]) -> Branch:
+def _branch(branch: ir.Branch, change: Callable[[ir.Action], ir.Action]) -> ir.Branch:
     return changed(branch, body=change(branch.body))
 
 
-def rebuilt(action: Action, change: Callable[[Action], Action]) -> Action:
+def rebuilt(action: ir.Action, change: Callable[[ir.Action], ir.Action]) -> ir.Action:
     """The action with every action in it changed, those inside first; sequences that come to stand in sequences are
     opened.
     """
     inside = with_inner_actions(action, lambda inner: rebuilt(inner, change))
-    if inside is not action and isinstance(inside, SequentialSteps):
+    if inside is not action and isinstance(inside, ir.SequentialSteps):
         inside = in_sequence(inside.steps, inside)
     return change(inside)
 
 
-def in_sequence(steps: Iterable[Action], like: Action) -> Action:
+def in_sequence(steps: Iterable[ir.Action], like: ir.Action) -> ir.Action:
     """The steps one after another, sequences among them opened and skips left out; at the place of ``like``."""
-    flat: list[Action] = []
+    flat: list[ir.Action] = []
     for step in steps:
-        if isinstance(step, SequentialSteps):
+        if isinstance(step, ir.SequentialSteps):
             flat.extend(step.steps)
-        elif not isinstance(step, SkipStep):
+        elif not isinstance(step, ir.SkipStep):
             flat.append(step)
     if not flat:
-        return SkipStep(span=like.span)
-    return flat[0] if len(flat) == 1 else SequentialSteps(span=like.span, steps=tuple(flat))
+        return ir.SkipStep(span=like.span)
+    return flat[0] if len(flat) == 1 else ir.SequentialSteps(span=like.span, steps=tuple(flat))
 
 
 def with_parts(item: T, change: Callable[[object], object | None]) -> T:

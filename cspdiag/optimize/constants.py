@@ -11,21 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias, TypeGuard
 
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.actions import (
-    Action,
-    Branch,
-    ChannelEnd,
-    Choice,
-    IfElse,
-    InputRead,
-    InterruptOn,
-    PortEnd,
-    Repeat,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import (
@@ -134,12 +120,12 @@ def _known_signals(entry: ProcessClass) -> dict[str, Known]:
     found: dict[str, Expression | None] = {constant.name: constant.value for constant in entry.constants}
     states = {state.name for state in entry.states}
     for part in parts(entry.body):
-        if isinstance(part, RunLaw):
+        if isinstance(part, ir.RunLaw):
             for equation in (*part.equations, *part.derivative_equations):
                 if isinstance(equation, SubmodelEquation):
                     same = repr(found.setdefault(equation.name, equation.value)) == repr(equation.value)
                     found[equation.name] = equation.value if same else None
-        elif isinstance(part, InputRead):
+        elif isinstance(part, ir.InputRead):
             found[part.name] = None
 
     known = {name: value for name, value in found.items() if _is_known(value, states)}
@@ -180,7 +166,7 @@ def _written(entry: ProcessClass, outputs: Outputs) -> set[str]:
     for instance in entry.instances:
         written = outputs[instance.class_name]
         for connection in instance.connections:
-            if isinstance(connection.attachment, ChannelEnd) and connection.port in written:
+            if isinstance(connection.attachment, ir.ChannelEnd) and connection.port in written:
                 found.add(connection.attachment.channel)
     return found
 
@@ -218,33 +204,33 @@ def _both(fold: Callable[[Any], Any], broadcasts: frozenset[str]) -> Callable[[A
 def _decided(item: Any) -> Any:
     """An action without conditions that are always true or always false."""
     match item:
-        case IfElse(condition=LiteralValue(value=bool(value))):
+        case ir.IfElse(condition=LiteralValue(value=bool(value))):
             return item.then if value else item.otherwise
-        case WhileLoop(condition=LiteralValue(value=False)):
-            return SkipStep(span=item.span)
-        case WhileLoop(condition=LiteralValue(value=True)):
-            return Repeat(span=item.span, body=item.body, until=None)
-        case Repeat(until=LiteralValue(value=True)):
+        case ir.WhileLoop(condition=LiteralValue(value=False)):
+            return ir.SkipStep(span=item.span)
+        case ir.WhileLoop(condition=LiteralValue(value=True)):
+            return ir.Repeat(span=item.span, body=item.body, until=None)
+        case ir.Repeat(until=LiteralValue(value=True)):
             return item.body
-        case Repeat(until=LiteralValue(value=False)):
+        case ir.Repeat(until=LiteralValue(value=False)):
             return changed(item, until=None)
-        case InterruptOn(branch=Branch(condition=LiteralValue(value=False))):
+        case ir.InterruptOn(branch=ir.Branch(condition=LiteralValue(value=False))):
             return item.body
-        case InterruptOn(branch=Branch(condition=LiteralValue(value=True)) as branch):
+        case ir.InterruptOn(branch=ir.Branch(condition=LiteralValue(value=True)) as branch):
             return changed(item, branch=changed(branch, condition=None))
-        case Choice():
+        case ir.Choice():
             return _choice(item)
-        case SequentialSteps():
+        case ir.SequentialSteps():
             return in_sequence(item.steps, item) if any(map(_opens, item.steps)) else item
         case _:  # Nothing is decided in any other part.
             return item
 
 
-def _opens(step: Action) -> bool:
-    return isinstance(step, SequentialSteps | SkipStep)
+def _opens(step: ir.Action) -> bool:
+    return isinstance(step, ir.SequentialSteps | ir.SkipStep)
 
 
-def _choice(choice: Choice) -> Choice:
+def _choice(choice: ir.Choice) -> ir.Choice:
     """Without branches that can never be chosen.
 
     One branch that stays keeps a condition: an alternative without one would be a plain reader or writer, which is
@@ -273,8 +259,8 @@ def _ends(item: Any, places: frozenset[str]) -> frozenset[Any]:
     """The ends of these places that an action uses."""
     if not places:
         return frozenset()
-    ends = [part for part in parts(item) if isinstance(part, PortEnd | ChannelEnd)]
-    return frozenset(end for end in ends if (end.port if isinstance(end, PortEnd) else end.channel) in places)
+    ends = [part for part in parts(item) if isinstance(part, ir.PortEnd | ir.ChannelEnd)]
+    return frozenset(end for end in ends if (end.port if isinstance(end, ir.PortEnd) else end.channel) in places)
 
 
 def _without_parameters(

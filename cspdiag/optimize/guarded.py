@@ -5,17 +5,7 @@ from __future__ import annotations
 from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Choice,
-    End,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    PortEnd,
-    ReadyEvent,
-    SkipEvent,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
@@ -31,9 +21,9 @@ class Guards:
     writes: frozenset[Place]
 
 
-def place_of(end: End) -> Place:
+def place_of(end: ir.End) -> Place:
     """The port or channel of an end."""
-    return (end.port, end.index) if isinstance(end, PortEnd) else end.channel
+    return (end.port, end.index) if isinstance(end, ir.PortEnd) else end.channel
 
 
 def guards_by_class(network: Network) -> dict[str, Guards]:
@@ -61,14 +51,14 @@ def _guards(entry: ProcessClass, known: dict[str, Guards]) -> Guards:
     reads: set[Place] = set()
     writes: set[Place] = set()
     for part in parts(entry.body):
-        if isinstance(part, Choice | InterruptOn):
-            for branch in part.branches if isinstance(part, Choice) else (part.branch,):
+        if isinstance(part, ir.Choice | ir.InterruptOn):
+            for branch in part.branches if isinstance(part, ir.Choice) else (part.branch,):
                 match branch.event:
-                    case InputEvent(source=source) | ReadyEvent(source=source):
+                    case ir.InputEvent(source=source) | ir.ReadyEvent(source=source):
                         reads.add(place_of(source))
-                    case OutputEvent(sink=sink):
+                    case ir.OutputEvent(sink=sink):
                         writes.add(place_of(sink))
-                    case AfterEvent() | SkipEvent():
+                    case ir.AfterEvent() | ir.SkipEvent():
                         pass
                     case _:
                         assert_never(branch.event)

@@ -8,23 +8,7 @@ from collections.abc import Mapping
 
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.waiting import READ_AT_ONCE
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    ChannelEnd,
-    InputRead,
-    InterruptOn,
-    OutputWrite,
-    PortEnd,
-    ReadInputs,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    Target,
-    WriteOutputs,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.network import (
@@ -58,7 +42,7 @@ def inline_laws(network: Network) -> Network:
         entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not _is_by_hand(entry)
     }
     seen = any(
-        isinstance(part, InterruptOn | CatchException)
+        isinstance(part, ir.InterruptOn | ir.CatchException)
         for entry in network.classes
         if isinstance(entry, ProcessClass)
         for part in parts(entry.body)
@@ -103,11 +87,11 @@ class _Inlining:
             ),
         )
 
-    def _inlined(self, action: Action) -> Action:
+    def _inlined(self, action: ir.Action) -> ir.Action:
         match action:
-            case RunInstance(instance=name) if name in self.laws:
+            case ir.RunInstance(instance=name) if name in self.laws:
                 return self.laws[name].run(action)
-            case ResetInstance(instance=name) if name in self.laws:
+            case ir.ResetInstance(instance=name) if name in self.laws:
                 return in_sequence(self.laws[name].reset(action), action)
             case _:  # Any other action stays as it is.
                 return action
@@ -166,29 +150,29 @@ class _Inlined:
     def _state(self, state: SubmodelState) -> SubmodelState:
         return replaced(state, name=f"{self.prefix}.{state.name}", initial=self._renamed(state.initial))
 
-    def reset(self, action: ResetInstance) -> list[Action]:
+    def reset(self, action: ir.ResetInstance) -> list[ir.Action]:
         """The steps of a reset: of states, and of what is written by hand within the law."""
         names = [state.name for state in self.states]
         names += [f"{self.prefix}.{call.name}" for call in self.law.equations if isinstance(call, ExternalCall)]
-        return [ResetStates(span=action.span, states=tuple(names))] if names else []
+        return [ir.ResetStates(span=action.span, states=tuple(names))] if names else []
 
-    def run(self, action: RunInstance) -> Action:
+    def run(self, action: ir.RunInstance) -> ir.Action:
         """The steps of a run."""
         law = self.law
         reads, variables = self._inputs()
         kinds = {self._kind(read.source) for read in reads}
-        steps: list[Action] = []
+        steps: list[ir.Action] = []
         if reads or self.seen:
-            steps.append(ReadInputs(span=law.span, reads=reads, law=self.prefix))
+            steps.append(ir.ReadInputs(span=law.span, reads=reads, law=self.prefix))
         equations = [renamed_equation(item, self.prefix, self.values, self.signals) for item in law.equations]
         if equations or variables or law.next_values or law.derivatives:
             steps.append(self._law(action, (*variables, *equations)))
         steps += self._outputs(may_have_waited=not kinds <= READ_AT_ONCE)
         return in_sequence(steps, action)
 
-    def _law(self, action: RunInstance, equations: tuple[SubmodelEquation | ExternalCall, ...]) -> RunLaw:
+    def _law(self, action: ir.RunInstance, equations: tuple[SubmodelEquation | ExternalCall, ...]) -> ir.RunLaw:
         law = self.law
-        return RunLaw(
+        return ir.RunLaw(
             span=action.span,
             law=self.prefix,
             equations=equations,
@@ -212,56 +196,58 @@ class _Inlined:
 
     def _kind(self, end: Attachment) -> MediumKind:
         match end:
-            case ChannelEnd(channel=name):
+            case ir.ChannelEnd(channel=name):
                 return self.channels[name].kind
-            case PortEnd(port=name, index=index):
+            case ir.PortEnd(port=name, index=index):
                 return self.media[name][index or 0].kind
             case ConstantEnd():
                 return "constant"
             case DiscardEnd():
                 return "discard"
 
-    def _inputs(self) -> tuple[tuple[InputRead, ...], list[SubmodelEquation]]:
+    def _inputs(self) -> tuple[tuple[ir.InputRead, ...], list[SubmodelEquation]]:
         """What has to be read, in order, and equations for the inputs that are variables of the class.
 
         A variable that may not have been written is read at its place in the order, so that the fault is where it was.
         """
-        ends = [(name, port, end) for name, port, end in self._elements("in") if isinstance(end, ChannelEnd | PortEnd)]
+        ends = [
+            (name, port, end) for name, port, end in self._elements("in") if isinstance(end, ir.ChannelEnd | ir.PortEnd)
+        ]
         sure = [self._is_variable(end) is not None for _, _, end in ends]
         if not all(sure):
             sure = [self._is_written(end) for _, _, end in ends]
         reads, equations = [], []
         for is_sure, (name, port, end) in zip(sure, ends, strict=True):
             full = f"{self.prefix}.{name}"
-            if is_sure and isinstance(end, ChannelEnd):
+            if is_sure and isinstance(end, ir.ChannelEnd):
                 value = VariableValue(type=port.type, channel=end.channel, span=port.span)
                 equations.append(SubmodelEquation(name=full, doc=port.doc, span=port.span, type=port.type, value=value))
             else:
-                reads.append(InputRead(source=end, name=full, type=port.type))
+                reads.append(ir.InputRead(source=end, name=full, type=port.type))
         return tuple(reads), equations
 
     def _is_variable(self, end: Attachment) -> LocalChannel | None:
-        channel = self.channels.get(end.channel) if isinstance(end, ChannelEnd) else None
+        channel = self.channels.get(end.channel) if isinstance(end, ir.ChannelEnd) else None
         return channel if channel is not None and channel.kind == "var" else None
 
     def _is_written(self, end: Attachment) -> bool:
         channel = self._is_variable(end)
         return channel is not None and channel.initial is not None
 
-    def _outputs(self, *, may_have_waited: bool) -> list[Action]:
+    def _outputs(self, *, may_have_waited: bool) -> list[ir.Action]:
         """Variables alone are assigned; beside other outputs they keep their place in the order of the writes."""
         span = self.law.span
         writes = tuple(
-            OutputWrite(sink=end, value=SignalValue(type=port.type, name=f"{self.prefix}.{name}"))
+            ir.OutputWrite(sink=end, value=SignalValue(type=port.type, name=f"{self.prefix}.{name}"))
             for name, port, end in self._elements("out")
-            if isinstance(end, ChannelEnd | PortEnd)
+            if isinstance(end, ir.ChannelEnd | ir.PortEnd)
         )
         if any(self._is_variable(write.sink) is None for write in writes):
-            return [WriteOutputs(span=span, writes=writes, law=self.prefix)]
-        steps: list[Action] = []
+            return [ir.WriteOutputs(span=span, writes=writes, law=self.prefix)]
+        steps: list[ir.Action] = []
         if self.seen and may_have_waited:
-            steps.append(WriteOutputs(span=span, writes=(), law=self.prefix))
+            steps.append(ir.WriteOutputs(span=span, writes=(), law=self.prefix))
         for write in writes:
-            assert isinstance(write.sink, ChannelEnd)
-            steps.append(AssignValue(span=span, target=Target(write.sink.channel), value=write.value))
+            assert isinstance(write.sink, ir.ChannelEnd)
+            steps.append(ir.AssignValue(span=span, target=ir.Target(write.sink.channel), value=write.value))
         return steps

@@ -4,21 +4,7 @@ from __future__ import annotations
 
 from cspdiag.base.record import record
 from cspdiag.network.elaborate.constant_value import constant_value
-from cspdiag.network.ir.actions import (
-    ChannelEnd,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    End,
-    InputEvent,
-    InterruptOn,
-    ParallelSteps,
-    PortEnd,
-    ReadValue,
-    Repeat,
-    RunInstance,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ConstantEnd, CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import actions_inside
@@ -34,7 +20,7 @@ class Copy:
     """
 
     process: str
-    source: End
+    source: ir.End
     variable: str
 
 
@@ -61,31 +47,31 @@ class Structure:
             self.ways.setdefault(path, []).append(way)
             self.priorities.setdefault(path, priority)
 
-    def _action(self, path: str, action: CoreAction, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
+    def _action(self, path: str, action: ir.CoreAction, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 self._run(f"{path}.{action.instance}", way, priority)
-            case ReadValue():
+            case ir.ReadValue():
                 self.copies.append(Copy(path, action.source, action.target.channel))
             case _:  # Anything else consists of its parts.
-                if isinstance(action, Choice | InterruptOn):
-                    branches = action.branches if isinstance(action, Choice) else (action.branch,)
+                if isinstance(action, ir.Choice | ir.InterruptOn):
+                    branches = action.branches if isinstance(action, ir.Choice) else (action.branch,)
                     self.copies += [
                         Copy(path, branch.event.source, branch.event.target.channel)
                         for branch in branches
-                        if isinstance(branch.event, InputEvent)
+                        if isinstance(branch.event, ir.InputEvent)
                     ]
-                ranked = isinstance(action, ParallelSteps) and action.prioritized
+                ranked = isinstance(action, ir.ParallelSteps) and action.prioritized
                 for number, part in enumerate(actions_inside(action)):
                     inner = (*priority, number) if ranked else priority
                     self._action(path, part, (*way, (_kind(action), number)), inner)
 
 
-def _kind(action: CoreAction) -> str:
+def _kind(action: ir.CoreAction) -> str:
     match action:
-        case ParallelSteps():
+        case ir.ParallelSteps():
             return "parallel"
-        case Repeat() | WhileLoop() | CountedLoop():
+        case ir.Repeat() | ir.WhileLoop() | ir.CountedLoop():
             return "loop"
         case _:  # Of the parts of anything else one runs at a time.
             return "other"
@@ -100,12 +86,12 @@ def _together(one: tuple[Branching, ...], other: tuple[Branching, ...]) -> bool:
     return True
 
 
-def end_name(end: End) -> str:
+def end_name(end: ir.End) -> str:
     """The port or channel of the process that an end belongs to, as nets name it."""
     match end:
-        case ChannelEnd():
+        case ir.ChannelEnd():
             return end.channel
-        case PortEnd():
+        case ir.PortEnd():
             return end.port if end.index is None else f"{end.port}[{end.index}]"
 
 
@@ -125,7 +111,7 @@ def standing_inputs(network: CoreNetwork, path: str) -> dict[str, Value]:
     for connection in declared.connections:
         attached = connection.attachment
         first = attached.value if isinstance(attached, ConstantEnd) else None
-        if isinstance(attached, ChannelEnd):
+        if isinstance(attached, ir.ChannelEnd):
             first = variables.get(attached.channel)
         value = None if first is None else constant_value(first, lambda part: arguments.get(part.name))
         if value is not None:

@@ -34,17 +34,7 @@ from cspdiag.network.flow.code import (
     Unwatch,
     Watch,
 )
-from cspdiag.network.ir.actions import (
-    Action,
-    AfterEvent,
-    CatchException,
-    End,
-    Event,
-    InputEvent,
-    OutputEvent,
-    ReadyEvent,
-    SkipEvent,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
 
 READ_AT_ONCE: frozenset[str] = frozenset({"var", "constant"})
@@ -57,23 +47,23 @@ WRITTEN_AT_ONCE: frozenset[str] = frozenset(
 
 
 def is_always_ready(
-    event: Event, kind_of: Callable[[End], str], is_over_at_once: Callable[[Expression], bool] = lambda _: False
+    event: ir.Event, kind_of: Callable[[ir.End], str], is_over_at_once: Callable[[Expression], bool] = lambda _: False
 ) -> bool:
     """Whether a guard is ready whenever it counts; ``is_over_at_once`` says so of the duration of a time-out."""
     match event:
-        case SkipEvent():
+        case ir.SkipEvent():
             return True
-        case ReadyEvent() | InputEvent():
+        case ir.ReadyEvent() | ir.InputEvent():
             return kind_of(event.source) in READ_AT_ONCE
-        case OutputEvent():
+        case ir.OutputEvent():
             return kind_of(event.sink) in WRITTEN_AT_ONCE
-        case AfterEvent():
+        case ir.AfterEvent():
             return is_over_at_once(event.duration)
         case _:
             assert_never(event)
 
 
-def only_computes(action: Action) -> bool:
+def only_computes(action: ir.Action) -> bool:
     """Whether a composition neither communicates nor waits, nor leaves that to others, on any of its ways."""
     return all(map(_only_computes, flow_of(action).instructions))
 
@@ -86,7 +76,7 @@ def _only_computes(instruction: Instruction) -> bool:
         ):  # fmt: skip
             return True
         case Watch():
-            return isinstance(instruction.step, CatchException)
+            return isinstance(instruction.step, ir.CatchException)
         case Call() | Communicate() | Delay() | Fork() | Join() | Select() | Stop() | Take():
             return False
         case _:

@@ -5,17 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.actions import (
-    Branch,
-    Choice,
-    CoreAction,
-    InputEvent,
-    InterruptOn,
-    ParallelSteps,
-    ReadValue,
-    ReadyEvent,
-    RunInstance,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.walk import actions_inside
 from cspdiag.network.relations import end_key
@@ -24,7 +14,7 @@ from cspdiag.network.shapes import Key, PortElement, Shape, attached_key
 Path: TypeAlias = "tuple[tuple[int, int], ...]"
 """The parallels around a part, from the outermost, each with the branch that the part is in."""
 
-Reader: TypeAlias = "ReadValue | ReadyEvent | InputEvent | tuple[str, PortElement]"
+Reader: TypeAlias = "ir.ReadValue | ir.ReadyEvent | ir.InputEvent | tuple[str, PortElement]"
 """A communication of the process itself, or an input of a submodel instance."""
 
 
@@ -46,19 +36,19 @@ class ReadingEnds:
         for key, places in self._places.items():
             self._assign(key, places)
 
-    def _walk(self, action: CoreAction, path: Path) -> None:
+    def _walk(self, action: ir.CoreAction, path: Path) -> None:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 self._run(action.instance, path)
-            case ReadValue():
+            case ir.ReadValue():
                 self._add(end_key(action.source), action, path)
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 self._parallel(action.steps, path)
-            case Choice():
+            case ir.Choice():
                 for branch in action.branches:
                     self._event(branch, path)
                     self._walk(branch.body, path)
-            case InterruptOn():
+            case ir.InterruptOn():
                 self._parallels += 1
                 self._walk(action.body, (*path, (self._parallels, 0)))
                 self._event(action.branch, (*path, (self._parallels, 1)))
@@ -67,14 +57,14 @@ class ReadingEnds:
                 for inner in actions_inside(action):
                     self._walk(inner, path)
 
-    def _parallel(self, steps: tuple[CoreAction, ...], path: Path) -> None:
+    def _parallel(self, steps: tuple[ir.CoreAction, ...], path: Path) -> None:
         self._parallels += 1
         number = self._parallels
         for branch, step in enumerate(steps):
             self._walk(step, (*path, (number, branch)))
 
-    def _event(self, branch: Branch[CoreAction], path: Path) -> None:
-        if isinstance(branch.event, ReadyEvent | InputEvent):
+    def _event(self, branch: ir.Branch[ir.CoreAction], path: Path) -> None:
+        if isinstance(branch.event, ir.ReadyEvent | ir.InputEvent):
             self._add(end_key(branch.event.source), branch.event, path)
 
     def _run(self, name: str, path: Path) -> None:
@@ -161,13 +151,13 @@ def _one_by_one(readers: dict[object, list[Path]]) -> dict[object, int]:
     return ends
 
 
-def with_ends(action: CoreAction, ends: ReadingEnds) -> CoreAction:
+def with_ends(action: ir.CoreAction, ends: ReadingEnds) -> ir.CoreAction:
     """The composition with the reading ends filled in."""
     if not any(ends.of_communication.values()):
         return action
 
     def change(part: Any) -> Any:
-        if isinstance(part, ReadValue | ReadyEvent | InputEvent):
+        if isinstance(part, ir.ReadValue | ir.ReadyEvent | ir.InputEvent):
             return replaced(part, source=replaced(part.source, end=ends.of_communication[id(part)]))
         return part
 

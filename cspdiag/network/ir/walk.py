@@ -6,39 +6,7 @@ from collections.abc import Iterator
 from typing import assert_never, overload
 
 from cspdiag.base.record import field_names, is_record
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    ChannelEnd,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    OutputWrite,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValue
 
 
@@ -82,10 +50,10 @@ _ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool"})
 
 
 @overload
-def all_actions(action: CoreAction) -> Iterator[CoreAction]: ...
+def all_actions(action: ir.CoreAction) -> Iterator[ir.CoreAction]: ...
 @overload
-def all_actions(action: Action) -> Iterator[Action]: ...
-def all_actions(action: Action) -> Iterator[Action]:
+def all_actions(action: ir.Action) -> Iterator[ir.Action]: ...
+def all_actions(action: ir.Action) -> Iterator[ir.Action]:
     """The action and every one inside it, in text order."""
     pending = [action]
     while pending:
@@ -95,37 +63,37 @@ def all_actions(action: Action) -> Iterator[Action]:
 
 
 @overload
-def actions_inside(action: CoreAction) -> tuple[CoreAction, ...]: ...
+def actions_inside(action: ir.CoreAction) -> tuple[ir.CoreAction, ...]: ...
 @overload
-def actions_inside(action: Action) -> tuple[Action, ...]: ...
-def actions_inside(action: Action) -> tuple[Action, ...]:
+def actions_inside(action: ir.Action) -> tuple[ir.Action, ...]: ...
+def actions_inside(action: ir.Action) -> tuple[ir.Action, ...]:
     """Those of which an action consists, in text order; none for a communication and the like."""
     match action:
-        case SequentialSteps() | ParallelSteps():
+        case ir.SequentialSteps() | ir.ParallelSteps():
             return action.steps
-        case Choice():
+        case ir.Choice():
             return tuple(branch.body for branch in action.branches)
-        case Repeat() | WhileLoop() | CountedLoop() | Group() | ProcessScope():
+        case ir.Repeat() | ir.WhileLoop() | ir.CountedLoop() | ir.Group() | ir.ProcessScope():
             return (action.body,)
-        case IfElse():
+        case ir.IfElse():
             return (action.then, action.otherwise)
-        case CatchException():
+        case ir.CatchException():
             return (action.body, action.handler)
-        case InterruptOn():
+        case ir.InterruptOn():
             return (action.body, action.branch.body)
         case (
-            RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
-            | ResetInstance() | RaiseException() | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates()
-            | ReportCommunication()
+            ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
+            | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.ReadInputs() | ir.WriteOutputs()
+            | ir.RunLaw() | ir.ResetStates() | ir.ReportCommunication()
         ):  # fmt: skip
             return ()
         case _:
             assert_never(action)
 
 
-def instances_run(action: Action) -> list[str]:
+def instances_run(action: ir.Action) -> list[str]:
     """The instances that an action runs, in text order."""
-    return [part.instance for part in parts(action) if isinstance(part, RunInstance)]
+    return [part.instance for part in parts(action) if isinstance(part, ir.RunInstance)]
 
 
 def mentions_variable(expression: Expression) -> bool:
@@ -137,10 +105,10 @@ def channels_written(item: object) -> Iterator[str]:
     """The channels of the process, its variables among them, that anything in a record sets or writes."""
     for part in parts(item):
         match part:
-            case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
+            case ir.AssignValue(target=target) | ir.ReadValue(target=target) | ir.InputEvent(target=target):
                 yield target.channel
-            case WriteValue(sink=sink) | OutputEvent(sink=sink) | OutputWrite(sink=sink):
-                if isinstance(sink, ChannelEnd):
+            case ir.WriteValue(sink=sink) | ir.OutputEvent(sink=sink) | ir.OutputWrite(sink=sink):
+                if isinstance(sink, ir.ChannelEnd):
                     yield sink.channel
             case _:  # Any other part of the composition writes nothing.
                 pass

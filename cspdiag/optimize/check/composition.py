@@ -9,46 +9,7 @@ from typing import assert_never
 
 from cspdiag.base import Span
 from cspdiag.model.types import BOOL, TIME, ArrayType, IntType, Type
-from cspdiag.network.ir.actions import (
-    Action,
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    ChannelEnd,
-    Choice,
-    CountedLoop,
-    End,
-    Event,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    PortEnd,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    Step,
-    StopStep,
-    Target,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Direction, ProcessClass
@@ -87,13 +48,13 @@ class CompositionCheck:
         if self.process.body is not None:
             yield from self._action(self.process.body)
 
-    def end(self, end: End, direction: Direction | None = None) -> Iterator[str]:
+    def end(self, end: ir.End, direction: Direction | None = None) -> Iterator[str]:
         """What is wrong with a port or channel that is read (``in``) or written; None: handed on to an instance."""
         match end:
-            case ChannelEnd():
+            case ir.ChannelEnd():
                 if end.channel not in self.channels:
                     yield f"there is no channel `{end.channel}`"
-            case PortEnd():
+            case ir.PortEnd():
                 port = self.ports.get(end.port)
                 if port is None:
                     yield f"there is no port `{end.port}`"
@@ -104,112 +65,112 @@ class CompositionCheck:
             case _:
                 assert_never(end)
 
-    def type_of(self, end: End) -> Type | None:
+    def type_of(self, end: ir.End) -> Type | None:
         """The type of the values that pass; None where there is no such end."""
-        found = self.ports.get(end.port) if isinstance(end, PortEnd) else self.channels.get(end.channel)
+        found = self.ports.get(end.port) if isinstance(end, ir.PortEnd) else self.channels.get(end.channel)
         return None if found is None else found.type
 
-    def _action(self, action: Action) -> Iterator[str]:
+    def _action(self, action: ir.Action) -> Iterator[str]:
         yield from _place(action)
         match action:
-            case RunInstance() | ResetInstance():
+            case ir.RunInstance() | ir.ResetInstance():
                 if action.instance not in self.instances:
                     yield f"there is no instance `{action.instance}`"
-            case ReadValue():
+            case ir.ReadValue():
                 yield from self._read(action.source, action.target)
-            case WriteValue():
+            case ir.WriteValue():
                 yield from self._written(action.sink, action.value)
-            case AssignValue():
+            case ir.AssignValue():
                 yield from self._target(action.target, action.value.type)
                 yield from self._value(action.value)
-            case SkipStep() | StopStep():
+            case ir.SkipStep() | ir.StopStep():
                 pass
-            case WaitStep():
+            case ir.WaitStep():
                 yield from self._value(action.duration, TIME)
-            case RaiseException():
+            case ir.RaiseException():
                 if action.exception not in self.exceptions:
                     yield f"there is no exception `{action.exception}`"
-            case SequentialSteps() | ParallelSteps():
+            case ir.SequentialSteps() | ir.ParallelSteps():
                 if not action.steps:
                     yield f"{type(action).__name__} is empty"
                 for step in action.steps:
                     yield from self._action(step)
-            case Choice():
+            case ir.Choice():
                 if not action.branches:
                     yield "an alternative has no branches"
                 for branch in action.branches:
                     yield from self._branch(branch)
-            case Repeat():
+            case ir.Repeat():
                 yield from self._action(action.body)
                 if action.until is not None:
                     yield from self._value(action.until, BOOL)
-            case WhileLoop():
+            case ir.WhileLoop():
                 yield from self._value(action.condition, BOOL)
                 yield from self._action(action.body)
-            case CountedLoop():
+            case ir.CountedLoop():
                 if action.turns < 2:
                     yield f"a counted loop has {action.turns} turns"
                 yield from self._action(action.body)
-            case IfElse():
+            case ir.IfElse():
                 yield from self._value(action.condition, BOOL)
                 yield from self._action(action.then)
                 yield from self._action(action.otherwise)
-            case CatchException():
+            case ir.CatchException():
                 if action.exception not in self.exceptions | OF_EVERY_PROGRAM:
                     yield f"there is no exception `{action.exception}`"
                 yield from self._action(action.body)
                 yield from self._action(action.handler)
-            case InterruptOn():
+            case ir.InterruptOn():
                 yield from self._action(action.body)
                 yield from self._branch(action.branch)
-            case Group():
+            case ir.Group():
                 yield from self._action(action.body)
-            case ReadInputs():
+            case ir.ReadInputs():
                 for read in action.reads:
                     yield from self._passing(read.source, "in", read.type)
-            case WriteOutputs():
+            case ir.WriteOutputs():
                 for write in action.writes:
                     yield from self._written(write.sink, write.value)
-            case RunLaw():
+            case ir.RunLaw():
                 yield from self._law(action)
-            case ResetStates():
+            case ir.ResetStates():
                 calls = {part.name for part in parts(self.process.body) if isinstance(part, ExternalCall)}
                 for name in action.states:
                     if name not in calls and name not in {state.name for state in self.process.states}:
                         yield f"there is no state `{name}`"
-            case ProcessScope():
+            case ir.ProcessScope():
                 for end in action.ends:
                     yield from self.end(end, "in")
                 yield from self._action(action.body)
-            case ReportCommunication():
+            case ir.ReportCommunication():
                 yield from self._value(action.value)
             case _:
                 assert_never(action)
 
-    def _branch(self, branch: Branch) -> Iterator[str]:
+    def _branch(self, branch: ir.Branch) -> Iterator[str]:
         yield from _place(branch)
         if branch.condition is not None:
             yield from self._value(branch.condition, BOOL)
         yield from self._event(branch.event)
         yield from self._action(branch.body)
 
-    def _event(self, event: Event) -> Iterator[str]:
+    def _event(self, event: ir.Event) -> Iterator[str]:
         yield from _place(event)
         match event:
-            case ReadyEvent():
+            case ir.ReadyEvent():
                 yield from self.end(event.source, "in")
-            case InputEvent():
+            case ir.InputEvent():
                 yield from self._read(event.source, event.target)
-            case OutputEvent():
+            case ir.OutputEvent():
                 yield from self._written(event.sink, event.value)
-            case AfterEvent():
+            case ir.AfterEvent():
                 yield from self._value(event.duration, TIME)
-            case SkipEvent():
+            case ir.SkipEvent():
                 pass
             case _:
                 assert_never(event)
 
-    def _law(self, law: RunLaw) -> Iterator[str]:
+    def _law(self, law: ir.RunLaw) -> Iterator[str]:
         for equation in (*law.equations, *law.derivative_equations):
             if isinstance(equation, ExternalCall):
                 for _, value in (*equation.arguments, *equation.inputs):
@@ -226,23 +187,23 @@ class CompositionCheck:
         if law.sample is not None:
             yield from self._value(law.sample)
 
-    def _read(self, source: End, target: Target) -> Iterator[str]:
+    def _read(self, source: ir.End, target: ir.Target) -> Iterator[str]:
         yield from self.end(source, "in")
         kind = self.type_of(source)
         if kind is not None:
             yield from self._target(target, kind)
 
-    def _written(self, sink: End, value: Expression) -> Iterator[str]:
+    def _written(self, sink: ir.End, value: Expression) -> Iterator[str]:
         yield from self._passing(sink, "out", value.type)
         yield from self._value(value)
 
-    def _passing(self, end: End, direction: Direction, kind: Type) -> Iterator[str]:
+    def _passing(self, end: ir.End, direction: Direction, kind: Type) -> Iterator[str]:
         yield from self.end(end, direction)
         passing = self.type_of(end)
         if passing is not None and not agrees(passing, kind):
             yield f"{kind} passes an end of {passing}"
 
-    def _target(self, target: Target, value: Type) -> Iterator[str]:
+    def _target(self, target: ir.Target, value: Type) -> Iterator[str]:
         kind = self.names.variables.get(target.channel)
         if kind is None:
             yield f"there is no variable `{target.channel}`"
@@ -260,7 +221,7 @@ class CompositionCheck:
         return wrong_in_expression(value, self.names, wanted)
 
 
-def _place(step: Step) -> Iterator[str]:
+def _place(step: ir.Step) -> Iterator[str]:
     if not isinstance(step.span, Span):
         yield f"{type(step).__name__} has no place in the text"
 
@@ -270,9 +231,9 @@ def _signals(process: ProcessClass) -> dict[str, Type]:
     found: dict[str, Type] = {constant.name: constant.type for constant in process.constants}
     found.update((state.name, state.type) for state in process.states)
     for part in parts(process.body):
-        if isinstance(part, ReadInputs):
+        if isinstance(part, ir.ReadInputs):
             found.update((read.name, read.type) for read in part.reads)
-        elif isinstance(part, RunLaw):
+        elif isinstance(part, ir.RunLaw):
             for equation in (*part.equations, *part.derivative_equations):
                 if isinstance(equation, ExternalCall):
                     found.update((name, kind) for _, name, kind in equation.outputs)

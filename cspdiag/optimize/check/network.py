@@ -12,16 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.model.types import DOUBLE, Type
-from cspdiag.network.ir.actions import (
-    Choice,
-    MadeAction,
-    ProcessScope,
-    ReadInputs,
-    ReportCommunication,
-    ResetStates,
-    RunLaw,
-    WriteOutputs,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import (
     ConstantEnd,
@@ -35,13 +26,13 @@ from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.check.composition import CompositionCheck
 from cspdiag.optimize.check.expressions import Names, agrees, is_value_of, wrong_in_expression
 
-MADE_BY: dict[type[MadeAction], str] = {
-    ReadInputs: "inline_laws",
-    WriteOutputs: "inline_laws",
-    RunLaw: "inline_laws",
-    ResetStates: "inline_laws",
-    ProcessScope: "flatten",
-    ReportCommunication: "fuse",
+MADE_BY: dict[type[ir.MadeAction], str] = {
+    ir.ReadInputs: "inline_laws",
+    ir.WriteOutputs: "inline_laws",
+    ir.RunLaw: "inline_laws",
+    ir.ResetStates: "inline_laws",
+    ir.ProcessScope: "flatten",
+    ir.ReportCommunication: "fuse",
 }
 """The pass that makes each of the steps that are not in a text."""
 
@@ -124,7 +115,7 @@ def _wrong_in_process(
     yield from _repeated("parameter", [parameter.name for parameter in entry.parameters])
     yield from _repeated("state or constant", [item.name for item in (*entry.states, *entry.constants)])
     for part in parts(entry.body):
-        if isinstance(part, MadeAction) and MADE_BY[type(part)] not in passes:
+        if isinstance(part, ir.MadeAction) and MADE_BY[type(part)] not in passes:
             yield f"{type(part).__name__} is there before the pass `{MADE_BY[type(part)]}`"
     composition = CompositionCheck(entry, exceptions)
     yield from composition.wrong()
@@ -141,7 +132,7 @@ def _wrong_after_specialize(entry: ProcessClass) -> Iterator[str]:
     for port in entry.ports:
         if len(port.media) != (1 if port.size is None else port.size):
             yield f"the port `{port.name}` does not say what it is connected to"
-    if any(isinstance(part, Choice) and not part.name for part in parts(entry.body)):
+    if any(isinstance(part, ir.Choice) and not part.name for part in parts(entry.body)):
         yield "an alternative has no name"
 
 

@@ -6,22 +6,7 @@ from collections.abc import Mapping
 from typing import TypeVar
 
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.actions import (
-    ChannelEnd,
-    Choice,
-    End,
-    InputRead,
-    PortEnd,
-    ProcessScope,
-    ReadInputs,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    Target,
-    WriteOutputs,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import (
@@ -49,13 +34,13 @@ class EndNumbers:
     """Numbers for ends that a class gets besides its own."""
 
     def __init__(self, entry: ProcessClass) -> None:
-        self._used: dict[End, int] = {}
+        self._used: dict[ir.End, int] = {}
         for part in (*entry.creation, *parts(entry.body)):
-            if isinstance(part, PortEnd | ChannelEnd):
+            if isinstance(part, ir.PortEnd | ir.ChannelEnd):
                 place = replaced(part, end=0)
                 self._used[place] = max(self._used.get(place, 0), part.end + 1)
 
-    def new(self, place: End) -> End:
+    def new(self, place: ir.End) -> ir.End:
         """One more end of a port or channel."""
         place = replaced(place, end=0)
         number = self._used.get(place, 0)
@@ -88,11 +73,11 @@ class MovedUp:
         self._attachments = {(c.port, c.index): c.attachment for c in instance.connections}
         self._inputs = {port.name for port in inner.ports if port.direction == "in"}
         self._media = {port.name: port.media for port in inner.ports}
-        self._ends: dict[End, End] = {}
+        self._ends: dict[ir.End, ir.End] = {}
         for part in inner.creation:
-            if isinstance(part, PortEnd) and self._keeps(part):
+            if isinstance(part, ir.PortEnd) and self._keeps(part):
                 place = self._attachments[part.port, part.index]
-                assert isinstance(place, PortEnd | ChannelEnd)
+                assert isinstance(place, ir.PortEnd | ir.ChannelEnd)
                 self._ends[part] = numbers.new(place)
         self.constants = (*given, *map(self._equation, inner.constants))
         self.states = tuple(
@@ -105,11 +90,11 @@ class MovedUp:
         self.size = sum(1 for _ in parts((self.channels, self.instances, self.constants)))
         """Records besides the body, in which expressions may have grown."""
 
-    def scope(self, action: RunInstance) -> ProcessScope:
+    def scope(self, action: ir.RunInstance) -> ir.ProcessScope:
         """What stands where the instance was run."""
-        inside = {end for part in parts(self._body) if isinstance(part, ProcessScope) for end in part.ends}
+        inside = {end for part in parts(self._body) if isinstance(part, ir.ProcessScope) for end in part.ends}
         own = [end for end in self._ends if self._medium(end) == "sampled" and end not in inside]
-        return ProcessScope(
+        return ir.ProcessScope(
             span=action.span,
             instance=self.prefix,
             class_name=self.inner.definition,
@@ -121,24 +106,24 @@ class MovedUp:
     def _name(self, name: str) -> str:
         return f"{self.prefix}.{name}"
 
-    def _medium(self, end: End) -> MediumKind | None:
-        return self._media[end.port][end.index or 0].kind if isinstance(end, PortEnd) else None
+    def _medium(self, end: ir.End) -> MediumKind | None:
+        return self._media[end.port][end.index or 0].kind if isinstance(end, ir.PortEnd) else None
 
-    def _keeps(self, end: PortEnd) -> bool:
+    def _keeps(self, end: ir.PortEnd) -> bool:
         return end.port in self._inputs and self._medium(end) in OF_A_READER
 
-    def _end(self, end: End) -> End:
+    def _end(self, end: ir.End) -> ir.End:
         """The end in terms of the outer class."""
-        if isinstance(end, ChannelEnd):
+        if isinstance(end, ir.ChannelEnd):
             return replaced(end, channel=self._name(end.channel))
         known = self._ends.get(end)
         if known is not None:
             return known
         match self._attachments[end.port, end.index]:
-            case PortEnd() | ChannelEnd() as place:
+            case ir.PortEnd() | ir.ChannelEnd() as place:
                 return place
             case ConstantEnd() | DiscardEnd():
-                return ChannelEnd(self._name(_element(end)))
+                return ir.ChannelEnd(self._name(_element(end)))
 
     def _unconnected(self) -> list[LocalChannel]:
         """Variables for ports without a connection."""
@@ -148,7 +133,7 @@ class MovedUp:
                 attachment = self._attachments[port.name, index]
                 if isinstance(attachment, ConstantEnd | DiscardEnd):
                     variable = LocalChannel(
-                        name=self._name(_element(PortEnd(port.name, index))),
+                        name=self._name(_element(ir.PortEnd(port.name, index))),
                         doc=port.doc,
                         span=port.span,
                         type=port.type,
@@ -180,21 +165,21 @@ class MovedUp:
         match attachment:
             case ConstantEnd(value=value):
                 attachment = ConstantEnd(self._at_creation(value))
-            case PortEnd(port=port, index=index) if isinstance(self._classes[instance.class_name], ProcessClass):
+            case ir.PortEnd(port=port, index=index) if isinstance(self._classes[instance.class_name], ProcessClass):
                 attachment = self._attachments[port, index]
-            case PortEnd() | ChannelEnd():
+            case ir.PortEnd() | ir.ChannelEnd():
                 attachment = self._end(attachment)
             case DiscardEnd():
                 pass
         return replaced(connection, attachment=attachment)
 
-    def _created(self, part: End | CreatedInstance | CreatedChoice) -> End | CreatedInstance | CreatedChoice:
+    def _created(self, part: ir.End | CreatedInstance | CreatedChoice) -> ir.End | CreatedInstance | CreatedChoice:
         match part:
             case CreatedInstance(instance=name):
                 return CreatedInstance(self._name(name))
             case CreatedChoice(choice=name):
                 return CreatedChoice(self._name(name))
-            case PortEnd() | ChannelEnd():
+            case ir.PortEnd() | ir.ChannelEnd():
                 return self._end(part)
 
     def _equation(self, equation: SubmodelEquation) -> SubmodelEquation:
@@ -214,33 +199,33 @@ class MovedUp:
 
     def _replacement(self, part: object) -> object | None:
         match part:
-            case PortEnd() | ChannelEnd():
+            case ir.PortEnd() | ir.ChannelEnd():
                 return self._end(part)
-            case Target(channel=channel, indexes=indexes):
-                return Target(self._name(channel), self._moved(indexes))
-            case RunInstance(instance=name) | ResetInstance(instance=name):
+            case ir.Target(channel=channel, indexes=indexes):
+                return ir.Target(self._name(channel), self._moved(indexes))
+            case ir.RunInstance(instance=name) | ir.ResetInstance(instance=name):
                 return replaced(part, instance=self._name(name))
-            case ResetStates(states=states):
+            case ir.ResetStates(states=states):
                 return replaced(part, states=tuple(map(self._name, states)))
-            case Choice(name=name, branches=branches):
+            case ir.Choice(name=name, branches=branches):
                 return replaced(part, name=self._name(name), branches=self._moved(branches))
-            case ReportCommunication(channel=channel, value=value):
+            case ir.ReportCommunication(channel=channel, value=value):
                 return replaced(part, channel=self._name(channel), value=self._moved(value))
-            case ProcessScope():
+            case ir.ProcessScope():
                 ends, body = self._moved(part.ends), self._moved(part.body)
                 return replaced(part, instance=self._name(part.instance), ends=ends, body=body)
-            case ReadInputs(law=law, reads=reads):
+            case ir.ReadInputs(law=law, reads=reads):
                 return replaced(part, law=self._name(law), reads=self._moved(reads))
-            case InputRead(source=source, name=name):
+            case ir.InputRead(source=source, name=name):
                 return replaced(part, source=self._end(source), name=self._name(name))
-            case WriteOutputs(law=law, writes=writes):
+            case ir.WriteOutputs(law=law, writes=writes):
                 return replaced(part, law=self._name(law), writes=self._moved(writes))
-            case RunLaw():
+            case ir.RunLaw():
                 return self._law(part)
             case _:  # Any other part has at most the names of values.
                 return renamed_part(part, self.prefix, self._values)
 
-    def _law(self, law: RunLaw) -> RunLaw:
+    def _law(self, law: ir.RunLaw) -> ir.RunLaw:
         return replaced(
             law,
             law=self._name(law.law),
@@ -252,5 +237,5 @@ class MovedUp:
         )
 
 
-def _element(end: PortEnd) -> str:
+def _element(end: ir.PortEnd) -> str:
     return end.port if end.index is None else f"{end.port}[{end.index}]"

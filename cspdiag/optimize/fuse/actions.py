@@ -6,21 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from cspdiag.base.record import replaced
 from cspdiag.model.types import BOOL, INT, TIME, Type
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    Branch,
-    Choice,
-    End,
-    IfElse,
-    ProcessScope,
-    ReadyEvent,
-    Repeat,
-    SkipStep,
-    Target,
-    WaitStep,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, VariableValue
 from cspdiag.network.ir.network import LocalChannel
 from cspdiag.network.lower.distinct_names import DistinctNames
@@ -43,9 +29,9 @@ class PathWriter:
     def __init__(
         self,
         path: Path,
-        place: Action,
+        place: ir.Action,
         taken: Iterable[str],
-        followed: Mapping[int, tuple[End, ...]],
+        followed: Mapping[int, tuple[ir.End, ...]],
         *,
         closing: bool,
     ) -> None:
@@ -79,18 +65,18 @@ class PathWriter:
     def _turn(self) -> str:
         return self._counter("turn", LiteralValue(type=INT, value=0))
 
-    def _from(self, path: Path, first: int, now: int) -> Action:
+    def _from(self, path: Path, first: int, now: int) -> ir.Action:
         """What happens from the position ``first`` on, from the instant ``now``."""
         match path.outcome:
             case Ends(failure=failure):
-                end: list[Action] = []
+                end: list[ir.Action] = []
                 if failure is not None:
                     end.append(_raised(failure))
                 return self._straight(path, first, len(path.happenings), now, path.now, end)
             case Loops():
                 return self._looping(path, first, now, path.outcome)
 
-    def _looping(self, path: Path, first: int, now: int, loops: Loops) -> Action:
+    def _looping(self, path: Path, first: int, now: int, loops: Loops) -> ir.Action:
         start, end = loops.position, len(path.happenings)
         leaving = [p for p in range(start, end) if isinstance(path.happenings[p], Turn) and _ends_well(path.exits[p])]
         until = None if self._waits_itself(path, start, loops.since) else loops.since
@@ -104,10 +90,10 @@ class PathWriter:
         if leaving:
             assert self._ended is not None
             ended = VariableValue(type=BOOL, channel=self._ended)
-        loop = Repeat(span=self._place.span, body=body, until=ended)
+        loop = ir.Repeat(span=self._place.span, body=body, until=ended)
         return self._straight(path, first, start, now, until, [*self._samples_before(path, start), loop])
 
-    def _leaving(self, path: Path, first: int, now: int, loops: Loops, leave: int) -> Action:
+    def _leaving(self, path: Path, first: int, now: int, loops: Loops, leave: int) -> ir.Action:
         """A loop with one way out, which becomes its condition."""
         start, end = loops.position, len(path.happenings)
         turn = path.happenings[leave]
@@ -121,13 +107,13 @@ class PathWriter:
         until = None if waits_itself else loops.since
         before = self._samples_before(path, start)
         span = self._place.span
-        if isinstance(second_part, SkipStep):
-            again: Action = Repeat(span=span, body=first_part, until=opposite(condition))
+        if isinstance(second_part, ir.SkipStep):
+            again: ir.Action = ir.Repeat(span=span, body=first_part, until=opposite(condition))
             return self._straight(path, first, start, now, until, [*before, again, after])
-        again = WhileLoop(span=span, condition=condition, body=body)
+        again = ir.WhileLoop(span=span, condition=condition, body=body)
         return self._straight(path, first, start, now, until, [*before, first_part, again, after])
 
-    def _samples_before(self, path: Path, loop: int) -> list[Action]:
+    def _samples_before(self, path: Path, loop: int) -> list[ir.Action]:
         """Where the first sample is what a loop begins with, it is waited for before the loop."""
         return [self._begin(loop)] if loop in self._followed else []
 
@@ -137,13 +123,20 @@ class PathWriter:
         return isinstance(first, Step) and first.fresh and first.time == now
 
     def _straight(
-        self, path: Path, first: int, last: int, now: int, until: int | None, end: list[Action], in_loop: bool = False
-    ) -> Action:
+        self,
+        path: Path,
+        first: int,
+        last: int,
+        now: int,
+        until: int | None,
+        end: list[ir.Action],
+        in_loop: bool = False,
+    ) -> ir.Action:
         """What happens between two positions, a wait until an instant, and what then follows."""
-        steps: list[Action] = []
+        steps: list[ir.Action] = []
         for position in range(first, last):
             happening = path.happenings[position]
-            if not self._closing and isinstance(happening, Step) and isinstance(happening.action, ProcessScope):
+            if not self._closing and isinstance(happening, Step) and isinstance(happening.action, ir.ProcessScope):
                 continue
             if happening.time > now and not (isinstance(happening, Step) and happening.fresh):
                 steps.append(self._wait(happening.time - now))
@@ -158,40 +151,40 @@ class PathWriter:
             condition = opposite(happening.condition) if happening.holds else happening.condition
             span = happening.condition.span or self._place.span
             if not _ends_well(other):
-                otherwise: Action = SkipStep(span=span)
-                steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
+                otherwise: ir.Action = ir.SkipStep(span=span)
+                steps.append(ir.IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
                 continue
             if in_loop:
                 assert self._ended is not None
                 value = LiteralValue(type=BOOL, value=True)
-                ended = AssignValue(span=span, target=Target(self._ended), value=value)
+                ended = ir.AssignValue(span=span, target=ir.Target(self._ended), value=value)
                 instead = in_sequence([instead, ended], self._place)
             otherwise = self._straight(path, position + 1, last, now, until, end, in_loop)
-            if isinstance(instead, SkipStep):
+            if isinstance(instead, ir.SkipStep):
                 condition, instead, otherwise = opposite(condition), otherwise, instead
-            steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
+            steps.append(ir.IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
             return in_sequence(rolled(steps, self._turn), self._place)
         if until is not None and until > now:
             steps.append(self._wait(until - now))
         return in_sequence([*rolled(steps, self._turn), *end], self._place)
 
-    def _begin(self, position: int) -> Action:
+    def _begin(self, position: int) -> ir.Action:
         """Waits for a sample, and so begins to follow other inputs with it."""
         span = self._place.span
-        skip = SkipStep(span=span)
+        skip = ir.SkipStep(span=span)
         branches = (
-            Branch(span=span, condition=None, event=ReadyEvent(span=span, source=end), body=skip)
+            ir.Branch(span=span, condition=None, event=ir.ReadyEvent(span=span, source=end), body=skip)
             for end in self._followed[position]
         )
         name = "samples" if not self.alternatives else f"samples_{len(self.alternatives) + 1}"
         self.alternatives.append(name)
-        return Choice(span=span, branches=tuple(branches), prioritized=True, name=name)
+        return ir.Choice(span=span, branches=tuple(branches), prioritized=True, name=name)
 
-    def _wait(self, duration: int) -> Action:
-        return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
+    def _wait(self, duration: int) -> ir.Action:
+        return ir.WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
 
 
-def _raised(failure: Failure) -> Action:
+def _raised(failure: Failure) -> ir.Action:
     """Where it was raised, by the process that raised it."""
     return failure.action if failure.process is None else replaced(failure.process, ends=(), body=failure.action)
 

@@ -6,20 +6,7 @@ from collections.abc import Iterator
 from typing import Protocol, assert_never
 
 from cspdiag.network.flow.code import Communication
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Choice,
-    End,
-    InputEvent,
-    OutputEvent,
-    ReadInputs,
-    ReadValue,
-    ReadyEvent,
-    SkipEvent,
-    Target,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.optimize.folding import is_literal
 from cspdiag.optimize.fuse.code import NotStaticError
@@ -34,10 +21,10 @@ class Surroundings(Protocol):
 
     now: int
 
-    def medium_of(self, end: End) -> Medium:
+    def medium_of(self, end: ir.End) -> Medium:
         """What an end belongs to. Raises NotStaticError where that is an input without a period."""
 
-    def key_of(self, end: End) -> EndKey:
+    def key_of(self, end: ir.End) -> EndKey:
         """The end as one of the process that it belongs to."""
 
     def alternative(self, name: str, *, prioritized: bool) -> Choose:
@@ -73,15 +60,15 @@ def exchange(world: Surroundings, place: Place, step: Communication) -> Communic
     return request
 
 
-def _ends(step: Communication) -> Iterator[tuple[End, Target | None, Expression | None]]:
+def _ends(step: Communication) -> Iterator[tuple[ir.End, ir.Target | None, Expression | None]]:
     match step:
-        case ReadValue():
+        case ir.ReadValue():
             yield step.source, step.target, None
-        case WriteValue():
+        case ir.WriteValue():
             yield step.sink, None, step.value
-        case ReadInputs():
-            yield from ((read.source, Target(read.name), None) for read in step.reads)
-        case WriteOutputs():
+        case ir.ReadInputs():
+            yield from ((read.source, ir.Target(read.name), None) for read in step.reads)
+        case ir.WriteOutputs():
             yield from ((write.sink, None, write.value) for write in step.writes)
         case _:
             assert_never(step)
@@ -99,7 +86,7 @@ def _time(world: Surroundings, duration: Expression) -> int:
     return value.value
 
 
-def selection(world: Surroundings, place: Place, choice: Choice) -> Choose:
+def selection(world: Surroundings, place: Place, choice: ir.Choice) -> Choose:
     """The guards that are enabled. Raises NotStaticError where that is not known."""
     request = world.alternative(choice.name, prioritized=choice.prioritized)
     for index, branch in enumerate(choice.branches):
@@ -111,32 +98,36 @@ def selection(world: Surroundings, place: Place, choice: Choice) -> Choose:
                 raise NotStaticError("whether a guard is enabled is not known", branch.span)
         event = branch.event
         match event:
-            case SkipEvent():
+            case ir.SkipEvent():
                 request.always.add(index)
-            case AfterEvent():
+            case ir.AfterEvent():
                 request.timeouts[index] = world.now + _time(world, event.duration)
-            case OutputEvent() | InputEvent() | ReadyEvent():
+            case ir.OutputEvent() | ir.InputEvent() | ir.ReadyEvent():
                 request.offers[index] = _guard(world, place, request, index, event)
     return request
 
 
 def _guard(
-    world: Surroundings, place: Place, request: Choose, index: int, event: OutputEvent | InputEvent | ReadyEvent
+    world: Surroundings,
+    place: Place,
+    request: Choose,
+    index: int,
+    event: ir.OutputEvent | ir.InputEvent | ir.ReadyEvent,
 ) -> Offer:
-    end = event.sink if isinstance(event, OutputEvent) else event.source
+    end = event.sink if isinstance(event, ir.OutputEvent) else event.source
     offer = Offer(
         request=request,
         medium=world.medium_of(end),
         end=world.key_of(end),
-        writes=isinstance(event, OutputEvent),
-        value=event.value if isinstance(event, OutputEvent) else None,
+        writes=isinstance(event, ir.OutputEvent),
+        value=event.value if isinstance(event, ir.OutputEvent) else None,
         guard=index,
-        only_ready=isinstance(event, ReadyEvent),
+        only_ready=isinstance(event, ir.ReadyEvent),
         place=place,
         source=end,
         number=index,
         span=event.span,
-        target=event.target if isinstance(event, InputEvent) else None,
+        target=event.target if isinstance(event, ir.InputEvent) else None,
     )
     if offer.writes:
         world.compute_beside(offer)

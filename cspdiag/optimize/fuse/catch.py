@@ -8,14 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from cspdiag.network.ir.actions import (
-    CatchException,
-    CountedLoop,
-    ParallelSteps,
-    Repeat,
-    RunLaw,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import SignalValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import channels_written, parts
@@ -30,12 +23,14 @@ def refuse_seen_cancellation(entry: ProcessClass) -> None:
     repeated = {
         id(part)
         for loop in parts(entry.body)
-        if isinstance(loop, Repeat | WhileLoop | CountedLoop)
+        if isinstance(loop, ir.Repeat | ir.WhileLoop | ir.CountedLoop)
         for part in parts(loop)
-        if isinstance(part, CatchException)
+        if isinstance(part, ir.CatchException)
     }
     for part in parts(entry.body):
-        if isinstance(part, CatchException) and any(isinstance(inside, ParallelSteps) for inside in parts(part.body)):
+        if isinstance(part, ir.CatchException) and any(
+            isinstance(inside, ir.ParallelSteps) for inside in parts(part.body)
+        ):
             reads = everything if id(part) in repeated else everything - _reads(part.body)
             if any(reads[name] for name in _assigned(part)):
                 raise NotStaticError("what a cancelled process still assigns is read after the exception", part.span)
@@ -51,10 +46,10 @@ def _reads(action: object) -> Counter[str]:
     return found
 
 
-def _assigned(catch: CatchException) -> set[str]:
+def _assigned(catch: ir.CatchException) -> set[str]:
     """Variables, and states of control laws, that change in what the exception ends."""
     names = set(channels_written(catch.body))
     for part in parts(catch.body):
-        if isinstance(part, RunLaw):
+        if isinstance(part, ir.RunLaw):
             names.update(name for name, _ in (*part.next_values, *part.derivatives))
     return names

@@ -13,21 +13,7 @@ from cspdiag.base.record import record
 from cspdiag.network.flow import code as flow
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.waiting import WRITTEN_AT_ONCE
-from cspdiag.network.ir.actions import (
-    Action,
-    CatchException,
-    ChannelEnd,
-    CountedLoop,
-    End,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    ResetInstance,
-    SequentialSteps,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import MediumKind, ProcessClass
 from cspdiag.optimize.changes import with_inner_actions
 
@@ -46,8 +32,8 @@ class NotStaticError(Exception):
 class Failure:
     """What raises an exception, in a process, None for the outermost."""
 
-    action: RaiseException
-    process: ProcessScope | None
+    action: ir.RaiseException
+    process: ir.ProcessScope | None
 
 
 class Code:
@@ -57,7 +43,7 @@ class Code:
     only compute.
     """
 
-    def __init__(self, entry: ProcessClass, whole: Container[Action] | None = None) -> None:
+    def __init__(self, entry: ProcessClass, whole: Container[ir.Action] | None = None) -> None:
         assert entry.body is not None
         self.entry = entry
         self._whole = whole
@@ -78,22 +64,26 @@ class Code:
         """The ``Join`` of each ``Fork``."""
         self._nest(code)
 
-    def _unrolled(self, action: Action) -> Action:
+    def _unrolled(self, action: ir.Action) -> ir.Action:
         """The action with the turns of loops that communicate one after another."""
         action = with_inner_actions(action, self._unrolled)
-        if not isinstance(action, CountedLoop) or action.turns > MOST_TURNS or 0 in self._computations(flow_of(action)):
+        if (
+            not isinstance(action, ir.CountedLoop)
+            or action.turns > MOST_TURNS
+            or 0 in self._computations(flow_of(action))
+        ):
             return action
-        return SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        return ir.SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
 
-    def _computations(self, code: flow.Code) -> dict[int, tuple[Action, int]]:
+    def _computations(self, code: flow.Code) -> dict[int, tuple[ir.Action, int]]:
         after = flow.following(code)
         computes = [self._computes(instruction) for instruction in code.instructions]
-        found: dict[int, tuple[Action, int]] = {}
+        found: dict[int, tuple[ir.Action, int]] = {}
         for action, inside in code.decisions:
             out = next((way for index in inside for way in after[index] if way not in inside), None)
             if out is None or not all(computes[inside.start : inside.stop]):
                 computes[inside.start] = False
-            elif self._whole is None or isinstance(action, CountedLoop) or action in self._whole:
+            elif self._whole is None or isinstance(action, ir.CountedLoop) or action in self._whole:
                 found[inside.start] = (action, out)
         return found
 
@@ -101,7 +91,7 @@ class Code:
         """Whether it never waits, and goes on after it in every case (but a fault)."""
         match instruction:
             case flow.Compute():
-                return not isinstance(instruction.step, ResetInstance)
+                return not isinstance(instruction.step, ir.ResetInstance)
             case flow.Communicate():
                 return self.is_over_at_once(instruction.step)
             case _:  # Of all others these lead from step to step.
@@ -110,22 +100,22 @@ class Code:
     def is_over_at_once(self, step: flow.Communication) -> bool:
         """Whether it never waits, and nobody can have waited for it."""
         match step:
-            case ReadValue():
+            case ir.ReadValue():
                 return False
-            case ReadInputs():
+            case ir.ReadInputs():
                 return not step.reads
-            case WriteValue():
+            case ir.WriteValue():
                 return self._never_waits(step.sink)
-            case WriteOutputs():
+            case ir.WriteOutputs():
                 return all(self._never_waits(write.sink) for write in step.writes)
             case _:
                 assert_never(step)
 
-    def _never_waits(self, sink: End) -> bool:
+    def _never_waits(self, sink: ir.End) -> bool:
         return self._medium(sink) in WRITTEN_AT_ONCE - {"overwrite"}
 
-    def _medium(self, end: End) -> MediumKind:
-        if isinstance(end, ChannelEnd):
+    def _medium(self, end: ir.End) -> MediumKind:
+        if isinstance(end, ir.ChannelEnd):
             return self.kinds[end.channel]
         media = self._media[end.port]
         if not media:
@@ -133,14 +123,14 @@ class Code:
         return media[end.index or 0].kind
 
     def _refuse(self, code: flow.Code) -> None:
-        counted = {inside.start: action for action, inside in code.decisions if isinstance(action, CountedLoop)}
+        counted = {inside.start: action for action, inside in code.decisions if isinstance(action, ir.CountedLoop)}
         for index, instruction in enumerate(code.instructions):
             match instruction:
-                case flow.Call(step=step) | flow.Compute(step=ResetInstance() as step):
+                case flow.Call(step=step) | flow.Compute(step=ir.ResetInstance() as step):
                     raise NotStaticError(f"{step.instance} is a process or control law of its own", step.span)
-                case flow.Watch(step=CatchException(exception="Fault" | "Timeout" as exception)):
+                case flow.Watch(step=ir.CatchException(exception="Fault" | "Timeout" as exception)):
                     raise NotStaticError(f"a {exception} that is caught may come at any time", instruction.span)
-                case flow.Watch(step=step) if not isinstance(step, CatchException):
+                case flow.Watch(step=step) if not isinstance(step, ir.CatchException):
                     raise NotStaticError("an interrupt may come at any time", instruction.span)
                 case flow.Loop() if index in counted and index not in self.computations:
                     raise NotStaticError(f"{counted[index].turns} turns are too many to write down", instruction.span)

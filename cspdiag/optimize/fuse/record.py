@@ -7,16 +7,7 @@ from typing import TypeAlias
 from cspdiag.base import Span
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import Type
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    ChannelEnd,
-    ProcessScope,
-    ReadValue,
-    ReportCommunication,
-    Target,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import channels_written
@@ -34,7 +25,7 @@ class Step:
     """
 
     time: int
-    action: Action
+    action: ir.Action
     fresh: bool = False
 
 
@@ -68,7 +59,7 @@ class Recorder:
             if channel.name in counting and isinstance(channel.initial, LiteralValue)
         }
         self._written = {channel.name for channel in variables if channel.initial is not None}
-        self._later: dict[object, list[Action]] = {}
+        self._later: dict[object, list[ir.Action]] = {}
         self._instructions = 0
 
     def count_instruction(self) -> None:
@@ -86,7 +77,7 @@ class Recorder:
         """The expression, or its value where that is known."""
         return folded_with(expression, self._known)
 
-    def close(self, process: ProcessScope) -> None:
+    def close(self, process: ir.ProcessScope) -> None:
         """A process that had ends has ended; without what it did, it closes them."""
         self._do(process)
 
@@ -94,12 +85,12 @@ class Recorder:
         """A condition is looked at."""
         self.happenings.append(Turn(self.now, condition, holds))
 
-    def _do(self, action: Action, *, fresh: bool = False) -> None:
+    def _do(self, action: ir.Action, *, fresh: bool = False) -> None:
         self.happenings.append(Step(self.now, action, fresh))
 
-    def compute_action(self, action: Action) -> None:
+    def compute_action(self, action: ir.Action) -> None:
         """Something is computed, or written to the environment."""
-        if isinstance(action, AssignValue) and not action.target.indexes:
+        if isinstance(action, ir.AssignValue) and not action.target.indexes:
             value = self.folded(action.value)
             known = isinstance(value, LiteralValue) and action.target.channel in self._counting
             self._do(replaced(action, value=value) if known else action)
@@ -130,14 +121,14 @@ class Recorder:
             self.made[unique] = kind
         return self._names[key]
 
-    def _assign(self, span: Span, target: Target, value: Expression) -> None:
-        self._do(AssignValue(span=span, target=target, value=value))
+    def _assign(self, span: Span, target: ir.Target, value: Expression) -> None:
+        self._do(ir.AssignValue(span=span, target=target, value=value))
         self._assigned(target.channel, self.folded(value))
 
     def communicate(self, channel: str, value: Expression, offer: Offer) -> None:
         """A value passes to the target of an offer."""
         stored = self._store(channel, offer, value)
-        self._do(ReportCommunication(span=offer.span, channel=channel, value=stored))
+        self._do(ir.ReportCommunication(span=offer.span, channel=channel, value=stored))
 
     def give(self, offer: Offer, value: Expression) -> None:
         """A value that was kept comes to the target of an offer."""
@@ -151,9 +142,9 @@ class Recorder:
             self._assign(offer.span, target, value)
             return VariableValue(type=self._types[target.channel], channel=target.channel)
         name = self._variable(f"{channel}.taken", self._types[channel], offer)
-        self._assign(offer.span, Target(name), value)
+        self._assign(offer.span, ir.Target(name), value)
         taken = VariableValue(type=self._types[channel], channel=name)
-        self._later.setdefault(offer.place.key, []).append(AssignValue(span=offer.span, target=target, value=taken))
+        self._later.setdefault(offer.place.key, []).append(ir.AssignValue(span=offer.span, target=target, value=taken))
         return taken
 
     def forget(self, task: object) -> None:
@@ -171,28 +162,28 @@ class Recorder:
         kind = self._types[channel]
         assert offer.value is not None
         name = self._variable(f"{channel}.value_{slot}", kind)
-        self._assign(offer.span, Target(name), offer.value)
+        self._assign(offer.span, ir.Target(name), offer.value)
         kept = VariableValue(type=kind, channel=name)
-        self._do(ReportCommunication(span=offer.span, channel=channel, value=kept))
+        self._do(ir.ReportCommunication(span=offer.span, channel=channel, value=kept))
         return kept
 
     def sample(self, offer: Offer, fresh: bool) -> None:
         """A sample is taken; ``fresh`` tells that it came at this instant."""
         assert offer.target is not None
-        self._do(ReadValue(span=offer.span, source=offer.source, target=offer.target), fresh=fresh)
+        self._do(ir.ReadValue(span=offer.span, source=offer.source, target=offer.target), fresh=fresh)
         self._assigned(offer.target.channel, None, surely=not offer.target.indexes)
 
     def at_once(self, offer: Offer) -> None:
         """A variable is read, or it or an output is written."""
         if offer.value is None:
-            assert isinstance(offer.source, ChannelEnd)
+            assert isinstance(offer.source, ir.ChannelEnd)
             assert offer.target is not None
             value = VariableValue(type=self._types[offer.source.channel], channel=offer.source.channel)
-            self.compute_action(AssignValue(span=offer.span, target=offer.target, value=value))
-        elif isinstance(offer.source, ChannelEnd):
-            self._assign(offer.span, Target(offer.source.channel), offer.value)
+            self.compute_action(ir.AssignValue(span=offer.span, target=offer.target, value=value))
+        elif isinstance(offer.source, ir.ChannelEnd):
+            self._assign(offer.span, ir.Target(offer.source.channel), offer.value)
         else:
-            self._do(WriteValue(span=offer.span, sink=offer.source, value=offer.value))
+            self._do(ir.WriteValue(span=offer.span, sink=offer.source, value=offer.value))
 
     def compute(self, offer: Offer) -> None:
         """The value of a writer that goes on to wait is computed, unless it is the same later."""
@@ -221,5 +212,5 @@ class Recorder:
     def _compute(self, offer: Offer, value: Expression) -> None:
         kind = value.type
         name = self._variable(f"{offer.medium.name}.offered", kind, offer)
-        self._assign(offer.span, Target(name), value)
+        self._assign(offer.span, ir.Target(name), value)
         offer.value = VariableValue(type=kind, channel=name)

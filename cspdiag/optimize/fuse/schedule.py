@@ -10,20 +10,7 @@ from collections.abc import Sequence
 
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import Type
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    ChannelEnd,
-    Choice,
-    End,
-    IfElse,
-    InputEvent,
-    OutputWrite,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import VariableValue
 from cspdiag.network.ir.network import ExternalPort, ProcessClass
 from cspdiag.network.ir.walk import parts
@@ -50,7 +37,7 @@ class Path:
     now: int
     counting: frozenset[str]
     """The variables whose values were known."""
-    followed: dict[End, int]
+    followed: dict[ir.End, int]
     """Since when the ends of sampled inputs are read."""
 
 
@@ -61,7 +48,7 @@ def schedule_like(entry: ProcessClass, ports: Sequence[ExternalPort], path: Path
     return _explored(Code(entry, whole=_computations(path)), ports, path.counting | made, ())
 
 
-def _computations(path: Path) -> set[Action]:
+def _computations(path: Path) -> set[ir.Action]:
     found = {step.action for step in path.happenings if isinstance(step, Step)}
     return found.union(*map(_computations, path.exits.values()))
 
@@ -172,21 +159,21 @@ def counting_variables(entry: ProcessClass) -> frozenset[str]:
     asked: set[str] = set()
     for part in parts(entry.body):
         match part:
-            case AssignValue(target=target) if target.indexes:
+            case ir.AssignValue(target=target) if target.indexes:
                 unknown.add(target.channel)
-            case AssignValue():
+            case ir.AssignValue():
                 made_from.setdefault(part.target.channel, set()).update(_variables(part.value))
-            case ReadValue(target=target) | InputEvent(target=target):
+            case ir.ReadValue(target=target) | ir.InputEvent(target=target):
                 unknown.add(target.channel)
-            case ReadInputs():
+            case ir.ReadInputs():
                 unknown.update(read.name for read in part.reads)
-            case OutputWrite(sink=ChannelEnd(channel=name)):
+            case ir.OutputWrite(sink=ir.ChannelEnd(channel=name)):
                 unknown.add(name)
-            case IfElse() | WhileLoop():
+            case ir.IfElse() | ir.WhileLoop():
                 asked |= _variables(part.condition)
-            case Repeat():
+            case ir.Repeat():
                 asked |= _variables(part.until)
-            case Choice():
+            case ir.Choice():
                 for branch in part.branches:
                     asked |= _variables(branch.condition)
             case _:  # Nothing else decides; what interrupts is not fused.

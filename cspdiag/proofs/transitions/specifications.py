@@ -12,33 +12,7 @@ from collections.abc import Iterator
 from typing import assert_never
 
 from cspdiag.network.flow.waiting import is_always_ready
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.proofs.transitions.classes.program import Node
@@ -76,7 +50,7 @@ def _inside(node: Node) -> Iterator[Node]:
 
 def _run_by(node: Node, occurrence: Occurrence) -> Occurrence | None:
     """The process that an action runs, if it does."""
-    if not isinstance(node.action, RunInstance):
+    if not isinstance(node.action, ir.RunInstance):
         return None
     instance = occurrence.definition.instances[node.action.instance]
     definition = occurrence.world.program.classes[instance.class_name].definition
@@ -87,13 +61,13 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
     where = occurrence.definition.name
     for node in _inside(root):
         match node.action:
-            case ParallelSteps(prioritized=True):
+            case ir.ParallelSteps(prioritized=True):
                 yield Abstraction(f"the priorities of `||>` in `{where}` are left out", node.span)
-            case ParallelSteps() if _compete(node, occurrence):
+            case ir.ParallelSteps() if _compete(node, occurrence):
                 yield Abstraction(
                     f"when the parallel parts of `{where}` come to their delays and samples is left out", node.span
                 )
-            case Choice() as choice:
+            case ir.Choice() as choice:
                 kinds = _kinds(choice, occurrence)
                 if choice.prioritized and not _in_order(kinds):
                     yield Abstraction(f"which guard of `[]>` in `{where}` comes first is left out", node.span)
@@ -101,12 +75,13 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
                     yield Abstraction(f"which guard in `{where}` is ready first in time is left out", node.span)
                 elif kinds.count(_SAMPLED) > 1:
                     yield Abstraction(f"in which order samples come in `{where}` is left out", node.span)
-            case InterruptOn() as interrupt if _kind(interrupt.branch, occurrence) != _EVENT:
+            case ir.InterruptOn() as interrupt if _kind(interrupt.branch, occurrence) != _EVENT:
                 yield Abstraction(f"when the interrupt in `{where}` comes is left out", node.span)
             case (
-                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
-                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop()
-                | CountedLoop() | IfElse() | CatchException() | InterruptOn() | Group()
+                ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
+                | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.SequentialSteps() | ir.ParallelSteps()
+                | ir.Repeat() | ir.WhileLoop() | ir.CountedLoop() | ir.IfElse() | ir.CatchException() | ir.InterruptOn()
+                | ir.Group()
             ):  # fmt: skip
                 pass
             case _:
@@ -123,7 +98,7 @@ def _in_order(kinds: list[str]) -> bool:
     return not others or (len(others) == 1 and (others[0] != _INSIDE or kinds[-1] == _INSIDE))
 
 
-def _kinds(choice: Choice, occurrence: Occurrence) -> list[str]:
+def _kinds(choice: ir.Choice, occurrence: Occurrence) -> list[str]:
     """Those of the guards, without time-outs that never come because another guard is always ready."""
     kinds = [_kind(branch, occurrence) for branch in choice.branches]
     if _ALWAYS_READY not in kinds:
@@ -131,24 +106,24 @@ def _kinds(choice: Choice, occurrence: Occurrence) -> list[str]:
     return [kind for kind, branch in zip(kinds, choice.branches, strict=True) if not is_time_out(branch)]
 
 
-def is_time_out(branch: Branch) -> bool:
+def is_time_out(branch: ir.Branch) -> bool:
     """Whether a guard waits for a time that is known, and not for none at all."""
     event = branch.event
-    if not isinstance(event, AfterEvent) or not isinstance(event.duration, LiteralValue):
+    if not isinstance(event, ir.AfterEvent) or not isinstance(event.duration, LiteralValue):
         return False
     return isinstance(event.duration.value, int) and event.duration.value > 0
 
 
-def _kind(branch: Branch, occurrence: Occurrence) -> str:
+def _kind(branch: ir.Branch, occurrence: Occurrence) -> str:
     """On what it depends when a guard is ready."""
     if is_always_ready(branch.event, lambda end: occurrence.attached(end).kind):
         return _ALWAYS_READY
     match branch.event:
-        case AfterEvent():
+        case ir.AfterEvent():
             return _TIMED
-        case SkipEvent() | OutputEvent():
+        case ir.SkipEvent() | ir.OutputEvent():
             return _INSIDE
-        case InputEvent(source=source) | ReadyEvent(source=source):
+        case ir.InputEvent(source=source) | ir.ReadyEvent(source=source):
             medium = occurrence.attached(source)
             if medium.kind == "event" and not medium.is_contended:
                 return _EVENT
@@ -165,20 +140,20 @@ def _times_in(root: Node, occurrence: Occurrence) -> set[str]:
     found: set[str] = set()
     for node in _inside(root):
         match node.action:
-            case WaitStep():
+            case ir.WaitStep():
                 found.add(_TIMED)
-            case ReadValue(source=source) if occurrence.attached(source).kind == "sampled":
+            case ir.ReadValue(source=source) if occurrence.attached(source).kind == "sampled":
                 found.add(_SAMPLED)
-            case Choice() as choice:
+            case ir.Choice() as choice:
                 found |= {_kind(branch, occurrence) for branch in choice.branches} & {_TIMED, _SAMPLED}
-            case InterruptOn() as interrupt:
+            case ir.InterruptOn() as interrupt:
                 found |= {_kind(interrupt.branch, occurrence)} & {_TIMED, _SAMPLED}
-            case RunInstance():
+            case ir.RunInstance():
                 found |= _times_of(node.action.instance, occurrence)
             case (
-                ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | ResetInstance()
-                | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop() | CountedLoop()
-                | IfElse() | CatchException() | Group()
+                ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep() | ir.ResetInstance()
+                | ir.RaiseException() | ir.SequentialSteps() | ir.ParallelSteps() | ir.Repeat() | ir.WhileLoop()
+                | ir.CountedLoop() | ir.IfElse() | ir.CatchException() | ir.Group()
             ):  # fmt: skip
                 pass
             case _:

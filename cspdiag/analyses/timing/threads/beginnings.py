@@ -6,36 +6,7 @@ from collections.abc import Mapping
 from typing import assert_never
 
 from cspdiag.analyses.timing.threads.ends import Ends
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    CatchException,
-    ChannelEnd,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Event,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    PortEnd,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import CoreClass, ProcessClass, SubmodelClass
 
 
@@ -46,38 +17,38 @@ class Beginnings:
         self._ends = ends
         self._class_of = class_of
 
-    def waits_first(self, path: str, action: CoreAction) -> bool:
+    def waits_first(self, path: str, action: ir.CoreAction) -> bool:
         """Whether an action of the process at a path begins by waiting; False where that is not certain."""
         match action:
-            case ReadValue():
+            case ir.ReadValue():
                 return self._reads(path, action)
-            case Choice(branches=branches):
+            case ir.Choice(branches=branches):
                 return all(branch.condition is None and self._reads(path, branch.event) for branch in branches)
-            case WaitStep(duration=duration):
+            case ir.WaitStep(duration=duration):
                 return any(offer.period for offer in self._ends.delay(path, duration, 0, action.span))
-            case SequentialSteps(steps=steps):
+            case ir.SequentialSteps(steps=steps):
                 return bool(steps) and self.waits_first(path, steps[0])
-            case CountedLoop(body=body, turns=turns):
+            case ir.CountedLoop(body=body, turns=turns):
                 return turns > 0 and self.waits_first(path, body)
-            case Group(body=body) | Repeat(body=body) | CatchException(body=body):
+            case ir.Group(body=body) | ir.Repeat(body=body) | ir.CatchException(body=body):
                 return self.waits_first(path, body)
-            case RunInstance(instance=name):
+            case ir.RunInstance(instance=name):
                 return self._runs(path, name)
             case (
-                WriteValue() | AssignValue() | SkipStep() | StopStep() | ResetInstance() | RaiseException()
-                | ParallelSteps() | WhileLoop() | IfElse() | InterruptOn()
+                ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep() | ir.ResetInstance()
+                | ir.RaiseException() | ir.ParallelSteps() | ir.WhileLoop() | ir.IfElse() | ir.InterruptOn()
             ):  # fmt: skip
                 return False
             case _:
                 assert_never(action)
 
-    def _reads(self, path: str, action: ReadValue | Event) -> bool:
+    def _reads(self, path: str, action: ir.ReadValue | ir.Event) -> bool:
         match action:
-            case ReadyEvent(source=source):
+            case ir.ReadyEvent(source=source):
                 return bool(self._ends.reading(path, source, 0, action))
-            case ReadValue(source=source, target=target) | InputEvent(source=source, target=target):
+            case ir.ReadValue(source=source, target=target) | ir.InputEvent(source=source, target=target):
                 return not target.indexes and bool(self._ends.reading(path, source, 0, action))
-            case OutputEvent() | AfterEvent() | SkipEvent():
+            case ir.OutputEvent() | ir.AfterEvent() | ir.SkipEvent():
                 return False
             case _:
                 assert_never(action)
@@ -91,7 +62,7 @@ class Beginnings:
         declared = next(instance for instance in owner.instances if instance.name == name)
         inputs = {port.name for port in entry.ports if port.direction == "in"}
         return any(
-            self._ends.reading(f"{path}.{name}", PortEnd(c.port, c.index, c.attachment.end), 0, declared, owner=path)
+            self._ends.reading(f"{path}.{name}", ir.PortEnd(c.port, c.index, c.attachment.end), 0, declared, owner=path)
             for c in declared.connections
-            if c.port in inputs and isinstance(c.attachment, PortEnd | ChannelEnd)
+            if c.port in inputs and isinstance(c.attachment, ir.PortEnd | ir.ChannelEnd)
         )

@@ -11,37 +11,7 @@ from typing import TypeAlias, assert_never
 from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType
-from cspdiag.network.ir.actions import (
-    AssignValue,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Event,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    Target,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -78,7 +48,7 @@ class Loop:
     """A loop of a process, by its path; ``before`` gives what is known when it begins."""
 
     path: str
-    action: Repeat[CoreAction] | WhileLoop[CoreAction]
+    action: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction]
     before: Callable[[], Values]
 
 
@@ -108,40 +78,40 @@ class Counting:
 
     # What is known after actions.
 
-    def after(self, path: str, action: CoreAction, values: Values) -> Values:
+    def after(self, path: str, action: ir.CoreAction, values: Values) -> Values:
         """What is known when an action has come to its end."""
         try:
             return self._after(path, action, values, [MOST_ROUNDS])
         except _TooManyRoundsError:
             return without(values, action)
 
-    def before_each(self, path: str, steps: Sequence[CoreAction], values: Values) -> list[Values]:
+    def before_each(self, path: str, steps: Sequence[ir.CoreAction], values: Values) -> list[Values]:
         """What is known before each of several steps."""
         found = [values]
         for step in steps[:-1]:
             found.append(self.after(path, step, found[-1]))
         return found
 
-    def _after(self, path: str, action: CoreAction, values: Values, left: list[int]) -> Values:
+    def _after(self, path: str, action: ir.CoreAction, values: Values, left: list[int]) -> Values:
         match action:
-            case AssignValue(target=Target(channel=name, indexes=())) if self._ends.is_own(path, name):
+            case ir.AssignValue(target=ir.Target(channel=name, indexes=())) if self._ends.is_own(path, name):
                 value = self._value(path, action.value, values)
                 return {**without(values, action), **({} if value is None else {name: value})}
-            case SequentialSteps(steps=steps):
+            case ir.SequentialSteps(steps=steps):
                 for step in steps:
                     values = self._after(path, step, values, left)
                 return values
-            case IfElse():
+            case ir.IfElse():
                 decided = self._value(path, action.condition, values)
                 if decided is None:
                     one, other = (self._after(path, side, values, left) for side in (action.then, action.otherwise))
                     return {name: value for name, value in one.items() if repr(other.get(name)) == repr(value)}
                 return self._after(path, action.then if decided else action.otherwise, values, left)
-            case Group(body=body):
+            case ir.Group(body=body):
                 return self._after(path, body, values, left)
-            case Repeat() | WhileLoop():
+            case ir.Repeat() | ir.WhileLoop():
                 return self._through(path, action, values, left)
-            case CountedLoop(body=body, turns=turns):
+            case ir.CountedLoop(body=body, turns=turns):
                 for _ in range(turns):
                     left[0] -= 1
                     if left[0] < 0:
@@ -149,19 +119,20 @@ class Counting:
                     values = self._after(path, body, values, left)
                 return values
             case (
-                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
-                | ResetInstance() | RaiseException() | ParallelSteps() | Choice() | CatchException() | InterruptOn()
+                ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
+                | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.ParallelSteps() | ir.Choice()
+                | ir.CatchException() | ir.InterruptOn()
             ):  # fmt: skip
                 return without(values, action)
             case _:
                 assert_never(action)
 
     def _through(
-        self, path: str, loop: Repeat[CoreAction] | WhileLoop[CoreAction], values: Values, left: list[int]
+        self, path: str, loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction], values: Values, left: list[int]
     ) -> Values:
         """What is known after a loop of which every condition is known; otherwise what it leaves alone."""
         begun = values
-        if isinstance(loop, Repeat):
+        if isinstance(loop, ir.Repeat):
             values = self._after(path, loop.body, values, left)
         while True:
             goes_on = self._goes_on(path, loop, values)
@@ -174,8 +145,10 @@ class Counting:
                 raise _TooManyRoundsError
             values = self._after(path, loop.body, values, left)
 
-    def _goes_on(self, path: str, loop: Repeat[CoreAction] | WhileLoop[CoreAction], values: Values) -> Value | None:
-        if isinstance(loop, WhileLoop):
+    def _goes_on(
+        self, path: str, loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction], values: Values
+    ) -> Value | None:
+        if isinstance(loop, ir.WhileLoop):
             return self._value(path, loop.condition, values)
         ends = False if loop.until is None else self._value(path, loop.until, values)
         return None if ends is None else not ends
@@ -193,7 +166,7 @@ class Counting:
         left = [MOST_ROUNDS]
         values = loop.before()
         try:
-            if isinstance(loop.action, Repeat):
+            if isinstance(loop.action, ir.Repeat):
                 values = self._after(loop.path, loop.action.body, values, left)
             while goes_on := self._goes_on(loop.path, loop.action, values):
                 left[0] -= 1
@@ -208,8 +181,8 @@ class Counting:
 
     def _draws_nearer(self, loop: Loop) -> bool:
         action = loop.action
-        condition = action.condition if isinstance(action, WhileLoop) else action.until
-        return condition is not None and self._fails(loop, condition, holds=isinstance(action, WhileLoop))
+        condition = action.condition if isinstance(action, ir.WhileLoop) else action.until
+        return condition is not None and self._fails(loop, condition, holds=isinstance(action, ir.WhileLoop))
 
     def _fails(self, loop: Loop, condition: Expression, *, holds: bool) -> bool:
         """Whether a condition fails some day and ever after; with ``holds`` False, whether it comes to hold."""
@@ -256,60 +229,61 @@ class Counting:
             case _:
                 assert_never(expression)
 
-    def _rise_of(self, path: str, action: CoreAction, name: str, sign: int) -> float:
+    def _rise_of(self, path: str, action: ir.CoreAction, name: str, sign: int) -> float:
         """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where
         it never does.
         """
 
-        def of(inner: CoreAction) -> float:
+        def of(inner: ir.CoreAction) -> float:
             return self._rise_of(path, inner, name, sign)
 
         if not self._ends.is_own(path, name):
             return -inf
         match action:
-            case StopStep() | RaiseException():
+            case ir.StopStep() | ir.RaiseException():
                 return inf
-            case AssignValue(target=Target(channel=channel, indexes=())) if channel == name:
+            case ir.AssignValue(target=ir.Target(channel=channel, indexes=())) if channel == name:
                 return self._added(path, action.value, name, sign)
-            case SequentialSteps(steps=steps) | ParallelSteps(steps=steps):
+            case ir.SequentialSteps(steps=steps) | ir.ParallelSteps(steps=steps):
                 rises = [of(step) for step in steps]
                 return inf if inf in rises else sum(rises)
-            case IfElse(then=then, otherwise=otherwise):
+            case ir.IfElse(then=then, otherwise=otherwise):
                 return min(of(then), of(otherwise))
-            case Choice(branches=branches):
+            case ir.Choice(branches=branches):
                 return min(-inf if name in written(branch.event) else of(branch.body) for branch in branches)
-            case Group(body=body):
+            case ir.Group(body=body):
                 return of(body)
-            case Repeat(body=body):
+            case ir.Repeat(body=body):
                 return of(body) if of(body) >= 0 else -inf
-            case CountedLoop(body=body, turns=turns):
+            case ir.CountedLoop(body=body, turns=turns):
                 return turns * of(body)
-            case WhileLoop(body=body):
+            case ir.WhileLoop(body=body):
                 return 0 if of(body) >= 0 else -inf
-            case CatchException(body=body, handler=handler):
+            case ir.CatchException(body=body, handler=handler):
                 return min(of(body), self._least_on_the_way(path, body, name, sign) + of(handler))
-            case InterruptOn(body=body, branch=branch):
+            case ir.InterruptOn(body=body, branch=branch):
                 if name in written(branch.event):
                     return -inf
                 return min(of(body), self._least_on_the_way(path, body, name, sign) + of(branch.body))
             case (
-                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | WaitStep() | ResetInstance()
-                | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope() | ReportCommunication()
+                ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.WaitStep()
+                | ir.ResetInstance() | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates()
+                | ir.ProcessScope() | ir.ReportCommunication()
             ):  # fmt: skip
                 return -inf if name in written(action) else 0
             case _:
                 assert_never(action)
 
-    def _least_on_the_way(self, path: str, action: CoreAction, name: str, sign: int) -> float:
+    def _least_on_the_way(self, path: str, action: ir.CoreAction, name: str, sign: int) -> float:
         """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps
         lets it fall.
         """
         for part in parts(action):
             match part:
-                case AssignValue(target=Target(channel=channel, indexes=()), value=value) if channel == name:
+                case ir.AssignValue(target=ir.Target(channel=channel, indexes=()), value=value) if channel == name:
                     if self._added(path, value, name, sign) < 0:
                         return -inf
-                case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
+                case ir.AssignValue(target=target) | ir.ReadValue(target=target) | ir.InputEvent(target=target):
                     if target.channel == name:
                         return -inf
                 case _:
@@ -334,12 +308,12 @@ class Counting:
         return sign * known if isinstance(known, int) and not isinstance(known, bool) else -inf
 
 
-def written(*actions: CoreAction | Event) -> set[str]:
+def written(*actions: ir.CoreAction | ir.Event) -> set[str]:
     """The variables of a process that actions, or events of guards, may change."""
-    return {part.channel for part in parts(actions) if isinstance(part, Target)}
+    return {part.channel for part in parts(actions) if isinstance(part, ir.Target)}
 
 
-def without(values: Values, *actions: CoreAction | Event) -> Values:
+def without(values: Values, *actions: ir.CoreAction | ir.Event) -> Values:
     """What is known still when actions may have been done in part."""
     changed = written(*actions)
     return {name: value for name, value in values.items() if name not in changed}

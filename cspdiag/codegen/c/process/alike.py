@@ -14,32 +14,14 @@ from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import Code, cast, own
 from cspdiag.codegen.c.text.statements import Statement, store
 from cspdiag.model.types import IntType
-from cspdiag.network.ir.actions import (
-    Action,
-    AfterEvent,
-    AssignValue,
-    Branch,
-    Choice,
-    IfElse,
-    InputEvent,
-    OutputEvent,
-    PortEnd,
-    ReadValue,
-    ReadyEvent,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    Step,
-    WaitStep,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.walk import parts
 
 _POINTERS = {"channel": "csp_channel *", "any": "csp_any_channel *", "buffer": "csp_buffer *"}
 """What a chosen element of an array of ports is kept as; other ports are no pointers, or objects of their reader."""
 
-_PLAIN = (SkipStep, ReadValue, WriteValue, AssignValue, WaitStep, SequentialSteps, IfElse)
+_PLAIN = (ir.SkipStep, ir.ReadValue, ir.WriteValue, ir.AssignValue, ir.WaitStep, ir.SequentialSteps, ir.IfElse)
 """Steps whose states all branches can share."""
 
 
@@ -51,12 +33,12 @@ class _UnlikeError(Exception):
 class _Found:
     """The body for all, the ends in it that are chosen, and the variable of the number if it stands in values."""
 
-    body: Action
+    body: ir.Action
     ends: tuple[ChosenEnd, ...]
     number: str | None
 
 
-def shared_body(writer: Writer, step: Choice, chosen: Code) -> list[Statement] | None:
+def shared_body(writer: Writer, step: ir.Choice, chosen: Code) -> list[Statement] | None:
     """What all branches do once the number of the ``chosen`` one is known; None where they differ in more than that."""
     try:
         found = _Rolling(writer, step).found()
@@ -72,7 +54,7 @@ def shared_body(writer: Writer, step: Choice, chosen: Code) -> list[Statement] |
 
 
 class _Rolling:
-    def __init__(self, writer: Writer, step: Choice) -> None:
+    def __init__(self, writer: Writer, step: ir.Choice) -> None:
         self.writer = writer
         self.members = writer.members
         self.branches = step.branches
@@ -83,12 +65,12 @@ class _Rolling:
     def found(self) -> _Found:
         if not all(map(self._has_plain_guard, self.branches)):
             raise _UnlikeError
-        if len({branch.event.target for branch in self.branches if isinstance(branch.event, InputEvent)}) > 1:
+        if len({branch.event.target for branch in self.branches if isinstance(branch.event, ir.InputEvent)}) > 1:
             raise _UnlikeError
         if len({type(branch.event) for branch in self.branches}) > 1:
             raise _UnlikeError
         first, second, *others = (branch.body for branch in self.branches)
-        if not all(isinstance(part, _PLAIN) for part in parts(first) if isinstance(part, Step)):
+        if not all(isinstance(part, _PLAIN) for part in parts(first) if isinstance(part, ir.Step)):
             raise _UnlikeError
         _compare(first, second, second, 1)
         for number, body in enumerate(others, 2):
@@ -101,14 +83,14 @@ class _Rolling:
             self.members.work.append(StructMember(declaration))
         return _Found(body, tuple(self.ends.values()), self.number if self.is_numbered else None)
 
-    def _has_plain_guard(self, branch: Branch) -> bool:
+    def _has_plain_guard(self, branch: ir.Branch) -> bool:
         """Whether its communication leaves nothing to be done for one branch alone."""
         match branch.event:
-            case InputEvent(source=source, target=target):
+            case ir.InputEvent(source=source, target=target):
                 return not target.indexes and not self.members.source(source).at_once
-            case ReadyEvent():
+            case ir.ReadyEvent():
                 return True
-            case OutputEvent() | AfterEvent() | SkipEvent():
+            case ir.OutputEvent() | ir.AfterEvent() | ir.SkipEvent():
                 return False
             case _:
                 assert_never(branch.event)
@@ -117,7 +99,7 @@ class _Rolling:
         """The first body with what was chosen where the second differs from it."""
         if isinstance(first, tuple):
             return tuple([self._with_number(one, other) for one, other in zip(first, second, strict=True)])
-        if isinstance(first, PortEnd):
+        if isinstance(first, ir.PortEnd):
             return first if first.index == second.index else self._chosen_end(first)
         if isinstance(first, LiteralValue):
             return first if first.value == second.value else self._chosen_number(first)
@@ -126,7 +108,7 @@ class _Rolling:
         changes = {name: self._with_number(getattr(first, name), getattr(second, name)) for name in _inside(first)}
         return replaced(first, **changes) if changes else first
 
-    def _chosen_end(self, end: PortEnd) -> ChosenEnd:
+    def _chosen_end(self, end: ir.PortEnd) -> ChosenEnd:
         if not self.members.layout.uniform[end.port] or self.members.access(end) not in _POINTERS:
             raise _UnlikeError
         key = (end.port, end.end)
@@ -151,7 +133,7 @@ def _compare(first: Any, second: Any, other: Any, number: int) -> None:
             raise _UnlikeError
         for one, next_one, another in zip(first, second, other, strict=True):
             _compare(one, next_one, another, number)
-    elif isinstance(first, PortEnd):
+    elif isinstance(first, ir.PortEnd):
         if (first.port, first.end) != (other.port, other.end):
             raise _UnlikeError
         _count(first.index, second.index, other.index, number)

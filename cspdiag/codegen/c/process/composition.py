@@ -37,34 +37,7 @@ from cspdiag.codegen.c.text.statements import (
     run,
     store,
 )
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import SubmodelClass
 
 _OF_THE_KERNEL = {"Fault": "CSP_FAULT_EXCEPTION", "Timeout": "CSP_TIMEOUT_EXCEPTION"}
@@ -78,64 +51,64 @@ def exception_number(names: PackageNames, exception: str) -> str:
 class CompositionWriter(Writer):
     """Writes the step functions of one process class."""
 
-    def statements(self, action: Action) -> list[Statement]:
+    def statements(self, action: ir.Action) -> list[Statement]:
         """An action as statements; control does not reach their end where it does not reach the end of
         the action.
         """
         match action:
-            case SkipStep():
+            case ir.SkipStep():
                 return []
-            case SequentialSteps(steps=steps):
+            case ir.SequentialSteps(steps=steps):
                 return self._sequence(steps)
-            case AssignValue(target=target, value=value):
+            case ir.AssignValue(target=target, value=value):
                 return [self.remark(action), *assign_value(self, target, value, self.where(action))]
-            case ReadValue():
+            case ir.ReadValue():
                 return read_value(self, action)
-            case WriteValue():
+            case ir.WriteValue():
                 return write_value(self, action)
-            case WaitStep():
+            case ir.WaitStep():
                 return wait(self, action)
-            case StopStep():
+            case ir.StopStep():
                 return stop(self, action)
-            case RaiseException():
+            case ir.RaiseException():
                 return self._raise(action)
-            case Repeat():
+            case ir.Repeat():
                 return self._repeat(action)
-            case WhileLoop():
+            case ir.WhileLoop():
                 return self._while(action)
-            case CountedLoop():
+            case ir.CountedLoop():
                 return self._turns(action)
-            case IfElse():
+            case ir.IfElse():
                 return self._if(action)
-            case CatchException():
+            case ir.CatchException():
                 return self._catch(action)
-            case Group():
+            case ir.Group():
                 return group(self, action)
-            case RunInstance():
+            case ir.RunInstance():
                 return self._run(action)
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 return parallel(self, action)
-            case Choice():
+            case ir.Choice():
                 return choice(self, action)
-            case InterruptOn():
+            case ir.InterruptOn():
                 return interrupt(self, action)
-            case ResetInstance():
+            case ir.ResetInstance():
                 return reset(self, action)
-            case ReadInputs():
+            case ir.ReadInputs():
                 return read_inputs(self, action)
-            case RunLaw():
+            case ir.RunLaw():
                 return run_inlined_law(self, action)
-            case WriteOutputs():
+            case ir.WriteOutputs():
                 return write_outputs(self, action)
-            case ResetStates():
+            case ir.ResetStates():
                 return reset_law_states(self, action)
-            case ProcessScope():
+            case ir.ProcessScope():
                 return scope(self, action)
-            case ReportCommunication():
+            case ir.ReportCommunication():
                 return report(self, action)
         assert_never(action)
 
-    def _sequence(self, steps: Sequence[Action]) -> list[Statement]:
+    def _sequence(self, steps: Sequence[ir.Action]) -> list[Statement]:
         found: list[Statement] = []
         for position, step in enumerate(steps):
             outer, self.inner = self.inner, _law_of(steps, position) or self.inner
@@ -145,13 +118,13 @@ class CompositionWriter(Writer):
                 break
         return found
 
-    def _raise(self, action: RaiseException) -> list[Statement]:
+    def _raise(self, action: ir.RaiseException) -> list[Statement]:
         number = exception_number(self.names, action.exception)
         raised = run(ignored(call("csp_raise", "party", number, quoted(self.where(action)))))
         inner = [store("csp.error.inner", quoted(self.inner))] if self.inner is not None else []
         return [self.remark(action), raised, *inner, go(self.failing())]
 
-    def _run(self, action: RunInstance) -> list[Statement]:
+    def _run(self, action: ir.RunInstance) -> list[Statement]:
         class_ = self.class_of(action.instance)
         if isinstance(class_, SubmodelClass):
             return call_law(self, action, class_)
@@ -159,7 +132,7 @@ class CompositionWriter(Writer):
         place = self.place(action, f"runs_{action.instance}", "CALL", member)
         return [self.remark(action), Wait(call("CSP_CALL", address(own(member.field("process"))), place))]
 
-    def _repeat(self, action: Repeat) -> list[Statement]:
+    def _repeat(self, action: ir.Repeat) -> list[Statement]:
         body, behind = self._body(action)
         if action.until is None:
             return [While(None, tuple(body))]
@@ -171,14 +144,14 @@ class CompositionWriter(Writer):
         leaving = choose(negated(condition), [run("break")])
         return [While(None, (*body, *setup, *leaving)), *behind]
 
-    def _while(self, action: WhileLoop) -> list[Statement]:
+    def _while(self, action: ir.WhileLoop) -> list[Statement]:
         setup, condition = self.condition(action.condition, action)
         body, behind = self._body(action)
         if not setup:
             return [While(condition, tuple(body)), *behind]
         return [While(None, (*setup, *choose(negated(condition), [run("break")]), *body)), *behind]
 
-    def _body(self, action: Repeat | WhileLoop) -> tuple[list[Statement], list[Statement]]:
+    def _body(self, action: ir.Repeat | ir.WhileLoop) -> tuple[list[Statement], list[Statement]]:
         """The body of a loop and what follows the loop: one in which the process cannot wait gets a comment, as no
         state of the process shows it.
         """
@@ -191,7 +164,7 @@ class CompositionWriter(Writer):
     def _waiting_places(self) -> int:
         return sum(place.waiting != "NOTHING" for place in self.current.places)
 
-    def _turns(self, action: CountedLoop) -> list[Statement]:
+    def _turns(self, action: ir.CountedLoop) -> list[Statement]:
         body = self.statements(action.body)
         if not body or not ends(action.body):
             return body
@@ -199,14 +172,14 @@ class CompositionWriter(Writer):
         self.members.work.append(StructMember(f"uint32_t {name}"))
         return [For(own(name), unsigned(action.turns), tuple(body), begin=unsigned(0))]
 
-    def _if(self, action: IfElse) -> list[Statement]:
+    def _if(self, action: ir.IfElse) -> list[Statement]:
         then, otherwise = self.statements(action.then), self.statements(action.otherwise)
         if not has_effect(then) and not has_effect(otherwise):
             return [*discard(self, action.condition, self.where(action)), *then, *otherwise]
         setup, condition = self.condition(action.condition, action)
         return [*setup, *choose(condition, then, otherwise)]
 
-    def _catch(self, action: CatchException) -> list[Statement]:
+    def _catch(self, action: ir.CatchException) -> list[Statement]:
         outer = self.handler
         inner = self.handler = self.new_handler(f"CATCHES_{action.exception}".upper())
         body = self.statements(action.body)
@@ -223,13 +196,13 @@ def _loops(where: str) -> Plain:
     return run(call("csp_observe_loop", where))
 
 
-def _law_of(steps: Sequence[Action], position: int) -> str | None:
+def _law_of(steps: Sequence[ir.Action], position: int) -> str | None:
     """The inlined law that a step reads the inputs or writes the outputs of."""
     match steps[position]:
-        case ReadInputs():
-            around: Sequence[Action] = steps[position:]
-        case WriteOutputs():
+        case ir.ReadInputs():
+            around: Sequence[ir.Action] = steps[position:]
+        case ir.WriteOutputs():
             around = steps[position::-1]
         case _:  # Only these two stand apart from their law.
             return None
-    return next((step.law for step in around if isinstance(step, RunLaw)), None)
+    return next((step.law for step in around if isinstance(step, ir.RunLaw)), None)

@@ -4,55 +4,28 @@ from __future__ import annotations
 
 from typing import assert_never
 
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 
 
-def ends(action: Action) -> bool:
+def ends(action: ir.Action) -> bool:
     """Whether something may follow the action."""
     match action:
-        case RaiseException() | StopStep() | Repeat(until=None):
+        case ir.RaiseException() | ir.StopStep() | ir.Repeat(until=None):
             return False
-        case SequentialSteps(steps=steps):
+        case ir.SequentialSteps(steps=steps):
             return all(ends(step) for step in steps)
-        case IfElse():
+        case ir.IfElse():
             return ends(action.then) or ends(action.otherwise)
-        case Choice(branches=branches):
+        case ir.Choice(branches=branches):
             return any(ends(branch.body) for branch in branches)
-        case CatchException():
+        case ir.CatchException():
             return ends(action.body) or ends(action.handler)
-        case CountedLoop(body=body) | Group(body=body) | ProcessScope(body=body):
+        case ir.CountedLoop(body=body) | ir.Group(body=body) | ir.ProcessScope(body=body):
             return ends(body)
         case (
-            RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | WaitStep() | ResetInstance()
-            | ParallelSteps() | Repeat() | WhileLoop() | InterruptOn() | ReadInputs() | WriteOutputs() | RunLaw()
-            | ResetStates() | ReportCommunication()
+            ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.WaitStep()
+            | ir.ResetInstance() | ir.ParallelSteps() | ir.Repeat() | ir.WhileLoop() | ir.InterruptOn()
+            | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates() | ir.ReportCommunication()
         ):  # fmt: skip
             return True
         case _:

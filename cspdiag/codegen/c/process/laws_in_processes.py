@@ -24,16 +24,7 @@ from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, ign
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import Spelling
 from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, go, in_block, run, store
-from cspdiag.network.ir.actions import (
-    ReadInputs,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SkipStep,
-    Step,
-    WriteOutputs,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, SignalValue
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, SubmodelClass
@@ -59,7 +50,7 @@ class _Write:
 # ---- Submodels that are classes of their own
 
 
-def call_law(writer: Writer, step: RunInstance, class_: SubmodelClass) -> list[Statement]:
+def call_law(writer: Writer, step: ir.RunInstance, class_: SubmodelClass) -> list[Statement]:
     """One run of a submodel."""
     instance = writer.members.instances[step.instance]
     member = own(writer.members.member(step.instance))
@@ -72,7 +63,7 @@ def call_law(writer: Writer, step: RunInstance, class_: SubmodelClass) -> list[S
         if not isinstance(end, ConstantEnd | DiscardEnd):
             writes.append(_Write(writer.members.sink(end), member.field(names[_port(connection)])))
     outer, writer.inner = writer.inner, step.instance
-    law = SkipStep(span=class_.span)  # where -O0 says that a law reads and writes
+    law = ir.SkipStep(span=class_.span)  # where -O0 says that a law reads and writes
     called = call(f"{struct}_calculate", address(member))
     ran = [run(ignored(called)), writer.fault(writer.where(law))] if law_may_fault(class_) else [run(called)]
     found = [*_reading(writer, law, step.instance, reads), *ran, *_writing(writer, law, step.instance, writes)]
@@ -99,7 +90,7 @@ def _law_read(writer: Writer, connection: Connection, into: Code) -> _Read:
     return _Read(writer.members.source(end), into)
 
 
-def reset(writer: Writer, step: ResetInstance) -> list[Statement]:
+def reset(writer: Writer, step: ir.ResetInstance) -> list[Statement]:
     """Puts the states of a submodel back."""
     struct = writer.names.classes[writer.class_of(step.instance).name]
     return [writer.remark(step), run(call(f"{struct}_reset", address(own(writer.members.member(step.instance)))))]
@@ -108,13 +99,13 @@ def reset(writer: Writer, step: ResetInstance) -> list[Statement]:
 # ---- Control laws that were inlined
 
 
-def read_inputs(writer: Writer, step: ReadInputs) -> list[Statement]:
+def read_inputs(writer: Writer, step: ir.ReadInputs) -> list[Statement]:
     """The inputs of an inlined law; they are members, because reading waits."""
     reads = [_Read(writer.members.source(read.source), writer.printer.signal(read.name)) for read in step.reads]
     return _reading(writer, step, "inputs", reads, with_remark=True)
 
 
-def write_outputs(writer: Writer, step: WriteOutputs) -> list[Statement]:
+def write_outputs(writer: Writer, step: ir.WriteOutputs) -> list[Statement]:
     """The outputs of an inlined law: all values first, for they may fault, then the communications."""
     found: list[Statement] = []
     writes: list[_Write] = []
@@ -129,7 +120,7 @@ def write_outputs(writer: Writer, step: WriteOutputs) -> list[Statement]:
     return [*found, *_writing(writer, step, "outputs", writes, with_remark=True)]
 
 
-def run_inlined_law(writer: Writer, step: RunLaw) -> list[Statement]:
+def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
     """One run of an inlined law; what only it needs are local variables of a block."""
     members = writer.members
 
@@ -156,7 +147,7 @@ def run_inlined_law(writer: Writer, step: RunLaw) -> list[Statement]:
     return [Remark(f"{text} ({writer.where(step)})"), *in_block([*law.statements, *unread])]
 
 
-def reset_law_states(writer: Writer, step: ResetStates) -> list[Statement]:
+def reset_law_states(writer: Writer, step: ir.ResetStates) -> list[Statement]:
     """Puts states of the class back."""
     return [writer.remark(step), *reset_states(step.states, writer.members.process, writer.printer)]
 
@@ -165,7 +156,7 @@ def reset_law_states(writer: Writer, step: ResetStates) -> list[Statement]:
 
 
 def _reading(
-    writer: Writer, step: Step, name: str, reads: Sequence[_Read], *, with_remark: bool = False
+    writer: Writer, step: ir.Step, name: str, reads: Sequence[_Read], *, with_remark: bool = False
 ) -> list[Statement]:
     """Reads all; with no more than one that can wait, that is a plain communication."""
     remark = [writer.remark(step)] if with_remark else []
@@ -187,7 +178,7 @@ def _reading(
     return [*found, offers.wait()]
 
 
-def _had(writer: Writer, step: Step, read: _Read, offers: _Offers | None = None) -> list[Statement]:
+def _had(writer: Writer, step: ir.Step, read: _Read, offers: _Offers | None = None) -> list[Statement]:
     """What never waits; a variable may turn out not to have been written."""
     if read.source is None:
         assert read.constant is not None
@@ -197,7 +188,7 @@ def _had(writer: Writer, step: Step, read: _Read, offers: _Offers | None = None)
 
 
 def _writing(
-    writer: Writer, step: Step, name: str, writes: Sequence[_Write], *, with_remark: bool = False
+    writer: Writer, step: ir.Step, name: str, writes: Sequence[_Write], *, with_remark: bool = False
 ) -> list[Statement]:
     """Writes all; see ``_reading``. An output of the program that is written after another communication was begun
     needs an offer too.
@@ -224,7 +215,7 @@ def _writing(
     return [*found, offers.wait()]
 
 
-def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None = None) -> list[Statement]:
+def _at_once(writer: Writer, step: ir.Step, write: _Write, offers: _Offers | None = None) -> list[Statement]:
     sink, value = write.sink, write.value
     if sink.access == "discard":
         return []
@@ -237,7 +228,7 @@ def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None =
 class _Offers:
     """The offers of one step function, which are made one law after the other."""
 
-    def __init__(self, writer: Writer, step: Step, count: int, waiting: Waiting, state: str) -> None:
+    def __init__(self, writer: Writer, step: ir.Step, count: int, waiting: Waiting, state: str) -> None:
         self.writer = writer
         self.member = own(writer.offers(count))
         self.place = writer.place(step, state, waiting, self.member.member)

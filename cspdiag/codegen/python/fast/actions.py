@@ -49,35 +49,7 @@ from cspdiag.codegen.python.text.statements import (
 from cspdiag.codegen.shared.branch_names import branch_name
 from cspdiag.codegen.shared.trees import LEAST
 from cspdiag.network.flow.ends import may_end
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    Step,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import InstanceOf, ProcessClass
@@ -98,70 +70,70 @@ class Composition(Alternatives, LawSteps):
     _nested: int = 0
     """In how many loops, and in how many functions within the code, this place is."""
 
-    def statements(self, action: Action) -> Statements:
+    def statements(self, action: ir.Action) -> Statements:
         """An action as statements."""
         match action:
-            case SkipStep():
+            case ir.SkipStep():
                 return ()
-            case SequentialSteps(steps=steps):
+            case ir.SequentialSteps(steps=steps):
                 return tuple(self._sequence(steps))
-            case AssignValue(target=target, value=value):
+            case ir.AssignValue(target=target, value=value):
                 return tuple(self.set(target, value, self.place(action)))
-            case ReadValue(source=source, target=target):
+            case ir.ReadValue(source=source, target=target):
                 return (
                     self.comment(action),
                     *self.read_into(target, lambda into: self.communications.read(source, into)),
                 )
-            case WriteValue(sink=sink, value=value):
+            case ir.WriteValue(sink=sink, value=value):
                 before, simple = self.simple(value)
                 return (self.comment(action), *before, *self.communications.write(sink, simple))
-            case RaiseException(exception=exception):
+            case ir.RaiseException(exception=exception):
                 return (Plain("raise", Name(self.imports.exception(exception)), self.place(action)),)
-            case RunInstance(instance=instance):
+            case ir.RunInstance(instance=instance):
                 return (self.comment(action), *self.run_here(instance))
-            case ResetInstance(instance=instance):
+            case ir.ResetInstance(instance=instance):
                 return (run(self._instance(instance).call("reset")),)
-            case Repeat(until=until):
+            case ir.Repeat(until=until):
                 with self._loop():
                     return (self._repeat(action, until),)
-            case WhileLoop(condition=condition, body=body):
+            case ir.WhileLoop(condition=condition, body=body):
                 with self._loop():
                     return (self._governed("while", condition, action, self.statements(body)),)
-            case CountedLoop(turns=turns, body=body):
+            case ir.CountedLoop(turns=turns, body=body):
                 with self._loop():
                     inside = self.statements(body)
                 return (repeat(turns, inside),) if inside else ()
-            case IfElse():
+            case ir.IfElse():
                 return self._if(action)
-            case CatchException():
+            case ir.CatchException():
                 return self._catch(action)
-            case WaitStep(duration=duration):
+            case ir.WaitStep(duration=duration):
                 return (self.comment(action), *self._delay(duration))
-            case StopStep():
+            case ir.StopStep():
                 return (self.comment(action), *self.known(), run(delegated(call(self.imports.runtime("stop")))))
-            case ParallelSteps(steps=steps, prioritized=False) if self._are_functions(steps):
+            case ir.ParallelSteps(steps=steps, prioritized=False) if self._are_functions(steps):
                 return (self.comment(action), *self._rounds(steps))
-            case ParallelSteps(steps=steps, prioritized=prioritized):
+            case ir.ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
                 branches = call(name, *self._branches(steps))
                 return (self.comment(action), *self.known(), run(delegated(branches)))
-            case Choice():
+            case ir.Choice():
                 return self._choice(action)
-            case InterruptOn(body=body, branch=branch):
+            case ir.InterruptOn(body=body, branch=branch):
                 return (self.comment(action), *self._interrupt(body, branch))
-            case Group(label=label, body=body):
+            case ir.Group(label=label, body=body):
                 return tuple(self._group(label, body))
-            case ReadInputs() | WriteOutputs() | RunLaw():
+            case ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw():
                 return tuple(self._law([action]))
-            case ResetStates(states=states):
+            case ir.ResetStates(states=states):
                 return tuple(self._reset(states))
-            case ProcessScope():
+            case ir.ProcessScope():
                 return tuple(self._scope(action))
-            case ReportCommunication(channel=channel, value=value):
+            case ir.ReportCommunication(channel=channel, value=value):
                 return tuple(self._reported(action, channel, value))
         assert_never(action)
 
-    def _sequence(self, steps: Sequence[Action]) -> Iterator[Statement]:
+    def _sequence(self, steps: Sequence[ir.Action]) -> Iterator[Statement]:
         for law, group in groupby(steps, key=law_of):
             if law:
                 yield from self._law(list(group))
@@ -171,31 +143,31 @@ class Composition(Alternatives, LawSteps):
 
     # Control flow
 
-    def _repeat(self, action: Repeat, until: Expression | None) -> Block:
+    def _repeat(self, action: ir.Repeat, until: Expression | None) -> Block:
         statements = self.statements(action.body)
         if until is not None:
             statements += (self._governed("if", until, action, (BREAK,)),)
         return Block("while", TRUE, statements)
 
-    def _if(self, action: IfElse) -> Statements:
+    def _if(self, action: ir.IfElse) -> Statements:
         keyword: Literal["if", "elif"] = "if"
         blocks: list[Statement] = []
-        rest: Action = action
-        while isinstance(rest, IfElse):
+        rest: ir.Action = action
+        while isinstance(rest, ir.IfElse):
             blocks.append(self._governed(keyword, rest.condition, rest, self.statements(rest.then)))
             keyword, rest = "elif", rest.otherwise
         otherwise = self.statements(rest)
         return (*blocks, else_(*otherwise)) if otherwise else tuple(blocks)
 
     def _governed(
-        self, keyword: Literal["if", "elif", "while"], condition: Expression, action: Step, body: Statements
+        self, keyword: Literal["if", "elif", "while"], condition: Expression, action: ir.Step, body: Statements
     ) -> Block:
         """A block with a condition, with its place if that can fault."""
         span = condition.span or action.span
         place = self.imports.names.place(span.file, span.line) if may_fault(condition) else None
         return Block(keyword, self.printer.print(condition), body, place)
 
-    def _catch(self, action: CatchException) -> Statements:
+    def _catch(self, action: ir.CatchException) -> Statements:
         caught = [Name(name) for name in self.imports.caught(action.exception)]
         exception = caught[0] if len(caught) == 1 else tuple_of(caught)
         body, handler = self.statements(action.body), self.statements(action.handler)
@@ -222,12 +194,12 @@ class Composition(Alternatives, LawSteps):
 
     # Processes
 
-    def _are_functions(self, steps: Sequence[Action]) -> bool:
+    def _are_functions(self, steps: Sequence[ir.Action]) -> bool:
         """Whether a parallel in a loop consists of code of this process only, so that its tasks can be kept."""
         plain = self._loops > 0 and self._nested == 0
-        return plain and len(steps) < LEAST and not any(isinstance(step, RunInstance) for step in steps)
+        return plain and len(steps) < LEAST and not any(isinstance(step, ir.RunInstance) for step in steps)
 
-    def _rounds(self, steps: Sequence[Action]) -> Iterator[Statement]:
+    def _rounds(self, steps: Sequence[ir.Action]) -> Iterator[Statement]:
         rounds = Name(self.spelling.names.fresh("rounds"))
         functions = [self._function(step, rounds) for step in steps]
         made = call(self.imports.runtime("Rounds"), self.spelling["me"], *functions)
@@ -252,7 +224,7 @@ class Composition(Alternatives, LawSteps):
             return (run(delegated(instance.call("steps", self.spelling["me"]))),)
         return (run(delegated(instance.call("execute").call("__await__"))),)
 
-    def _scope(self, scope: ProcessScope) -> Iterator[Statement]:
+    def _scope(self, scope: ir.ProcessScope) -> Iterator[Statement]:
         part, me, error = self.spelling.part(scope.instance), self.spelling["me"], self.spelling["error"]
         yield Remark(f"{self.place(scope)}  {scope.instance}")
         yield run(part.call("start", me))
@@ -265,7 +237,7 @@ class Composition(Alternatives, LawSteps):
         if may_end(scope.body):
             yield run(part.call("end", me))
 
-    def _branches(self, steps: Sequence[Action]) -> Iterator[Code]:
+    def _branches(self, steps: Sequence[ir.Action]) -> Iterator[Code]:
         alike = self._alike(steps)
         if alike is not None:
             yield Starred(alike)
@@ -281,23 +253,23 @@ class Composition(Alternatives, LawSteps):
             yield self.branch(step)
             position += 1
 
-    def branch(self, step: Action) -> Code:
+    def branch(self, step: ir.Action) -> Code:
         """A process to run beside others."""
-        if isinstance(step, RunInstance):
+        if isinstance(step, ir.RunInstance):
             return self._instance(step.instance)
         return self._function(step)
 
-    def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[Code, int] | None:
+    def _whole_array(self, steps: Sequence[ir.Action], start: int) -> tuple[Code, int] | None:
         first = steps[start]
-        array = self.spelling.members.array_of(first.instance) if isinstance(first, RunInstance) else None
+        array = self.spelling.members.array_of(first.instance) if isinstance(first, ir.RunInstance) else None
         if array is None:
             return None
-        given = [s.instance for s in steps[start : start + len(array.elements)] if isinstance(s, RunInstance)]
+        given = [s.instance for s in steps[start : start + len(array.elements)] if isinstance(s, ir.RunInstance)]
         if given != list(array.elements):
             return None
         return self.spelling.bind(array.name), len(array.elements)
 
-    def _function(self, action: Action, rounds: Code | None = None) -> Code:
+    def _function(self, action: ir.Action, rounds: Code | None = None) -> Code:
         """A generator function for what runs beside others, again and again if it belongs to ``rounds``."""
         name = self.spelling.names.fresh(f"_{branch_name(action)}")
         position = len(self.functions)
@@ -316,7 +288,7 @@ class Composition(Alternatives, LawSteps):
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
         return Function(name, (f"{self.spelling['me'].text}: {task}", *parameters), body, steps)
 
-    def _alike(self, steps: Sequence[Action]) -> Code | None:
+    def _alike(self, steps: Sequence[ir.Action]) -> Code | None:
         """Branches that differ only in an index, as one function with that index as its last parameter."""
         if len(steps) < LEAST or not all(map(_is_plain, steps)):
             return None
@@ -329,14 +301,14 @@ class Composition(Alternatives, LawSteps):
         made = call(self.imports.standard("functools", "partial"), Name(name), **{k.text: k})
         return Comprehension(made, k.text, counted_to(len(steps)), "()")
 
-    def _group(self, label: str, body: Action) -> Iterator[Statement]:
+    def _group(self, label: str, body: ir.Action) -> Iterator[Statement]:
         group = Name(self.spelling.names.fresh(self.spelling["group"].text))
         begun = call(self.imports.runtime("start_group"), self.spelling["me"], Constant(quoted(label)))
         yield assign(group, begun)
         yield try_(*self.statements(body))
         yield Block("finally", None, (run(call(self.imports.runtime("end_group"), group)),))
 
-    def _reported(self, action: Step, channel: str, value: Expression) -> Iterator[Statement]:
+    def _reported(self, action: ir.Step, channel: str, value: Expression) -> Iterator[Statement]:
         if not self.communications.traced:
             return
         me = self.spelling["me"]
@@ -346,8 +318,9 @@ class Composition(Alternatives, LawSteps):
         yield self.communications.observed(path(channel, own("name")), simple, me, me)
 
 
-def _is_plain(action: Action) -> bool:
+def _is_plain(action: ir.Action) -> bool:
     """Whether an action needs no alternative and no function of its own."""
     return not any(
-        isinstance(p, Choice | ParallelSteps | InterruptOn | Group | RunInstance | RunLaw) for p in parts(action)
+        isinstance(p, ir.Choice | ir.ParallelSteps | ir.InterruptOn | ir.Group | ir.RunInstance | ir.RunLaw)
+        for p in parts(action)
     )

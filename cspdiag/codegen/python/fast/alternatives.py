@@ -37,18 +37,7 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.rolling import template
 from cspdiag.codegen.python.text.statements import YIELD, Block, Statement, Statements, assign, else_, if_, run
 from cspdiag.codegen.shared.trees import LEAST
-from cspdiag.network.ir.actions import (
-    Action,
-    AfterEvent,
-    Branch,
-    Choice,
-    Event,
-    InputEvent,
-    OutputEvent,
-    ReadyEvent,
-    RunInstance,
-    SkipEvent,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.faults import is_known_at_start, may_fault
 
 
@@ -67,7 +56,7 @@ class Alternatives(Values):
     def __post_init__(self) -> None:
         self.guard_names = GuardNames(self.spelling.names.fresh)
 
-    def branch(self, step: Action) -> Code:
+    def branch(self, step: ir.Action) -> Code:
         """A process to run beside others."""
         raise NotImplementedError
 
@@ -75,7 +64,7 @@ class Alternatives(Values):
         """Runs an instance in sequence."""
         raise NotImplementedError
 
-    def _choice(self, choice: Choice) -> Statements:
+    def _choice(self, choice: ir.Choice) -> Statements:
         name = choice.name or self.spelling.names.fresh("choice")
         branches = choice.branches
         guards = [Argument(self._guard(branch.event, self.initial, made=True)) for branch in branches]
@@ -88,25 +77,25 @@ class Alternatives(Values):
             return (self.comment(choice), *self._selection(choice, attribute, local))
         return (self.comment(choice), *self._slow_selection(choice, local))
 
-    def _is_inline(self, choice: Choice) -> bool:
+    def _is_inline(self, choice: ir.Choice) -> bool:
         for branch in choice.branches:
             match branch.event:
-                case InputEvent(source=source) | ReadyEvent(source=source):
+                case ir.InputEvent(source=source) | ir.ReadyEvent(source=source):
                     if self.spelling.medium(source).guarded_writes:
                         return False
-                case SkipEvent():
+                case ir.SkipEvent():
                     pass
-                case AfterEvent(duration=duration):
+                case ir.AfterEvent(duration=duration):
                     known = self.printer.value(duration)
                     if not isinstance(known, int) or known <= 0:
                         return False
-                case OutputEvent():
+                case ir.OutputEvent():
                     return False
                 case _:
                     assert_never(branch.event)
         return True
 
-    def _selection(self, choice: Choice, attribute: str, local: Code) -> Iterator[Statement]:
+    def _selection(self, choice: ir.Choice, attribute: str, local: Code) -> Iterator[Statement]:
         branches, ready, k = choice.branches, self.spelling["ready"], self.spelling["k"]
         guards = self._guards(attribute, local)
         yield from self.communications.check()
@@ -144,7 +133,7 @@ class Alternatives(Values):
             self.prologue.append(assign(self.selectors[attribute], local.field("selector")))
         return self.selectors[attribute]
 
-    def _parked(self, choice: Choice, local: Code, guards: Code, mask: Code | None) -> Iterator[Statement]:
+    def _parked(self, choice: ir.Choice, local: Code, guards: Code, mask: Code | None) -> Iterator[Statement]:
         """Waits while no guard is ready."""
         me, ready, wanted = self.spelling["me"], self.spelling["ready"], mask or integer(-1)
         if all(self._only_wakes(branch.event) for branch in choice.branches):
@@ -160,11 +149,11 @@ class Alternatives(Values):
             waiting = delegated(local.call("wait", wanted))
             yield if_(negated(ready), *self.known(), assign(ready, waiting))
 
-    def _only_wakes(self, event: Event) -> bool:
+    def _only_wakes(self, event: ir.Event) -> bool:
         """Whether the end of a guard need not be told that an alternative waits."""
-        if isinstance(event, InputEvent | ReadyEvent):
+        if isinstance(event, ir.InputEvent | ir.ReadyEvent):
             return self.spelling.medium(event.source).kind in ("sync", "event", "buffer", "overwrite", "any")
-        return isinstance(event, SkipEvent)
+        return isinstance(event, ir.SkipEvent)
 
     def _memory(self, attribute: str, local: Code) -> Code:
         if self.spelling.again:
@@ -185,7 +174,9 @@ class Alternatives(Values):
         parts = [*map(Parenthesized, parts), *([Whole(fixed)] if fixed else [])]
         return infix_all("|", BITS_OR, parts)
 
-    def _chosen(self, branches: Sequence[Branch], taken: Callable[[Event, int], Statements]) -> Iterator[Statement]:
+    def _chosen(
+        self, branches: Sequence[ir.Branch], taken: Callable[[ir.Event, int], Statements]
+    ) -> Iterator[Statement]:
         bodies = [(*taken(branch.event, index), *self.statements(branch.body)) for index, branch in enumerate(branches)]
         if len(branches) == 1:
             yield from bodies[0]
@@ -203,57 +194,57 @@ class Alternatives(Values):
             else:
                 yield Block("else", None, body, comment)
 
-    def _taken(self, event: Event, guards: Code, index: int) -> Statements:
-        if not isinstance(event, InputEvent):
+    def _taken(self, event: ir.Event, guards: Code, index: int) -> Statements:
+        if not isinstance(event, ir.InputEvent):
             return ()
         source = event.source
         return self.read_into(event.target, lambda into: self.communications.take(source, into, guards, index))
 
-    def _slow_selection(self, choice: Choice, local: Code) -> Iterator[Statement]:
+    def _slow_selection(self, choice: ir.Choice, local: Code) -> Iterator[Statement]:
         needs = self._needs(choice.branches)
         selected = delegated(Call(local.field("select"), tuple(select_arguments(choice.branches, needs))))
         yield from self.known()
         yield from needs.lines
         yield run(selected) if len(choice.branches) == 1 else assign(self.spelling["k"], selected)
 
-        def taken(event: Event, _: int) -> Statements:
-            if not isinstance(event, InputEvent):
+        def taken(event: ir.Event, _: int) -> Statements:
+            if not isinstance(event, ir.InputEvent):
                 return ()
             return self.read_into(event.target, lambda into: (assign(into, local.field("value")),))
 
         yield from self._chosen(choice.branches, taken)
 
-    def _needs(self, branches: Sequence[Branch], *, always: bool = False) -> Guards:
+    def _needs(self, branches: Sequence[ir.Branch], *, always: bool = False) -> Guards:
         """What guards need, evaluated where they begin."""
         return guards_of(branches, self.printer.print, may_fault, self.imports.names, self.guard_names, always=always)
 
-    def _guard(self, event: Event, printer: FastPrinter, *, made: bool, needed: Code | None = None) -> Code:
+    def _guard(self, event: ir.Event, printer: FastPrinter, *, made: bool, needed: Code | None = None) -> Code:
         """A guard; ``made`` in the constructor, where values are not known yet."""
         members = self.spelling.members
         match event:
-            case ReadyEvent(source=source):
+            case ir.ReadyEvent(source=source):
                 end = members.source(source)
                 return call(self.imports.runtime("Ready"), end if made else self.spelling.local(end))
-            case InputEvent(source=source):
+            case ir.InputEvent(source=source):
                 end = members.source(source)
                 return call(self.imports.runtime("Input"), end if made else self.spelling.local(end))
-            case OutputEvent(sink=sink, value=value):
+            case ir.OutputEvent(sink=sink, value=value):
                 end = members.sink(sink)
                 given = () if made else (needed or printer.print(value),)
                 return call(self.imports.runtime("Output"), end if made else self.spelling.local(end), *given)
-            case AfterEvent(duration=duration):
+            case ir.AfterEvent(duration=duration):
                 later = made and not is_known_at_start(duration)
                 delay = Whole(0) if later else needed or printer.print(duration)
                 return call(self.imports.runtime("After"), delay)
-            case SkipEvent():
+            case ir.SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
 
-    def _interrupt(self, body: Action, branch: Branch) -> Iterator[Statement]:
+    def _interrupt(self, body: ir.Action, branch: ir.Branch) -> Iterator[Statement]:
         function = self.branch(body)
         guard = Name(self.spelling.names.fresh(self.spelling["guard"].text))
         taken: Statements = ()
-        if isinstance(branch.event, InputEvent):
+        if isinstance(branch.event, ir.InputEvent):
             taken = self.read_into(branch.event.target, lambda into: (assign(into, guard.field("value")),))
         handler = (*taken, *self.statements(branch.body))
         needs = self._needs((branch,), always=True)
@@ -269,7 +260,7 @@ class Alternatives(Values):
             yield from guarded
             return
         yield if_(condition, *guarded)
-        if isinstance(body, RunInstance):
+        if isinstance(body, ir.RunInstance):
             plainly = self.run_here(body.instance)
         else:
             plainly = (run(delegated(call(function, self.spelling["me"]))),)

@@ -43,32 +43,7 @@ from cspdiag.network.checks.samples.sequences import Sequences
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided, possible_branches, ways_of_samples
 from cspdiag.network.infer.waiting import inputs_of, is_always_ready, known_duration
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import InstanceShape, Key
 
@@ -102,62 +77,62 @@ class _Process(Sequences):
         self._bodies: dict[tuple[int, frozenset[Key], bool], Part] = {}
         """What follows guards, which may be looked at on several paths."""
 
-    def part(self, action: CoreAction) -> Part:
+    def part(self, action: ir.CoreAction) -> Part:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 instance = self.placed.shape.instances[action.instance]
                 return self._law(instance, action.span) if instance.shape.is_submodel else self._process(action)
-            case ReadValue():
+            case ir.ReadValue():
                 return self._read((end_key(action.source),), action.span)
-            case WriteValue() | AssignValue() | SkipStep() | ResetInstance():
+            case ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.ResetInstance():
                 return INSTANT
-            case WaitStep():
+            case ir.WaitStep():
                 waits = known_duration(self.placed, action.duration)
                 return part(Gap(waits, None, action.span)) if waits else INSTANT
-            case StopStep():
+            case ir.StopStep():
                 return NEVER_ENDS
-            case RaiseException():
+            case ir.RaiseException():
                 return part(None, exits={action.exception: INSTANT})
-            case SequentialSteps():
+            case ir.SequentialSteps():
                 return self.sequence(map(self.part, action.steps))
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 return beside(map(self._apart, action.steps))
-            case Choice():
+            case ir.Choice():
                 return self._choice(action)
-            case Repeat():
+            case ir.Repeat():
                 body = self._apart(action.body)
                 ends = action.until is not None and decided(self.placed, action.until)
                 if ends:
                     return body
                 self.findings.check_turns(body, is_endless=action.until is None)
                 return endless(body) if action.until is None else repeated(body)
-            case WhileLoop():
+            case ir.WhileLoop():
                 if decided(self.placed, action.condition) is False:
                     return INSTANT
                 body = self._apart(action.body)
                 self.findings.check_turns(body, is_endless=False)
                 return one_of([INSTANT, repeated(body)])
-            case CountedLoop():
+            case ir.CountedLoop():
                 return self._turns(action)
-            case IfElse():
+            case ir.IfElse():
                 holds = decided(self.placed, action.condition)
                 ways = [action.then] * (holds is not False) + [action.otherwise] * (holds is not True)
                 return one_of([self._apart(way) for way in ways])
-            case CatchException():
+            case ir.CatchException():
                 return self._catch(action)
-            case InterruptOn():
+            case ir.InterruptOn():
                 return self._interrupt(action)
-            case Group():
+            case ir.Group():
                 return self.part(action.body)
             case _:
                 assert_never(action)
 
-    def _turns(self, loop: CountedLoop[CoreAction]) -> Part:
+    def _turns(self, loop: ir.CountedLoop[ir.CoreAction]) -> Part:
         """What was ready before the first iteration may be read in it; the others begin all alike."""
         first = self.part(loop.body)
         return self.sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
 
-    def _apart(self, action: CoreAction) -> Part:
+    def _apart(self, action: ir.CoreAction) -> Part:
         """A part that is not taken on every path: an event that was ready before it may still be so afterwards."""
         was_ready = self.ready
         found = self.part(action)
@@ -175,7 +150,7 @@ class _Process(Sequences):
         self.ready -= set(keys)
         return part(time, {(key, 0): one_read(self.period(key), time, span) for key in keys if self.period(key)})
 
-    def _process(self, action: RunInstance) -> Part:
+    def _process(self, action: ir.RunInstance) -> Part:
         """A process keeps books of its own; here it takes time, and may wait for events."""
         inside = self.known.get(self.placed.inside[action.instance])
         if inside is None:
@@ -186,15 +161,15 @@ class _Process(Sequences):
     def _is_event(self, key: Key) -> bool:
         return self.placed.facts[key][0] == "event" and key not in self.ready
 
-    def _choice(self, action: Choice[CoreAction]) -> Part:
+    def _choice(self, action: ir.Choice[ir.CoreAction]) -> Part:
         """One of the branches that are possible, whether the conditions of samples hold or not."""
         return one_of([self._chosen(way) for way in ways_of_samples(self.placed, action)])
 
-    def _chosen(self, action: Choice[CoreAction]) -> Part:
+    def _chosen(self, action: ir.Choice[ir.CoreAction]) -> Part:
         """One of the branches, after what is waited for before it can be chosen."""
         branches = possible_branches(self.placed, action)
         events = [branch for branch in branches if self._event_of(branch) is not None]
-        time_outs = [branch for branch in branches if isinstance(branch.event, AfterEvent)]
+        time_outs = [branch for branch in branches if isinstance(branch.event, ir.AfterEvent)]
         if branches and len(events) == len(branches):
             waits = Gap(0, self._event_of(events[0]), events[0].event.span)
             return self.sequence((part(waits), one_of([self._branch(branch, NOTHING, {}) for branch in branches])))
@@ -224,57 +199,57 @@ class _Process(Sequences):
         reads = {book: any_way(book, parts, found.span) for book, found in chosen.reads.items()}
         return part(least_time(parts), reads, chosen.exits)
 
-    def _event_of(self, branch: Branch[CoreAction]) -> Key | None:
+    def _event_of(self, branch: ir.Branch[ir.CoreAction]) -> Key | None:
         """The event that a guard waits for."""
-        if not isinstance(branch.event, InputEvent | ReadyEvent):
+        if not isinstance(branch.event, ir.InputEvent | ir.ReadyEvent):
             return None
         key = end_key(branch.event.source)
         return key if self._is_event(key) else None
 
-    def _samples(self, branches: Iterable[Branch[CoreAction]]) -> dict[Key, int]:
+    def _samples(self, branches: Iterable[ir.Branch[ir.CoreAction]]) -> dict[Key, int]:
         """The sampled inputs that guards wait for, with the places of these."""
         guarded = {
             end_key(branch.event.source): place
             for place, branch in enumerate(branches)
-            if isinstance(branch.event, InputEvent | ReadyEvent)
+            if isinstance(branch.event, ir.InputEvent | ir.ReadyEvent)
         }
         return {key: place for key, place in guarded.items() if self.period(key)}
 
-    def _time_out(self, branch: Branch[CoreAction]) -> Gap | None:
-        assert isinstance(branch.event, AfterEvent)
+    def _time_out(self, branch: ir.Branch[ir.CoreAction]) -> Gap | None:
+        assert isinstance(branch.event, ir.AfterEvent)
         waits = known_duration(self.placed, branch.event.duration)
         return Gap(waits, None, branch.event.span) if waits else None
 
     def _branch(
-        self, branch: Branch[CoreAction], until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT
+        self, branch: ir.Branch[ir.CoreAction], until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT
     ) -> Part:
         """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples; its guard
         stands ``beside`` a part, with a book of its own.
         """
         event = branch.event
-        if isinstance(event, InputEvent | ReadyEvent):
+        if isinstance(event, ir.InputEvent | ir.ReadyEvent):
             key = end_key(event.source)
             was_ready = self.ready
-            self.ready = was_ready | {key} if isinstance(event, ReadyEvent) else was_ready - {key}
+            self.ready = was_ready | {key} if isinstance(event, ir.ReadyEvent) else was_ready - {key}
             following = self._following(branch)
             self.ready = was_ready
             if self.period(key):
                 book = free_book(key, beside)
                 taken = part(NOTHING, {book: one_read(self.period(key), NOTHING, event.span)})
-                return following if isinstance(event, ReadyEvent) else self.sequence((taken, following))
+                return following if isinstance(event, ir.ReadyEvent) else self.sequence((taken, following))
         else:
             following = self._following(branch)
-        time = self._time_out(branch) or NOTHING if isinstance(event, AfterEvent) else until
+        time = self._time_out(branch) or NOTHING if isinstance(event, ir.AfterEvent) else until
         return self.sequence((part(time, instead), following))
 
-    def _following(self, branch: Branch[CoreAction]) -> Part:
+    def _following(self, branch: ir.Branch[ir.CoreAction]) -> Part:
         place = id(branch.body), self.ready, self.findings.tolerated
         if place not in self._bodies:
             self._bodies[place] = self._apart(branch.body)
         return self._bodies[place]
 
     def _instead_of(
-        self, sample: Key, chosen: Branch[CoreAction], *, waits: bool, is_first: bool, is_last: bool
+        self, sample: Key, chosen: ir.Branch[ir.CoreAction], *, waits: bool, is_first: bool, is_last: bool
     ) -> Reads:
         """What becomes of a sample where something else is chosen: an event comes at any time, up to the next sample.
 
@@ -285,14 +260,14 @@ class _Process(Sequences):
         held = NOTHING if event is None else Gap(0, None, span, -self.period(sample) + is_last, event)
         return not_read(held, NOTHING if is_first else None, span)
 
-    def _interrupt(self, action: InterruptOn[CoreAction]) -> Part:
+    def _interrupt(self, action: ir.InterruptOn[ir.CoreAction]) -> Part:
         branch = action.branch
         holds = decided(self.placed, branch.condition)
         if holds is False:
             return self._apart(action.body)
         if holds and is_always_ready(self.placed, branch.event):
             return self._replaced_at_once(action)
-        is_time_out = isinstance(branch.event, AfterEvent)
+        is_time_out = isinstance(branch.event, ir.AfterEvent)
         longest = self._longest(branch) if holds else 0
         was_limit = self.findings.limit
         self.findings.limit = min(was_limit, longest) if longest else was_limit
@@ -315,7 +290,7 @@ class _Process(Sequences):
             return replaced(left, exits=one_of_exits((body.exits, left.exits)))
         return one_of([within(body, limit) if is_time_out else body, left])
 
-    def _replaced_at_once(self, action: InterruptOn[CoreAction]) -> Part:
+    def _replaced_at_once(self, action: ir.InterruptOn[ir.CoreAction]) -> Part:
         """A body that is cancelled before it reads or waits, and the branch that follows; only by an exception can it
         end before.
         """
@@ -326,11 +301,13 @@ class _Process(Sequences):
         following = self._following(action.branch)
         return replaced(following, exits=one_of_exits((body.exits, following.exits)))
 
-    def _longest(self, branch: Branch[CoreAction]) -> int:
+    def _longest(self, branch: ir.Branch[ir.CoreAction]) -> int:
         """After how many nanoseconds a guard surely comes that is a time-out or a sample; 0 where that is not known."""
-        if isinstance(branch.event, AfterEvent):
+        if isinstance(branch.event, ir.AfterEvent):
             return known_duration(self.placed, branch.event.duration)
-        return self.period(end_key(branch.event.source)) if isinstance(branch.event, InputEvent | ReadyEvent) else 0
+        return (
+            self.period(end_key(branch.event.source)) if isinstance(branch.event, ir.InputEvent | ir.ReadyEvent) else 0
+        )
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
         """A body that an event ends: at any time, at the latest with the next sample that the body waits for."""
@@ -364,7 +341,7 @@ class _Process(Sequences):
             )
         return part(limit if is_longer else body.time, reads)
 
-    def _catch(self, action: CatchException[CoreAction]) -> Part:
+    def _catch(self, action: ir.CatchException[ir.CoreAction]) -> Part:
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = was_tolerated or action.exception == "Timeout"
         body = self._apart(action.body)

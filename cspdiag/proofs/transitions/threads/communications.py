@@ -6,17 +6,7 @@ from collections.abc import Sequence
 from typing import Final, TypeAlias, assert_never
 
 from cspdiag.network.dump.delay import delay_text
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Branch,
-    End,
-    Event,
-    InputEvent,
-    OutputEvent,
-    ReadyEvent,
-    SkipEvent,
-    Target,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.proofs.transitions.classes.built_in_exceptions import TIMEOUT
 from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import PATIENT
@@ -77,7 +67,9 @@ class Communications:
             return after
         return after.at((frames.Delivering(reference, node), after.stack))
 
-    def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | Missed, Configuration]]:
+    def reads(
+        self, c: Configuration, context: Context, end: ir.End
+    ) -> list[tuple[Label, Known | Missed, Configuration]]:
         """The ways to read an end at which a reader may wait: label, value, and the configuration with its session
         noted.
         """
@@ -99,10 +91,10 @@ class Communications:
             return [(Read(reference, UNKNOWN, where), UNKNOWN, c)]
         return [(Read(reference, value, where), value, c) for value in domain]
 
-    def watched(self, c: Configuration, context: Context, branches: Sequence[Branch]) -> Configuration:
+    def watched(self, c: Configuration, context: Context, branches: Sequence[ir.Branch]) -> Configuration:
         """Guards were waited for: the sessions of their sampled inputs have begun, also if another guard was taken."""
         for branch in branches:
-            if isinstance(branch.event, ReadyEvent | InputEvent):
+            if isinstance(branch.event, ir.ReadyEvent | ir.InputEvent):
                 end = branch.event.source
                 if self.thread.medium(context.reference(end)).kind == "sampled":
                     c = self.thread.beginning(c, context, reading_end(context, end))
@@ -115,16 +107,16 @@ class Communications:
         environments = self.thread.facts.program.network.environments
         return not environments or any(environment.on_miss == "timeout" for environment in environments)
 
-    def guarded(self, held: Configuration, context: Context, branch: Branch, body: Node, value: Known) -> list[Move]:
+    def guarded(self, held: Configuration, context: Context, branch: ir.Branch, body: Node, value: Known) -> list[Move]:
         """The ways to take a guard; ``held`` is where the alternative stands, without it."""
-        event: Event = branch.event
+        event: ir.Event = branch.event
         on = held.at((frames.Run(body, context), held.stack))
         match event:
-            case SkipEvent():
+            case ir.SkipEvent():
                 return [(INTERNAL, on)]
-            case AfterEvent():
+            case ir.AfterEvent():
                 return [(self.follower.delay(delay_text(event), value), on)]
-            case OutputEvent():
+            case ir.OutputEvent():
                 reference = context.reference(event.sink)
                 if self.thread.medium(reference).kind in ("var", "discard"):
                     return [(INTERNAL, self.follower.stored(on, reference, value))]
@@ -133,14 +125,16 @@ class Communications:
                 if self.thread.medium(reference).kind in ("sync", "any", "broadcast"):
                     found.append((Bind(reference), on.at((frames.Put(reference, value, body), on.stack))))
                 return found
-            case InputEvent():
+            case ir.InputEvent():
                 return self._input_guard(held, on, context, event)
-            case ReadyEvent():
+            case ir.ReadyEvent():
                 return self._ready_guard(on, context, event, body)
             case _:
                 assert_never(event)
 
-    def _input_guard(self, held: Configuration, on: Configuration, context: Context, event: InputEvent) -> list[Move]:
+    def _input_guard(
+        self, held: Configuration, on: Configuration, context: Context, event: ir.InputEvent
+    ) -> list[Move]:
         reference = context.reference(event.source)
         if held.fetched is not None:
             value = held.fetched[1]
@@ -160,7 +154,7 @@ class Communications:
                 found.append((label, assigning(given, context, event.target, taken)))
         return found
 
-    def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: Node) -> list[Move]:
+    def _ready_guard(self, on: Configuration, context: Context, event: ir.ReadyEvent, guard: Node) -> list[Move]:
         reference = context.reference(event.source)
         kind = self.thread.medium(reference).kind
         if on.fetched is not None or kind not in PATIENT:
@@ -183,6 +177,6 @@ class Communications:
         return found
 
 
-def assigning(c: Configuration, context: Context, target: Target, value: Known) -> Configuration:
+def assigning(c: Configuration, context: Context, target: ir.Target, value: Known) -> Configuration:
     """What was read goes into its variable at the next step."""
     return c.at((frames.Assign(context, target, value), c.stack))

@@ -6,20 +6,7 @@ from typing import assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.network.dump.delay import delay_text
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Branch,
-    Choice,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    ReadValue,
-    ReadyEvent,
-    SkipEvent,
-    StopStep,
-    WaitStep,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.systems.references import Path, Reference
 from cspdiag.proofs.transitions.systems.template import Spot
@@ -70,7 +57,7 @@ def _spot(thread: Thread, frame: frames.Frame) -> Spot:
         case frames.Open():
             return Spot("decides", None, frame.condition.span)
         case frames.GuardOnly():
-            assert isinstance(frame.node.action, InterruptOn)
+            assert isinstance(frame.node.action, ir.InterruptOn)
             words, reference = _guard(frame.node.action.branch, frame.context)
             return Spot(words, reference, frame.node.action.branch.span)
         case frames.Pass():
@@ -117,13 +104,13 @@ def _action(frame: frames.Run) -> Spot:
     node, context = frame.node, frame.context
     action = node.action
     match action:
-        case ReadValue():
+        case ir.ReadValue():
             return Spot("waits to read", context.reference(action.source), node.span)
-        case WaitStep():
+        case ir.WaitStep():
             return Spot(f"is in `{delay_text(action)}`", None, node.span)
-        case StopStep():
+        case ir.StopStep():
             return Spot("waits forever, at stop", None, node.span)
-        case ParallelSteps():
+        case ir.ParallelSteps():
             return Spot("starts its parallel branches", None, node.span)
         case _:
             raise AssertionError(f"{type(action).__name__} is done in silence")
@@ -131,7 +118,7 @@ def _action(frame: frames.Run) -> Spot:
 
 def _choice(frame: frames.Choosing) -> Spot:
     node, context, decided = frame.node, frame.context, frame.decided
-    assert isinstance(node.action, Choice)
+    assert isinstance(node.action, ir.Choice)
     branches = [branch for branch, on in zip(node.action.branches, decided, strict=True) if on is not None]
     if not branches:
         return Spot("waits for an alternative of which no guard is enabled", None, node.span)
@@ -141,15 +128,15 @@ def _choice(frame: frames.Choosing) -> Spot:
     return Spot("waits for one of its guards", None, node.span)
 
 
-def _guard(branch: Branch, context: Context) -> tuple[str, Reference | None]:
+def _guard(branch: ir.Branch, context: Context) -> tuple[str, Reference | None]:
     match branch.event:
-        case ReadyEvent(source=source) | InputEvent(source=source):
+        case ir.ReadyEvent(source=source) | ir.InputEvent(source=source):
             return "waits to read", context.reference(source)
-        case OutputEvent(sink=sink):
+        case ir.OutputEvent(sink=sink):
             return "waits to write", context.reference(sink)
-        case AfterEvent():
+        case ir.AfterEvent():
             return f"waits for `{delay_text(branch.event)}`", None
-        case SkipEvent():
+        case ir.SkipEvent():
             return "goes on", None
         case _:
             assert_never(branch.event)

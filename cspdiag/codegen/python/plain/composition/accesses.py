@@ -18,11 +18,7 @@ from cspdiag.codegen.python.text.statements import (
     Statements,
     assign,
 )
-from cspdiag.network.ir.actions import (
-    End,
-    Step,
-    Target,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.faults import may_fault, variables_in
 
@@ -55,21 +51,21 @@ class Accesses:
     alternatives: list[Statement] = field(default_factory=list)
     methods: list[Method] = field(default_factory=list)
 
-    def _read(self, step: Step, source: End, target: Target) -> Statement:
+    def _read(self, step: ir.Step, source: ir.End, target: ir.Target) -> Statement:
         value = awaited(self.members.source(source).call("read"))
         return self._set(target, value, self._place(step))
 
-    def _set(self, target: Target, value: Code, comment: str | None = None) -> Statement:
+    def _set(self, target: ir.Target, value: Code, comment: str | None = None) -> Statement:
         variable = self.members.channel(target.channel).field("value")
         if not target.indexes:
             return assign(variable, value, comment)
         indexes = [self.printer.print(index) for index in target.indexes]
         return assign(variable, call(self.imports.runtime("replaced"), variable, value, *indexes), comment)
 
-    def _place(self, action: Step) -> str:
+    def _place(self, action: ir.Step) -> str:
         return self.imports.names.place(action.span.file, action.span.line)
 
-    def _place_of_fault(self, expression: Expression, action: Step) -> str | None:
+    def _place_of_fault(self, expression: Expression, action: ir.Step) -> str | None:
         """The place of an expression of an action, if it can fault."""
         if not self._may_fault(expression):
             return None

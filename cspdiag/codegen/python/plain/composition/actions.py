@@ -37,37 +37,7 @@ from cspdiag.codegen.python.text.statements import (
 )
 from cspdiag.codegen.shared.branch_names import branch_name
 from cspdiag.codegen.shared.trees import LEAST
-from cspdiag.network.ir.actions import (
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    ParallelSteps,
-    ProcessScope,
-    RaiseException,
-    ReadInputs,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ReportCommunication,
-    ResetInstance,
-    ResetStates,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteOutputs,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.faults import variables_in
 from cspdiag.network.ir.ranges import cannot_fault
@@ -77,91 +47,98 @@ from cspdiag.network.ir.ranges import cannot_fault
 class Composition(Alternatives):
     """Writes the ``run`` of one process class."""
 
-    def statements(self, action: CoreAction) -> Statements:
+    def statements(self, action: ir.CoreAction) -> Statements:
         """An action as statements of a coroutine."""
         match action:
-            case SkipStep():
+            case ir.SkipStep():
                 return ()
-            case SequentialSteps(steps=steps):
+            case ir.SequentialSteps(steps=steps):
                 groups = [self.statements(step) for step in steps]
                 return rolled_steps(groups, self.members.index_around(groups))
-            case AssignValue(target=target, value=value):
+            case ir.AssignValue(target=target, value=value):
                 return (self._set(target, self.printer.print(value), self._place(action)),)
-            case ReadValue(source=source, target=target):
+            case ir.ReadValue(source=source, target=target):
                 return (self._read(action, source, target),)
-            case RaiseException(exception=exception):
+            case ir.RaiseException(exception=exception):
                 return (Plain("raise", Name(self.imports.exception(exception)), self._place(action)),)
-            case ResetInstance(instance=instance):
+            case ir.ResetInstance(instance=instance):
                 return (run(self.members.instance(instance).call("reset")),)
-            case Repeat(until=until):
+            case ir.Repeat(until=until):
                 return (self._repeat(action, until),)
-            case WhileLoop(condition=condition, body=body):
+            case ir.WhileLoop(condition=condition, body=body):
                 place = self._place_of_fault(condition, action)
                 return (Block("while", self.printer.print(condition), self.statements(body), place),)
-            case CountedLoop(turns=turns, body=body):
+            case ir.CountedLoop(turns=turns, body=body):
                 inside = self.statements(body)
                 return (repeat(turns, inside),) if inside else ()
-            case IfElse():
+            case ir.IfElse():
                 return self._if(action)
-            case CatchException():
+            case ir.CatchException():
                 return self._catch(action)
-            case Choice(branches=(Branch(condition=None) as branch,)) if not isinstance(branch.event, ReadyEvent):
+            case ir.Choice(branches=(ir.Branch(condition=None) as branch,)) if not isinstance(
+                branch.event, ir.ReadyEvent
+            ):
                 return (*self._alone(branch.event), *self.statements(branch.body))
-            case Choice():
+            case ir.Choice():
                 return self._choice(action, "choice")
-            case Group(label=label, body=Choice() as choice) if not self._alone_suffices(choice):
+            case ir.Group(label=label, body=ir.Choice() as choice) if not self._alone_suffices(choice):
                 return (run(awaited(self._group(label, action.body))),)
-            case InterruptOn(body=body, branch=branch):
+            case ir.InterruptOn(body=body, branch=branch):
                 needs = self._guards((branch,), always=True)
                 return (
                     *needs.lines,
                     run(awaited(self._interrupt(body, branch, needs)), self._checked_place(action)),
                 )
-            case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | Group():
+            case ir.RunInstance() | ir.WriteValue() | ir.WaitStep() | ir.StopStep() | ir.ParallelSteps() | ir.Group():
                 return (run(awaited(self.awaitable(action)), self._checked_place(action)),)
         assert_never(action)
 
-    def awaitable(self, action: CoreAction) -> Code:
+    def awaitable(self, action: ir.CoreAction) -> Code:
         """An action as something that can be awaited."""
         match action:
-            case RunInstance(instance=instance):
+            case ir.RunInstance(instance=instance):
                 return self.members.instance(instance)
-            case WriteValue(sink=sink, value=value):
+            case ir.WriteValue(sink=sink, value=value):
                 return self.members.sink(sink).call("write", self.printer.print(value))
-            case WaitStep(duration=duration):
+            case ir.WaitStep(duration=duration):
                 return call(self.imports.runtime("wait"), self.printer.print(duration))
-            case StopStep():
+            case ir.StopStep():
                 return call(self.imports.runtime("stop"))
-            case ParallelSteps(steps=steps, prioritized=prioritized):
+            case ir.ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
                 return Call(Name(name), tuple(self._branches(steps)))
-            case InterruptOn(body=body, branch=branch):
+            case ir.InterruptOn(body=body, branch=branch):
                 needs = self._guards((branch,), always=True)
                 if needs.lines:
                     return call(self._coroutine(action, branch_name(action)))
                 return self._interrupt(body, branch, needs)
-            case Group(label=label, body=body):
+            case ir.Group(label=label, body=body):
                 return self._group(label, body)
             case _:
                 raise AssertionError("takes statements")
 
-    def later(self, action: CoreAction, hint: str | None = None) -> Code:
+    def later(self, action: ir.CoreAction, hint: str | None = None) -> Code:
         """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs.
 
         What takes a coroutine is a method that makes it, so that none is there before it begins.
         """
         match action:
-            case WriteValue(value=value) | WaitStep(duration=value) if not self._is_known(value):
+            case ir.WriteValue(value=value) | ir.WaitStep(duration=value) if not self._is_known(value):
                 return self._coroutine(action, hint or branch_name(action))
-            case InterruptOn(branch=branch) if branch.condition is not None or self._checked_place(action) is not None:
+            case ir.InterruptOn(branch=branch) if (
+                branch.condition is not None or self._checked_place(action) is not None
+            ):
                 return self._coroutine(action, hint or branch_name(action))
-            case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | InterruptOn() | Group():
+            case (
+                ir.RunInstance() | ir.WriteValue() | ir.WaitStep() | ir.StopStep() | ir.ParallelSteps()
+                | ir.InterruptOn() | ir.Group()
+            ):  # fmt: skip
                 return self.awaitable(action)
             case (
-                ReadValue() | AssignValue() | SkipStep() | ResetInstance() | RaiseException()
-                | SequentialSteps() | Choice() | Repeat() | WhileLoop() | CountedLoop() | IfElse()
-                | CatchException() | ReadInputs() | WriteOutputs() | RunLaw() | ResetStates() | ProcessScope()
-                | ReportCommunication()
+                ir.ReadValue() | ir.AssignValue() | ir.SkipStep() | ir.ResetInstance() | ir.RaiseException()
+                | ir.SequentialSteps() | ir.Choice() | ir.Repeat() | ir.WhileLoop() | ir.CountedLoop() | ir.IfElse()
+                | ir.CatchException() | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates()
+                | ir.ProcessScope() | ir.ReportCommunication()
             ):  # fmt: skip
                 return self._coroutine(action, hint or branch_name(action))
             case _:
@@ -171,7 +148,7 @@ class Composition(Alternatives):
         """Whether a value may be computed before its place is reached."""
         return cannot_fault(value) and self.unwritten.isdisjoint(variables_in(value))
 
-    def _branches(self, steps: Sequence[CoreAction]) -> Iterable[Argument]:
+    def _branches(self, steps: Sequence[ir.CoreAction]) -> Iterable[Argument]:
         alike = self._alike(steps)
         if alike is not None:
             yield alike
@@ -187,9 +164,9 @@ class Composition(Alternatives):
                 yield Argument(name, starred=True)
                 position += count
 
-    def _alike(self, steps: Sequence[CoreAction]) -> Argument | None:
+    def _alike(self, steps: Sequence[ir.CoreAction]) -> Argument | None:
         """Branches that differ only in an index, as one coroutine with that index as its parameter."""
-        if len(steps) < LEAST or isinstance(steps[0], RunInstance) or not all(map(is_plain, steps)):
+        if len(steps) < LEAST or isinstance(steps[0], ir.RunInstance) or not all(map(is_plain, steps)):
             return None
         groups = [self.statements(step) for step in steps]
         index = self.members.index_around(groups)
@@ -202,46 +179,46 @@ class Composition(Alternatives):
         each = Comprehension(made, index, counted_to(len(steps)), "()")
         return Argument(each, starred=True)
 
-    def _whole_array(self, steps: Sequence[CoreAction], start: int) -> tuple[Code, int] | None:
+    def _whole_array(self, steps: Sequence[ir.CoreAction], start: int) -> tuple[Code, int] | None:
         first = steps[start]
-        if not isinstance(first, RunInstance):
+        if not isinstance(first, ir.RunInstance):
             return None
         array = self.members.array_of(first.instance)
         if array is None:
             return None
         wanted = array.elements
-        given = [step.instance for step in steps[start : start + len(wanted)] if isinstance(step, RunInstance)]
+        given = [step.instance for step in steps[start : start + len(wanted)] if isinstance(step, ir.RunInstance)]
         return (own(array.name), len(wanted)) if given == list(wanted) else None
 
-    def _group(self, label: str, body: CoreAction) -> Code:
+    def _group(self, label: str, body: ir.CoreAction) -> Code:
         return call(self.imports.runtime("group"), Constant(quoted(label)), self.later(body, label))
 
-    def _coroutine(self, action: CoreAction, hint: str) -> Code:
+    def _coroutine(self, action: ir.CoreAction, hint: str) -> Code:
         name = self.members.names.fresh(f"_{hint}")
         position = len(self.methods)
         self.methods.append(Method(name, ()))
         self.methods[position] = Method(name, self.statements(action))
         return own(name)
 
-    def _repeat(self, action: Repeat[CoreAction], until: Expression | None) -> Block:
+    def _repeat(self, action: ir.Repeat[ir.CoreAction], until: Expression | None) -> Block:
         statements = self.statements(action.body)
         if until is not None:
             place = self._place_of_fault(until, action)
             statements += (Block("if", self.printer.print(until), (BREAK,), place),)
         return Block("while", TRUE, statements)
 
-    def _if(self, action: IfElse[CoreAction]) -> Statements:
+    def _if(self, action: ir.IfElse[ir.CoreAction]) -> Statements:
         keyword: Literal["if", "elif"] = "if"
         blocks: list[Statement] = []
-        rest: CoreAction = action
-        while isinstance(rest, IfElse):
+        rest: ir.CoreAction = action
+        while isinstance(rest, ir.IfElse):
             place = self._place_of_fault(rest.condition, rest)
             blocks.append(Block(keyword, self.printer.print(rest.condition), self.statements(rest.then), place))
             keyword, rest = "elif", rest.otherwise
         otherwise = self.statements(rest)
         return (*blocks, else_(*otherwise)) if otherwise else tuple(blocks)
 
-    def _catch(self, action: CatchException[CoreAction]) -> Statements:
+    def _catch(self, action: ir.CatchException[ir.CoreAction]) -> Statements:
         caught = [Name(name) for name in self.imports.caught(action.exception)]
         body, handler = self.statements(action.body), self.statements(action.handler)
         if not handler:
@@ -250,14 +227,14 @@ class Composition(Alternatives):
         exceptions = caught[0] if len(caught) == 1 else tuple_of(caught)
         return (try_(*body), Block("except", exceptions, handler))
 
-    def _checked_place(self, action: CoreAction) -> str | None:
+    def _checked_place(self, action: ir.CoreAction) -> str | None:
         """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
         match action:
-            case WriteValue() | StopStep() | WaitStep():
+            case ir.WriteValue() | ir.StopStep() | ir.WaitStep():
                 return self._place(action)
-            case InterruptOn(branch=Branch(event=InputEvent())):
+            case ir.InterruptOn(branch=ir.Branch(event=ir.InputEvent())):
                 return self._place(action)
-            case InterruptOn(branch=branch):
+            case ir.InterruptOn(branch=branch):
                 values = (
                     branch.condition,
                     getattr(branch.event, "value", None),
@@ -268,6 +245,6 @@ class Composition(Alternatives):
                     if any(value is not None and self._may_fault(value) for value in values)
                     else None
                 )
-            case ParallelSteps(steps=steps) if any(isinstance(step, WriteValue) for step in steps):
+            case ir.ParallelSteps(steps=steps) if any(isinstance(step, ir.WriteValue) for step in steps):
                 return self._place(action)
         return None

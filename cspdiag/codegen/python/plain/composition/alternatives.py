@@ -35,20 +35,7 @@ from cspdiag.codegen.python.text.statements import (
     run,
 )
 from cspdiag.codegen.shared.trees import LEAST
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Branch,
-    Choice,
-    CoreAction,
-    Event,
-    Group,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    ReadyEvent,
-    SkipEvent,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.faults import is_known_at_start
 from cspdiag.network.ir.walk import parts
 
@@ -60,40 +47,40 @@ class Alternatives(Accesses):
     def __post_init__(self) -> None:
         self.guard_names = GuardNames(self.members.names.fresh)
 
-    def statements(self, action: CoreAction) -> Statements:
+    def statements(self, action: ir.CoreAction) -> Statements:
         """An action as statements of a coroutine."""
         raise NotImplementedError
 
-    def later(self, action: CoreAction, hint: str | None = None) -> Code:
+    def later(self, action: ir.CoreAction, hint: str | None = None) -> Code:
         """An action as something that can be awaited, for what begins later than it is made."""
         raise NotImplementedError
 
-    def _alone(self, event: Event) -> Statements:
+    def _alone(self, event: ir.Event) -> Statements:
         """A guard that is waited for by itself is the communication that it stands for."""
         match event:
-            case InputEvent(source=source, target=target):
+            case ir.InputEvent(source=source, target=target):
                 return (self._read(event, source, target),)
-            case OutputEvent(sink=sink, value=value):
+            case ir.OutputEvent(sink=sink, value=value):
                 written = self.members.sink(sink).call("write", self.printer.print(value))
                 return (run(awaited(written), self._place(event)),)
-            case AfterEvent(duration=duration):
+            case ir.AfterEvent(duration=duration):
                 waited = call(self.imports.runtime("wait"), self.printer.print(duration))
                 return (run(awaited(waited), self._place(event)),)
-            case SkipEvent():
+            case ir.SkipEvent():
                 return ()
-            case ReadyEvent():
+            case ir.ReadyEvent():
                 raise AssertionError("a ready guard needs an alternative")
             case _:
                 assert_never(event)
 
-    def _alone_suffices(self, choice: Choice[CoreAction]) -> bool:
+    def _alone_suffices(self, choice: ir.Choice[ir.CoreAction]) -> bool:
         return (
             len(choice.branches) == 1
             and choice.branches[0].condition is None
-            and not isinstance(choice.branches[0].event, ReadyEvent)
+            and not isinstance(choice.branches[0].event, ir.ReadyEvent)
         )
 
-    def _choice(self, choice: Choice[CoreAction], hint: str) -> Statements:
+    def _choice(self, choice: ir.Choice[ir.CoreAction], hint: str) -> Statements:
         branches = choice.branches
         attribute = own(self.members.names.fresh(hint))
         alike = self._choice_alike(choice, attribute)
@@ -115,10 +102,10 @@ class Alternatives(Accesses):
         ]
         return (*needs.lines, Block("match", selected, tuple(cases), self._place(choice)))
 
-    def _choice_alike(self, choice: Choice[CoreAction], attribute: Code) -> Statements | None:
+    def _choice_alike(self, choice: ir.Choice[ir.CoreAction], attribute: Code) -> Statements | None:
         """An alternative whose branches differ only in an index, which is then what was chosen."""
         branches = choice.branches
-        regular = (InputEvent, ReadyEvent)
+        regular = (ir.InputEvent, ir.ReadyEvent)
         if len(branches) < LEAST or not all(isinstance(b.event, regular) and is_plain(b.body) for b in branches):
             return None
         bodies = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
@@ -143,47 +130,47 @@ class Alternatives(Accesses):
         select = assign(index, selected, self._place(choice)) if is_used else run(selected, self._place(choice))
         return (*before, select, *body)
 
-    def _place_of_condition(self, branch: Branch[CoreAction]) -> str:
+    def _place_of_condition(self, branch: ir.Branch[ir.CoreAction]) -> str:
         span = (branch.condition.span if branch.condition is not None else None) or branch.span
         return self.imports.names.place(span.file, span.line)
 
-    def _guard(self, event: Event, printer: Printer, needed: Code | None = None) -> Code:
+    def _guard(self, event: ir.Event, printer: Printer, needed: Code | None = None) -> Code:
         match event:
-            case ReadyEvent(source=source):
+            case ir.ReadyEvent(source=source):
                 return call(self.imports.runtime("Ready"), self.members.source(source))
-            case InputEvent(source=source):
+            case ir.InputEvent(source=source):
                 return call(self.imports.runtime("Input"), self.members.source(source))
-            case OutputEvent(sink=sink, value=value):
+            case ir.OutputEvent(sink=sink, value=value):
                 # The value is given at each selection; only an interrupt makes its guard anew each time.
                 given = () if printer is self.initial else (needed or printer.print(value),)
                 return call(self.imports.runtime("Output"), self.members.sink(sink), *given)
-            case AfterEvent(duration=duration):
+            case ir.AfterEvent(duration=duration):
                 later = printer is self.initial and not is_known_at_start(duration)
                 delay = Whole(0) if later else needed or printer.print(duration)
                 return call(self.imports.runtime("After"), delay)
-            case SkipEvent():
+            case ir.SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
 
-    def _guards(self, branches: Sequence[Branch[CoreAction]], *, always: bool = False) -> Guards:
+    def _guards(self, branches: Sequence[ir.Branch[ir.CoreAction]], *, always: bool = False) -> Guards:
         """What guards need, evaluated where they begin."""
         return guards_of(
             branches, self.printer.print, self._may_fault, self.imports.names, self.guard_names, always=always
         )
 
-    def _condition(self, branch: Branch[CoreAction]) -> Code:
+    def _condition(self, branch: ir.Branch[ir.CoreAction]) -> Code:
         return TRUE if branch.condition is None else self.printer.print(branch.condition)
 
-    def _taken(self, event: Event, attribute: Code) -> Statements:
-        if isinstance(event, InputEvent):
+    def _taken(self, event: ir.Event, attribute: Code) -> Statements:
+        if isinstance(event, ir.InputEvent):
             return (self._set(event.target, attribute.field("value")),)
         return ()
 
-    def _interrupt(self, body: CoreAction, branch: Branch[CoreAction], needs: Guards) -> Code:
+    def _interrupt(self, body: ir.CoreAction, branch: ir.Branch[ir.CoreAction], needs: Guards) -> Code:
         guard = self._guard(branch.event, self.printer, needs.needed.get(0))
         interrupted = self.later(body)
         taken: Statements = ()
-        if isinstance(branch.event, InputEvent):
+        if isinstance(branch.event, ir.InputEvent):
             attribute = own(self.members.names.fresh("interruption"))
             self.alternatives.append(assign(attribute, guard))
             guard = attribute
@@ -202,9 +189,9 @@ class Alternatives(Accesses):
         return Parenthesized(Conditional(interrupting, at_least(condition, OR), interrupted))
 
 
-def is_plain(action: CoreAction) -> bool:
+def is_plain(action: ir.CoreAction) -> bool:
     """Whether an action needs no alternative and no coroutine of its own."""
-    return not any(isinstance(part, Choice | ParallelSteps | InterruptOn | Group) for part in parts(action))
+    return not any(isinstance(part, ir.Choice | ir.ParallelSteps | ir.InterruptOn | ir.Group) for part in parts(action))
 
 
 def _one_line(text: str) -> str:

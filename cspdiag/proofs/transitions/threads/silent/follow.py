@@ -8,29 +8,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TypeAlias, assert_never
 
-from cspdiag.network.ir.actions import (
-    AssignValue,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    Target,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import PATIENT
@@ -78,7 +56,7 @@ class Follower(GuardSteps):
         steps = 0
         while True:
             frame = configuration.stack[0] if configuration.stack is not None else None
-            if isinstance(frame, frames.Run) and isinstance(frame.node.action, Choice):
+            if isinstance(frame, frames.Run) and isinstance(frame.node.action, ir.Choice):
                 known = self._settled.get(configuration)
                 if known is not None:
                     return known
@@ -124,41 +102,41 @@ class Follower(GuardSteps):
         except EvaluationFault:
             return self.thrown(configuration, FAULT)
 
-    def _step_of(self, action: CoreAction) -> Step:
+    def _step_of(self, action: ir.CoreAction) -> Step:
         match action:
-            case SequentialSteps():
+            case ir.SequentialSteps():
                 return self._sequence
-            case SkipStep() | ResetInstance():
+            case ir.SkipStep() | ir.ResetInstance():
                 return self._nothing
-            case AssignValue():
+            case ir.AssignValue():
                 return self._assign
-            case ReadValue():
+            case ir.ReadValue():
                 return self._read
-            case WriteValue():
+            case ir.WriteValue():
                 return self._write
-            case WaitStep():
+            case ir.WaitStep():
                 return self._wait
-            case StopStep() | ParallelSteps():
+            case ir.StopStep() | ir.ParallelSteps():
                 return self._point
-            case RaiseException():
+            case ir.RaiseException():
                 return self._raise
-            case Repeat():
+            case ir.Repeat():
                 return self._repeat
-            case WhileLoop():
+            case ir.WhileLoop():
                 return self._while
-            case CountedLoop():
+            case ir.CountedLoop():
                 return self._turns
-            case IfElse():
+            case ir.IfElse():
                 return self._if
-            case CatchException():
+            case ir.CatchException():
                 return self._catch
-            case Choice():
+            case ir.Choice():
                 return self._choice
-            case InterruptOn():
+            case ir.InterruptOn():
                 return self._interrupt
-            case Group():
+            case ir.Group():
                 return self._group
-            case RunInstance():
+            case ir.RunInstance():
                 return self._instance
             case _:
                 assert_never(action)
@@ -216,7 +194,7 @@ class Follower(GuardSteps):
 
     def _assign(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
-        assert isinstance(action, AssignValue)
+        assert isinstance(action, ir.AssignValue)
         if not self.thread.medium(context.channel(action.target.channel)).relevant:
             self.compute_risk(c, context, action.value)
             return self.assigned(c.at(rest), context, action.target, UNKNOWN)._replace(loaded=())
@@ -225,7 +203,7 @@ class Follower(GuardSteps):
 
     def _read(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
-        assert isinstance(action, ReadValue)
+        assert isinstance(action, ir.ReadValue)
         reference = context.reference(action.source)
         if self.thread.medium(reference).kind in PATIENT:
             if c.fetched is not None:
@@ -241,12 +219,12 @@ class Follower(GuardSteps):
             self.risk(c, action.span)
         return self.assigned(c.at(rest), context, action.target, value)._replace(loaded=())
 
-    def _target_relevant(self, context: Context, target: Target) -> bool:
+    def _target_relevant(self, context: Context, target: ir.Target) -> bool:
         return bool(target.channel) and self.thread.medium(context.channel(target.channel)).relevant
 
     def _write(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
-        assert isinstance(action, WriteValue)
+        assert isinstance(action, ir.WriteValue)
         reference = context.reference(action.sink)
         kind = self.thread.medium(reference).kind
         if kind not in ("var", "discard"):
@@ -266,12 +244,12 @@ class Follower(GuardSteps):
 
     def _raise(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
-        assert isinstance(action, RaiseException)
+        assert isinstance(action, ir.RaiseException)
         return self.thrown(c, action.exception)
 
     def _wait(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if not c.doomed:
-            assert isinstance(node.action, WaitStep)
+            assert isinstance(node.action, ir.WaitStep)
             self.compute_risk(c, context, node.action.duration)
         return self._point(c, node, context, rest)
 
@@ -286,19 +264,19 @@ class Follower(GuardSteps):
 
     def _again(self, c: Configuration, frame: frames.Again, rest: Stack) -> Configuration | None:
         node, context = frame.node, frame.context
-        assert isinstance(node.action, Repeat)
+        assert isinstance(node.action, ir.Repeat)
         until = node.action.until
         if until is None:
             return c.at((frames.Run(node, context), rest))
         return self._decided(c, context, until, rest, (frames.Run(node, context), rest))
 
     def _while(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        assert isinstance(node.action, WhileLoop)
+        assert isinstance(node.action, ir.WhileLoop)
         again = (frames.Run(node.children[0], context), (frames.Run(node, context), rest))
         return self._decided(c, context, node.action.condition, again, rest)
 
     def _turns(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        assert isinstance(node.action, CountedLoop)
+        assert isinstance(node.action, ir.CountedLoop)
         return c.at((frames.Turns(node, context, node.action.turns), rest))
 
     def _next_turn(self, c: Configuration, frame: frames.Turns, rest: Stack) -> Configuration | None:
@@ -308,12 +286,12 @@ class Follower(GuardSteps):
         return c.at((frames.Run(node.children[0], context), below))
 
     def _if(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        assert isinstance(node.action, IfElse)
+        assert isinstance(node.action, ir.IfElse)
         then, otherwise = ((frames.Run(child, context), rest) for child in node.children)
         return self._decided(c, context, node.action.condition, then, otherwise)
 
     def _catch(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        assert isinstance(node.action, CatchException)
+        assert isinstance(node.action, ir.CatchException)
         body, handler = node.children
         return c._replace(
             stack=(frames.Run(body, context), (frames.Catch(node.action.exception, handler, context), rest))
@@ -329,7 +307,7 @@ class Follower(GuardSteps):
 
     def _instance(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         action = node.action
-        assert isinstance(action, RunInstance)
+        assert isinstance(action, ir.RunInstance)
         if self.thread.law(context, action.instance) is not None:
             if c.doomed:
                 return self.abandoned(c)
