@@ -44,10 +44,10 @@ class _Loads:
         self.samplers: set[str] = set()
         """Leaf processes that read a sampled net, so that a run of them begins a new period."""
         for net in network.nets:
-            if net.period is None:
+            if net.sampling is None:
                 continue
             for path, _ in (*net.writers, *net.readers):
-                self.periods[path] = min(net.period, self.periods.get(path, net.period))
+                self.periods[path] = min(net.sampling.period, self.periods.get(path, net.sampling.period))
             self.samplers.update(path for path, _ in net.readers)
         self.laws: list[tuple[str, int, Span]] = []
 

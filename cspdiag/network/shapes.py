@@ -12,6 +12,7 @@ from typing import TypeAlias
 from cspdiag.base import Span
 from cspdiag.base.record import node, record
 from cspdiag.model.program import PortSymbol, Value
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import CoreAction
 from cspdiag.network.ir.expressions import Expression
@@ -23,9 +24,8 @@ Key: TypeAlias = str
 """A port element (``request[3]``) or a channel of a shape, by its name; both live in one space of names."""
 
 UNKNOWN_PERIOD = 0
-"""The period of a port or net that has one which is not known: it was refused, or depends on a parameter without a
-value.
-"""
+UNKNOWN_SAMPLING = Sampling(UNKNOWN_PERIOD)
+"""That of a port or net whose period is not known: it was refused, or depends on a parameter without a value."""
 
 PortElement: TypeAlias = "tuple[str, int | None]"
 
@@ -42,15 +42,15 @@ def element_name(name: str, *indexes: int | None) -> str:
 
 @node
 class PortShape:
-    """A port with its size and period known; ``size`` is None for a single port."""
+    """A port with its size and sample instants known; ``size`` is None for a single port."""
 
     symbol: PortSymbol
     name: str
     direction: Direction
     type: Type
     size: int | None
-    period: int | None
-    """In nanoseconds; None where none was said, UNKNOWN_PERIOD where it is unknown."""
+    sampling: Sampling | None
+    """None where none was said, UNKNOWN_SAMPLING where it is unknown."""
 
     @property
     def span(self) -> Span:

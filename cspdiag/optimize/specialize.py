@@ -192,8 +192,8 @@ def _elements(port: Port) -> list[tuple[str, int | None]]:
 
 def _external_kind(port: ExternalPort) -> MediumKind:
     if port.direction == "in":
-        return "event" if port.period is None else "sampled"
-    return "direct" if port.period is None or port.immediate else "latched"
+        return "event" if port.sampling is None else "sampled"
+    return "direct" if port.sampling is None or port.immediate else "latched"
 
 
 def _medium(kind: MediumKind, place: Place, guards: Guards) -> Medium:

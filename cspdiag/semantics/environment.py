@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cspdiag.base.ticks import is_tick
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import Environment
 from cspdiag.semantics.laws import Law
 from cspdiag.semantics.values import zero
@@ -16,7 +16,7 @@ class Plant:
     def __init__(self, environment: Environment) -> None:
         assert environment.system is not None
         assert not environment.drivers, "devices have no specification"
-        self.step = environment.step
+        self.grid = Sampling(environment.step)
         self.law = Law(environment.system, {})
         self.inputs = {port.name: zero(port.type) for port in environment.system.ports if port.direction == "in"}
         self.now = 0
@@ -32,7 +32,7 @@ class Plant:
         «The environment from instant to instant»
         """
         signals = self.law.evaluate(**self.inputs)
-        self.law.advance(signals, (now - self.now) / 1e9, discrete=is_tick(now, self.step))
+        self.law.advance(signals, (now - self.now) / 1e9, discrete=self.grid.is_tick(now))
         self.now = now
         self.law.time = now / 1e9
         self.signals = self.law.evaluate(**self.inputs)

@@ -112,9 +112,9 @@ def has_bodies_of_other_languages(network: Network, environment: str | None) -> 
 def _external(world: Scheduler, port: ExternalPort, plant: Plant | None) -> Medium:
     name = f"{world.top}.{port.name}"
     if port.direction == "out":
-        if port.period is None or port.immediate:
+        if port.sampling is None or port.immediate:
             return outside.EventOutput(world, name)
-        return outside.SampledOutput(world, name, port.period)
-    if port.period is None:
+        return outside.SampledOutput(world, name, port.sampling)
+    if port.sampling is None:
         return outside.EventInput(world, name, port.kind == "broadcast")
-    return outside.SampledInput(world, name, port.period)
+    return outside.SampledInput(world, name, port.sampling)

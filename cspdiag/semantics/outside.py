@@ -6,7 +6,7 @@ import dataclasses
 import math
 from typing import Any
 
-from cspdiag.base.ticks import latest_tick
+from cspdiag.model.sampling import Sampling
 from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer, World
 from cspdiag.semantics.values import FaultError, RaisedError
 
@@ -34,9 +34,9 @@ class SampledOutput(AtOnce):
 
     communicates = True
 
-    def __init__(self, world: World, name: str, period: int) -> None:
+    def __init__(self, world: World, name: str, sampling: Sampling) -> None:
         super().__init__(world, name)
-        self.period = period
+        self.sampling = sampling
         self.latched: list[Any] = []
 
     def write(self, value: Any) -> None:
@@ -134,11 +134,11 @@ class Session:
 
 
 class SampledInput(ExternalInput):
-    """An input that takes a sample at the instants k·period. «Time»"""
+    """An input that takes a sample at its ticks. «Time»"""
 
-    def __init__(self, world: World, name: str, period: int) -> None:
+    def __init__(self, world: World, name: str, sampling: Sampling) -> None:
         super().__init__(world, name)
-        self.period = period
+        self.sampling = sampling
         self.sessions: dict[EndKey, Session] = {}
         self.missed = 0
         """How many samples were overwritten before an end had taken them."""
@@ -169,11 +169,11 @@ class SampledInput(ExternalInput):
 
     def _followed(self, end: EndKey) -> bool:
         """Whether the process of the end followed this period at the present tick already, through another end."""
-        tick = latest_tick(self.world.now, self.period)
+        tick = self.sampling.latest_tick(self.world.now)
         return any(
             other_end[0] == end[0] and session.since < tick
             for port in self.world.inputs
-            if isinstance(port, SampledInput) and port.period == self.period
+            if isinstance(port, SampledInput) and port.sampling == self.sampling
             for other_end, session in port.sessions.items()
         )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from cspdiag.base.ticks import is_tick, next_tick
+from cspdiag.model.sampling import Sampling
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
 from cspdiag.semantics.requests import CancelledError, Parent, Request, Run, Task, no_steps
@@ -20,7 +20,7 @@ Resumption = Callable[[], Request]
 class Outside(Protocol):
     """The environment: ``inputs`` are the outputs of the program. «Environments and drivers»"""
 
-    step: int
+    grid: Sampling
 
     def advance(self, now: int) -> None:
         """Go on to ``now``, with the inputs held."""
@@ -247,28 +247,28 @@ class Scheduler:
         self.now = now
         outside = self.outside
         if outside is not None:
-            on_grid = is_tick(now, outside.step)
-            if on_grid or any(is_tick(now, period) for period in self.periods()):
+            on_grid = outside.grid.is_tick(now)
+            if on_grid or any(sampling.is_tick(now) for sampling in self.samplings()):
                 outside.advance(now)
             for port in self.inputs:
                 value = outside.output(port.name.removeprefix(f"{self.top}."))
                 if isinstance(port, EventInput) and on_grid:
                     port.offered(value)
-                elif isinstance(port, SampledInput) and is_tick(now, port.period):
+                elif isinstance(port, SampledInput) and port.sampling.is_tick(now):
                     if self.observer is not None:
                         self.observer.sampled(now, port.name, value)
                     port.sampled(value)
                 self.notice()
         for output in self.outputs:
-            if is_tick(now, output.period):
+            if output.sampling.is_tick(now):
                 output.tick()
         self.due = now
         self._wake(list(self.waiting))
 
-    def periods(self) -> list[int]:
+    def samplings(self) -> list[Sampling]:
         """Those of the ports. «Time»"""
-        sampled = [port.period for port in self.inputs if isinstance(port, SampledInput)]
-        return sampled + [port.period for port in self.outputs]
+        sampled = [port.sampling for port in self.inputs if isinstance(port, SampledInput)]
+        return sampled + [port.sampling for port in self.outputs]
 
     def next_instant(self) -> int | None:
         """When something is due; None: never, so that the program has ended or is in deadlock.
@@ -280,10 +280,10 @@ class Scheduler:
         pending = any(output.latched for output in self.outputs)
         if not deadlines and not waits_outside and not pending:
             return None
-        periods = self.periods()
+        samplings = self.samplings()
         if self.outside is not None:
-            periods.append(self.outside.step)
-        return min([*deadlines, *(next_tick(self.now, period) for period in periods)])
+            samplings.append(self.outside.grid)
+        return min([*deadlines, *(sampling.next_tick(self.now) for sampling in samplings)])
 
     def run(self, program: Run, until: int | None) -> Ending:
         """Run to the end, or to ``until``. «Scheduling and traces»"""

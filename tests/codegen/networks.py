@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.base import SourceFile, Span
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import BOOL, DOUBLE, INT, TIME, EnumType, RealType, StructType
 from cspdiag.model.units import Unit
 from cspdiag.network.ir.actions import (
@@ -55,6 +56,9 @@ from cspdiag.network.ir.network import (
 TEXT = SourceFile(name="models/hand/hand.csp", text="\n" * 200)
 RAD = RealType(unit=Unit(angle=1, text="rad"))
 VOLT = RealType(unit=Unit(exponents=(2, 1, -3, -1, 0, 0, 0), text="V"))
+
+
+TWO_MS = Sampling(2_000_000)
 
 
 def at(line: int) -> Span:
@@ -427,10 +431,10 @@ def joint() -> Network:
             ),
         ),
         external_ports=(
-            ExternalPort(name="feedback", direction="in", type=RAD, period=2_000_000, span=at(31)),
-            ExternalPort(name="axis", direction="in", type=DOUBLE, period=2_000_000, span=at(32)),
+            ExternalPort(name="feedback", direction="in", type=RAD, sampling=TWO_MS, span=at(31)),
+            ExternalPort(name="axis", direction="in", type=DOUBLE, sampling=TWO_MS, span=at(32)),
             ExternalPort(name="buttons", direction="in", type=INT, span=at(33)),
-            ExternalPort(name="control", direction="out", type=VOLT, period=2_000_000, safe=0.0, span=at(34)),
+            ExternalPort(name="control", direction="out", type=VOLT, sampling=TWO_MS, safe=0.0, span=at(34)),
         ),
         environments=(_bench(),),
     )

@@ -45,7 +45,7 @@ def constructs(network: Network) -> set[str]:
 
 
 def _external(port: ExternalPort) -> str:
-    if port.period is None:
+    if port.sampling is None:
         shared = f" {port.kind}" if port.kind != "sync" else ""
         return f"event {port.direction}put{shared}"
     safe = " with safe value" if port.safe is not None else ""

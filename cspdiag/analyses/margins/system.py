@@ -17,7 +17,7 @@ from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
 from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
-from cspdiag.base.ticks import is_tick
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelClass
 
 if TYPE_CHECKING:
@@ -77,10 +77,10 @@ class Loops:
         """The period of each law in nanoseconds: that of its sampled nets, or what it was given as ``sample``."""
         found: dict[str, int] = {}
         for net in self.network.nets:
-            if net.period is not None:
+            if net.sampling is not None:
                 for path, _ in (*net.writers, *net.readers):
                     if path in self.classes:
-                        found[path] = min(net.period, found.get(path, net.period))
+                        found[path] = min(net.sampling.period, found.get(path, net.sampling.period))
         for path in self.classes:
             sample = self.parameters[path].get("sample")
             if path not in found and isinstance(sample, float):
@@ -244,6 +244,7 @@ class _Follower:
         """Follow one period from tick to tick."""
         numpy = self.numpy
         environment = self.loops.environment
+        grid = Sampling(environment.step)
         fine = gcd(environment.step, *(self.loops.periods[path] for path in self.laws))
         if self.period // fine > LARGEST_NUMBER_OF_INSTANTS:
             raise NotLinearError(
@@ -253,7 +254,7 @@ class _Follower:
             {t for path in self.laws for t in range(0, self.period, self.loops.periods[path])} | self._grid()
         )
         spans = [
-            (following - instant, is_tick(instant, environment.step))
+            (following - instant, grid.is_tick(instant))
             for instant, following in zip(ticks, [*ticks[1:], self.period], strict=True)
         ]
         position = 0
@@ -288,9 +289,9 @@ class _Follower:
     def _is_idle(self, instant: int) -> bool:
         """Whether nothing but the plant goes on at an instant."""
         ports = (self.loops.external.get(name) for name, _ in self.loops.plant.inputs)
-        latches = (port.period for port in ports if port is not None and port.period is not None and not port.immediate)
-        periods = (*latches, *(self.loops.periods[path] for path in self.laws))
-        return not any(is_tick(instant, period) for period in periods)
+        latches = (port.sampling for port in ports if port is not None and port.sampling and not port.immediate)
+        laws = (Sampling(self.loops.periods[path]) for path in self.laws)
+        return not any(sampling.is_tick(instant) for sampling in (*latches, *laws))
 
     def _tick(self, instant: int) -> None:
         plant = self.loops.plant
@@ -302,10 +303,10 @@ class _Follower:
         }
         for leaf in plant.inputs:
             port = self.loops.external.get(leaf[0])
-            if port is not None and port.period is not None and is_tick(instant, port.period) and not port.immediate:
+            if port is not None and port.sampling and port.sampling.is_tick(instant) and not port.immediate:
                 self.state["held", leaf] = self.state["latch", leaf]
         for path in self.laws:
-            if is_tick(instant, self.loops.periods[path]):
+            if Sampling(self.loops.periods[path]).is_tick(instant):
                 self._run(path, sampled)
 
     def _run(self, path: str, sampled: dict[Leaf, Any]) -> None:
@@ -342,7 +343,7 @@ class _Follower:
         if port is None:
             return
         declared = self.loops.external[port]
-        kind = "latch" if declared.period is not None and not declared.immediate else "held"
+        kind = "latch" if declared.sampling is not None and not declared.immediate else "held"
         if (kind, (port, way)) in self.state:
             self.state[kind, (port, way)] = value
 

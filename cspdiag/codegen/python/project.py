@@ -10,7 +10,6 @@ from cspdiag.codegen.python.text.literals import docstring
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.shared.package_text import markdown, markdown_code, toml_string
 from cspdiag.codegen.shared.plain_text import one_line
-from cspdiag.model.constants.durations import duration
 from cspdiag.network.ir.network import ExternalPort, Network
 
 
@@ -71,7 +70,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
 
 def port_row(port: ExternalPort) -> PortRow:
     """An external port for a README."""
-    timing = "event" if port.period is None else f"every {duration(port.period)}"
+    timing = "event" if port.sampling is None else port.sampling.every
     if port.immediate:
         timing += ", immediate"
     return PortRow(port_key(port), port.direction, str(port.type), timing, markdown(" ".join((port.doc or "").split())))

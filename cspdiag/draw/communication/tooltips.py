@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cspdiag.draw.elements.diagram import Arrow, Box, BoxPort, Element, FlowKind, ParentPort, Store
-from cspdiag.model.constants.durations import duration
+from cspdiag.model.sampling import Sampling
 
 WORDS: dict[FlowKind, str] = {
     "sync": "rendezvous",
@@ -30,7 +30,7 @@ def box_tooltip(box: Box) -> str:
     arguments = f"({', '.join(box.arguments)})" if box.arguments else ""
     return _lines(
         f"{box.kind} {box.key}{size} : {box.definition}{arguments}",
-        f"runs every {_durations(box.samples)}" if box.samples else "",
+        f"runs every {_either(map(Sampling, box.samples))}" if box.samples else "",
         f"hand-written in {box.language}" if box.language else "",
         _words(box.doc),
         _words(box.definition_doc),
@@ -45,7 +45,7 @@ def port_tooltip(port: BoxPort) -> str:
     state = "" if port.is_connected else "left to its default" if port.default is not None else "not connected"
     return _lines(
         f"{port.direction} {port.key} : {port.type}{default}{period}",
-        f"every {_durations(port.periods)}" if port.periods else "",
+        f"every {_either(port.periods)}" if port.periods else "",
         state,
         _words(port.doc),
         _place(port),
@@ -57,7 +57,7 @@ def parent_port_tooltip(port: ParentPort) -> str:
     period = f" @ {port.period}" if port.period else ""
     return _lines(
         f"{port.direction} {port.key}{port.size or ''} : {port.type}{period}",
-        f"every {_durations(port.periods)}" if port.periods else "",
+        f"every {_either(port.periods)}" if port.periods else "",
         "handed over at once" if port.immediate else "",
         f"safe value {port.safe}" if port.safe else "",
         f"default {port.default}" if port.default else "",
@@ -85,7 +85,7 @@ def arrow_tooltip(arrow: Arrow) -> str:
         ends,
         "read or written by the process itself" if arrow.by_composition else "",
         f"{_kinds(arrow.kinds)}{capacity}",
-        f"every {_durations(arrow.periods)}" if arrow.periods else "",
+        f"every {_either(arrow.periods)}" if arrow.periods else "",
         f"for {', '.join(arrow.repeated)}" if arrow.repeated else "",
         _words(arrow.doc),
         _place(arrow),
@@ -104,8 +104,8 @@ def _kinds(kinds: Iterable[FlowKind]) -> str:
     return ", ".join(WORDS[kind] for kind in kinds)
 
 
-def _durations(periods: Iterable[int]) -> str:
-    return " or ".join(duration(period) for period in periods)
+def _either(periods: Iterable[Sampling]) -> str:
+    return " or ".join(map(str, periods))
 
 
 def _place(element: Element) -> str:

@@ -18,7 +18,6 @@ from cspdiag.draw.elements.diagram import (
     Store,
     WrittenValue,
 )
-from cspdiag.model.constants.durations import duration
 from cspdiag.syntax import ast
 
 KINDS: dict[type[ast.Node], str] = {
@@ -167,7 +166,7 @@ def _port_aspects(port: ParentPort, own: set[str]) -> dict[str, str]:
     if port.period and port.period not in own:
         # The period as it works out, which a constant may change from afar; that of a parameter is reported where its
         # value is given.
-        aspects["period"] = " or ".join(duration(period) for period in port.periods) or port.period
+        aspects["period"] = " or ".join(map(str, port.periods)) or port.period
     return aspects
 
 

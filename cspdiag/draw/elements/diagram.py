@@ -11,6 +11,7 @@ from typing import Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import Direction
 
 BoxKind: TypeAlias = Literal["process", "submodel", "driver", "unknown"]
@@ -37,13 +38,13 @@ class Element:
 class BoxPort(Element):
     """A port at the edge of a box: ``feedback``, or ``[i + 1].input`` for an element of an array of instances.
 
-    ``default`` is the value that it was left to. ``period`` is as written, ``periods`` are its values in nanoseconds.
+    ``default`` is the value that it was left to. ``period`` is as written, ``periods`` are its values.
     """
 
     direction: Direction
     type: str
     period: str | None = None
-    periods: tuple[int, ...] = ()
+    periods: tuple[Sampling, ...] = ()
     default: str | None = None
     is_connected: bool = True
 
@@ -81,7 +82,7 @@ class ParentPort(Element):
     size: str | None = None
     kinds: tuple[FlowKind, ...] = ()
     period: str | None = None
-    periods: tuple[int, ...] = ()
+    periods: tuple[Sampling, ...] = ()
     immediate: bool = False
     default: str | None = None
     safe: str | None = None
@@ -141,7 +142,7 @@ class Arrow(Element):
     requested: str | None = None
     kinds: tuple[FlowKind, ...] = ()
     capacity: str | None = None
-    periods: tuple[int, ...] = ()
+    periods: tuple[Sampling, ...] = ()
     repeated: tuple[str, ...] = ()
     by_composition: bool = False
 

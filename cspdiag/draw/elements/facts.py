@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, cast, get_args
+from typing import TYPE_CHECKING, TypeVar, cast, get_args
 
 from cspdiag.base import Report
 from cspdiag.base.record import record
 from cspdiag.draw.elements.diagram import FlowKind
-from cspdiag.network.shapes import UNKNOWN_PERIOD
+from cspdiag.model.sampling import Sampling
+from cspdiag.network.shapes import UNKNOWN_SAMPLING
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -16,18 +17,19 @@ if TYPE_CHECKING:
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.infer.contexts import Fact, Placed
 
+T = TypeVar("T")
 _FLOW_KINDS: tuple[str, ...] = get_args(FlowKind)
 
 
 @record
 class Flow:
-    """The kinds and periods, in nanoseconds, that a channel or port has in the contexts of its process.
+    """The kinds and sample periods that a channel or port has in the contexts of its process.
 
     Empty where nothing is known; ``kinds`` are in the order in which contexts were met.
     """
 
     kinds: tuple[FlowKind, ...] = ()
-    periods: tuple[int, ...] = ()
+    periods: tuple[Sampling, ...] = ()
 
 
 NOTHING = Flow()
@@ -46,7 +48,7 @@ class Facts:
         self._ports: dict[tuple[ast.Node, str], list[Fact]] = {}
         self._channels: dict[tuple[ast.Node, ast.Node], list[Fact]] = {}
         self._samples: dict[tuple[ast.Node, ast.Node], list[int]] = {}
-        self._stated: dict[tuple[ast.Node, str], list[int | None]] = {}
+        self._stated: dict[tuple[ast.Node, str], list[Sampling | None]] = {}
         """By definition, or by the declaration of an instance."""
         for placed in known.contexts.placed:
             self._collect(placed)
@@ -54,7 +56,7 @@ class Facts:
     def _collect(self, placed: Placed) -> None:
         definition = placed.shape.definition
         for port, _, key in placed.shape.port_elements():
-            self._stated.setdefault((definition, port.name), []).append(port.period)
+            self._stated.setdefault((definition, port.name), []).append(port.sampling)
             if key in placed.facts:
                 self._ports.setdefault((definition, port.name), []).append(placed.facts[key])
         for key, channel in placed.shape.channels.items():
@@ -62,7 +64,7 @@ class Facts:
                 self._channels.setdefault((definition, channel.declaration), []).append(placed.facts[key])
         for instance in placed.shape.instances.values():
             for port in instance.shape.ports.values():
-                self._stated.setdefault((instance.declaration, port.name), []).append(port.period)
+                self._stated.setdefault((instance.declaration, port.name), []).append(port.sampling)
             if instance.name in placed.samples:
                 self._samples.setdefault((definition, instance.declaration), []).append(placed.samples[instance.name])
 
@@ -78,19 +80,19 @@ class Facts:
         """The sample periods at which a submodel instance of a process runs."""
         return _distinct(self._samples.get((definition, declaration), ()))
 
-    def stated_periods(self, of: ast.Node, name: str) -> tuple[int, ...]:
+    def stated_periods(self, of: ast.Node, name: str) -> tuple[Sampling, ...]:
         """The periods that a port states: ``of`` a definition, or of the declaration of an instance of it."""
         return _periods(self._stated.get((of, name), ()))
 
 
 def _flow(pairs: Sequence[Fact]) -> Flow:
     kinds = dict.fromkeys(kind for kind, _ in pairs if kind in _FLOW_KINDS)
-    return Flow(tuple(cast("FlowKind", kind) for kind in kinds), _periods(period for _, period in pairs))
+    return Flow(tuple(cast("FlowKind", kind) for kind in kinds), _periods(sampling for _, sampling in pairs))
 
 
-def _periods(periods: Iterable[int | None]) -> tuple[int, ...]:
-    return _distinct(period for period in periods if period is not None and period != UNKNOWN_PERIOD)
+def _periods(samplings: Iterable[Sampling | None]) -> tuple[Sampling, ...]:
+    return _distinct(each for each in samplings if each is not None and each != UNKNOWN_SAMPLING)
 
 
-def _distinct(values: Iterable[int]) -> tuple[int, ...]:
+def _distinct(values: Iterable[T]) -> tuple[T, ...]:
     return tuple(dict.fromkeys(values))

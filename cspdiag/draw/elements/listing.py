@@ -16,6 +16,7 @@ from cspdiag.draw.elements.diagram import (
     WrittenValue,
 )
 from cspdiag.model.constants.durations import duration
+from cspdiag.model.sampling import Sampling
 
 
 def listing(diagram: CommunicationDiagram) -> str:
@@ -84,10 +85,10 @@ def _kinds(kinds: Iterable[str]) -> str:
     return f" ({found})" if found else ""
 
 
-def _period(written: str | None, periods: tuple[int, ...]) -> str:
+def _period(written: str | None, periods: tuple[Sampling, ...]) -> str:
     if written is None:
         return ""
-    values = _durations(periods)
+    values = ", ".join(map(str, periods))
     return f" @ {written}" + (f" ({values})" if values and values != written else "")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import networkx
 
 from cspdiag.base import Span
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import ArrayType, RealType, Type
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.expressions import Value
@@ -89,7 +90,7 @@ class _Builder:
             "name": owned.name if owned else net.path.rpartition(".")[2],
             "kind": net.kind if port is None else _outside_kind(port),
             **_typed(net.type),
-            "period": net.period,
+            **_sampled(net.sampling),
             "capacity": None if owned is None else owned.capacity,
             **_place(net.span),
         }
@@ -146,7 +147,7 @@ class _Builder:
             "name": name,
             "kind": _outside_kind(port),
             **_typed(port.type),
-            "period": port.period,
+            **_sampled(port.sampling),
             "capacity": None,
             **_place(port.span),
         }
@@ -164,16 +165,20 @@ def _external_port(path: str, port: ExternalPort) -> Facts:
         "parent": None,
         "direction": port.direction,
         **_typed(port.type),
-        "period": port.period,
+        **_sampled(port.sampling),
         **_place(port.span),
     }
+
+
+def _sampled(sampling: Sampling | None) -> Facts:
+    return {"period": None if sampling is None else sampling.period}
 
 
 def _outside_kind(port: ExternalPort) -> str:
     """What carries the values of an external port."""
     if port.direction == "out":
-        return "direct" if port.period is None or port.immediate else "latched"
-    if port.period is not None:
+        return "direct" if port.sampling is None or port.immediate else "latched"
+    if port.sampling is not None:
         return "sampled"
     return "event" if port.kind == "sync" else port.kind
 

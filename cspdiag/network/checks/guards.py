@@ -47,7 +47,7 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key
-from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key, element_name
+from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key, element_name
 
 
 @record
@@ -206,12 +206,12 @@ class _Beginnings:
 
     def _is_companion(self, key: Key) -> bool:
         """Whether ``key`` is a sampled input ready whenever the guard's port is: read only together with it, at its
-        period.
+        instants.
         """
         assert self.key is not None
-        (kind, period), (guard_kind, guard_period) = self.placed.facts[key], self.placed.facts[self.key]
-        is_known = UNKNOWN_PERIOD not in (period, guard_period)
-        if kind != "sampled" or guard_kind != "sampled" or (is_known and period != guard_period):
+        (kind, samples), (guard_kind, guard_samples) = self.placed.facts[key], self.placed.facts[self.key]
+        is_known = UNKNOWN_SAMPLING not in (samples, guard_samples)
+        if kind != "sampled" or guard_kind != "sampled" or (is_known and samples != guard_samples):
             return False
         shape = self.placed.shape
         for instance in shape.instances.values():

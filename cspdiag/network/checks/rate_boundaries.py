@@ -14,6 +14,7 @@ from cspdiag.base.record import record
 from cspdiag.network.diagnostics.samples.rates import FasterLawWaits
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.own_uses import own_uses
+from cspdiag.network.infer.waiting import sample_period
 from cspdiag.network.ir.actions import (
     CatchException,
     CoreAction,
@@ -146,7 +147,7 @@ def _paces(placed: Placed, read_by_process: frozenset[Key]) -> dict[str, Pace]:
         if period is None or runs[name] > 1 or not instance.shape.is_submodel or not _agrees(placed, instance, period):
             continue
         for key, span in _inputs(instance):
-            if placed.facts[key] == ("sampled", period) and readers[key] == 1:
+            if sample_period(placed, key) == period and readers[key] == 1:
                 found[name] = Pace(name, period, key, span)
                 break
     return found
@@ -155,7 +156,8 @@ def _paces(placed: Placed, read_by_process: frozenset[Key]) -> dict[str, Pace]:
 def _agrees(placed: Placed, instance: InstanceShape, period: int) -> bool:
     """Whether the law is connected to nets of this period only; two were reported."""
     keys = map(attached_key, instance.attachments.values())
-    return all(key is None or placed.period(key) in (None, period) for key in keys)
+    samplings = [placed.sampling(key) for key in keys if key is not None]
+    return all(sampling is None or sampling.period == period for sampling in samplings)
 
 
 def _inputs(instance: InstanceShape) -> Iterator[tuple[Key, Span]]:

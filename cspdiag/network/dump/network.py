@@ -172,8 +172,8 @@ def _attachment(attachment: Attachment) -> str:
 
 
 def _external(port: ExternalPort) -> str:
-    period = "event" if port.period is None else f"@ {duration(port.period)}"
-    parts = [f"{port.direction} {port.name} : {port.type} {period}"]
+    samples = "event" if port.sampling is None else f"@ {port.sampling}"
+    parts = [f"{port.direction} {port.name} : {port.type} {samples}"]
     if port.immediate:
         parts.append("immediate")
     if port.safe is not None:
@@ -206,7 +206,7 @@ def _net(net: Net) -> str:
         writers = "the environment"
     elif net.external == "out":
         readers = "the environment"
-    period = "" if net.period is None else f" @ {duration(net.period)}"
-    external = "" if net.external is None else " sampled" if net.period is not None else " event"
+    samples = "" if net.sampling is None else f" @ {net.sampling}"
+    external = "" if net.external is None else " sampled" if net.sampling is not None else " event"
     kind = "" if net.external and net.kind == "sync" else f" {net.kind}"
-    return f"{net.path} : {net.type}{external}{kind}{period}: {writers} -> {readers}"
+    return f"{net.path} : {net.type}{external}{kind}{samples}: {writers} -> {readers}"

@@ -11,12 +11,13 @@ from collections.abc import Iterable, Mapping
 from cspdiag.base import Report
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Value
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.elaborate.compose import compose
 from cspdiag.network.elaborate.connect import connect
 from cspdiag.network.elaborate.definitions import Definitions, Instantiable, arguments_of
 from cspdiag.network.elaborate.places import Places
 from cspdiag.network.elaborate.sizes import Sizes
-from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Overrides, PortShape, Shape, element_name
+from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Overrides, PortShape, Shape, element_name
 from cspdiag.syntax import ast
 
 Values = Mapping[ast.Node, Value]
@@ -63,8 +64,8 @@ class Elaboration:
                 self._pending.append(known)
         return known
 
-    def period(self, ports: ast.Ports, shape: Shape) -> int | None:
-        """The sample period of a declaration in nanoseconds; one that is refused is kept for the report and unknown."""
+    def sampling(self, ports: ast.Ports, shape: Shape) -> Sampling | None:
+        """The sample instants of a declaration; a period that is refused is kept for the report and unknown."""
         expression = ports.period
         if expression is None:
             return None
@@ -73,11 +74,11 @@ class Elaboration:
         else:
             period = evaluate(self.program, expression, shape.values, self.report)
         if not isinstance(period, int) or isinstance(period, bool):
-            return UNKNOWN_PERIOD
+            return UNKNOWN_SAMPLING
         if period <= 0:
             self.refused_periods.setdefault(shape, []).append((expression, period))
-            return UNKNOWN_PERIOD
-        return period
+            return UNKNOWN_SAMPLING
+        return Sampling(period)
 
     def _ports(self, shape: Shape) -> None:
         scope = self.program.scopes.get(shape.definition)
@@ -107,7 +108,7 @@ class Elaboration:
             direction=symbol.declaration.direction,
             type=self.sizes.type_of(symbol.declaration.type, symbol.type, shape.values),
             size=size,
-            period=self.period(symbol.declaration, shape),
+            sampling=self.sampling(symbol.declaration, shape),
         )
 
     def _fill(self, shape: Shape) -> None:

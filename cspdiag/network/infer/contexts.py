@@ -1,4 +1,4 @@
-"""What a shape meets at its ports: the kind and period of the net behind each, from the outermost process inwards.
+"""What a shape meets at its ports: kind and sample instants of the net behind each, from the outermost process inwards.
 
 A shape in a context is what code is made for; equal contexts of a shape are looked at once.
 """
@@ -10,6 +10,7 @@ from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.base import Report
 from cspdiag.base.record import node
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.infer.periods import Rates, Samples
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ChannelKind
@@ -34,7 +35,7 @@ Surroundings: TypeAlias = Literal["environment", "specification", "unknown"]
 refine it; or what a library cannot know.
 """
 
-Fact: TypeAlias = "tuple[NetKind, int | None]"
+Fact: TypeAlias = "tuple[NetKind, Sampling | None]"
 Facts: TypeAlias = "dict[Key, Fact]"
 
 
@@ -54,8 +55,8 @@ class Placed:
     given: list[Mapping[str, Value]]
     """What each instance gives all parameters, as far as all are known."""
 
-    def period(self, key: Key) -> int | None:
-        """The sample period of the net at a port or channel."""
+    def sampling(self, key: Key) -> Sampling | None:
+        """The sample instants of the net at a port or channel."""
         return self.facts[key][1]
 
 
@@ -74,8 +75,8 @@ class Contexts:
         is_open = surroundings != "environment"
         facts: Facts = {}
         for port, _, key in shape.port_elements():
-            kind: NetKind = "open" if is_open else "sampled" if port.period is not None else "event"
-            facts[key] = (kind, port.period)
+            kind: NetKind = "open" if is_open else "sampled" if port.sampling is not None else "event"
+            facts[key] = (kind, port.sampling)
         placed = self._place(shape, facts)
         while self._pending:
             self._fill(self._pending.pop())
@@ -90,8 +91,8 @@ class Contexts:
             for key, channel in shape.channels.items():
                 rate = rates.get(key)
                 kind: NetKind = "open" if channel.excused else channel.kind
-                facts[key] = (kind, rate.period if rate else None)
-            periods = {key: period for key, (_, period) in facts.items()}
+                facts[key] = (kind, rate.sampling if rate else None)
+            periods = {key: sampling.period for key, (_, sampling) in facts.items() if sampling is not None}
             samples = Samples(shape, rates, periods, self.report)
             known = self._known[identity] = Placed(
                 shape=shape,
@@ -116,8 +117,8 @@ def port_facts(facts: Facts, instance: InstanceShape) -> Facts:
     """What the ports of an instance meet inside a process with these facts."""
     found: Facts = {}
     for port, element, key in instance.shape.port_elements():
-        kind, period = _fact(facts, instance.attachments.get(element))
-        found[key] = (kind, port.period if period is None else period)
+        kind, sampling = _fact(facts, instance.attachments.get(element))
+        found[key] = (kind, port.sampling if sampling is None else sampling)
     return found
 
 

@@ -139,7 +139,7 @@ def check_outermost(shape: Shape, uses: UsesByKey, requested: RequestedKinds, re
     for port, _, key in shape.port_elements():
         use, kinds = uses.get(key, _NOBODY), requested.get(key, {})
         writers, readers = _of_two(use.parallel_writes), _of_two(use.parallel_reads)
-        refused = ["any", "buffer", "overwrite", "sync"] if port.period is not None else ["buffer", "overwrite", "sync"]
+        refused = ["buffer", "overwrite", "sync"] if port.sampling is None else ["any", "buffer", "overwrite", "sync"]
         if port.direction == "out":
             refused = ["broadcast", "buffer", "overwrite", "sync"]
         contradicting = next((kinds[name] for name in refused if name in kinds), None)
@@ -147,7 +147,7 @@ def check_outermost(shape: Shape, uses: UsesByKey, requested: RequestedKinds, re
             first, second = list(kinds.values())[:2]
             report.add(KindsDisagree(span=second.span, channel=key, kind=second.name, other=first))
         elif contradicting is not None:
-            sampled = port.period is not None
+            sampled = port.sampling is not None
             report.add(
                 KindContradicts(
                     span=contradicting.span,
@@ -161,6 +161,6 @@ def check_outermost(shape: Shape, uses: UsesByKey, requested: RequestedKinds, re
         elif port.direction == "out" and writers is not None and "any" not in kinds:
             one, other = writers
             report.add(ParallelWriters(span=one.span, channel=key, one=one, other=other, said=None, outermost=True))
-        elif port.direction == "in" and port.period is None and readers is not None and not kinds:
+        elif port.direction == "in" and port.sampling is None and readers is not None and not kinds:
             one, other = readers
             report.add(EventReadInParallel(span=one.span, port=key, one=one, other=other, declared=port.span))

@@ -12,15 +12,24 @@ from typing import TypeAlias
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import record
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.diagnostics.samples.periods import PeriodsDisagree, SampledInsideOnly, SamplesDisagree
-from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, Shape, attached_key, element_name
+from cspdiag.network.shapes import (
+    UNKNOWN_PERIOD,
+    UNKNOWN_SAMPLING,
+    InstanceShape,
+    Key,
+    Shape,
+    attached_key,
+    element_name,
+)
 
 
 @record
 class Rate:
-    """A sample period in nanoseconds, or UNKNOWN_PERIOD, and the port that says it."""
+    """Sample instants, or UNKNOWN_SAMPLING, and the port that says them."""
 
-    period: int
+    sampling: Sampling
     declared: Span
 
 
@@ -31,9 +40,9 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
     """The periods declared at the ports and channels of a shape, by itself or by ports of its instances."""
     rates: Rates = {}
     for port, _, key in shape.port_elements():
-        if port.period is not None:
+        if port.sampling is not None:
             expression = port.symbol.declaration.period
-            rates[key] = Rate(port.period, port.span if expression is None else expression.span)
+            rates[key] = Rate(port.sampling, port.span if expression is None else expression.span)
     for instance in shape.instances.values():
         theirs = inside.get(instance.shape)
         if not theirs:
@@ -43,16 +52,16 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
             if net is None or rate is None:
                 continue
             known = rates.setdefault(net, rate)
-            if UNKNOWN_PERIOD in (known.period, rate.period):
-                rates[net] = Rate(UNKNOWN_PERIOD, known.declared)
-            elif known.period != rate.period:
+            if UNKNOWN_SAMPLING in (known.sampling, rate.sampling):
+                rates[net] = Rate(UNKNOWN_SAMPLING, known.declared)
+            elif known.sampling != rate.sampling:
                 report.add(
                     PeriodsDisagree(
                         span=attached.span,
                         net=net,
-                        one=known.period,
+                        one=known.sampling,
                         one_span=known.declared,
-                        other=rate.period,
+                        other=rate.sampling,
                         other_span=rate.declared,
                     )
                 )
@@ -63,8 +72,8 @@ def check_event_ports(shape: Shape, rates: Rates, report: Report) -> None:
     """A port of the outermost process without a period is an event port, also to those inside."""
     for port, _, key in shape.port_elements():
         rate = rates.get(key)
-        if port.period is None and rate is not None and rate.period != UNKNOWN_PERIOD:
-            report.add(SampledInsideOnly(span=port.span, port=key, period=rate.period, inner=rate.declared))
+        if port.sampling is None and rate is not None and rate.sampling != UNKNOWN_SAMPLING:
+            report.add(SampledInsideOnly(span=port.span, port=key, sampling=rate.sampling, inner=rate.declared))
 
 
 class Samples:
@@ -74,7 +83,7 @@ class Samples:
     ``unknown``: the instances that have a period which is not known.
     """
 
-    def __init__(self, shape: Shape, rates: Rates, periods: Mapping[Key, int | None], report: Report) -> None:
+    def __init__(self, shape: Shape, rates: Rates, periods: Mapping[Key, int], report: Report) -> None:
         self.shape = shape
         self.rates = rates
         self.periods = periods

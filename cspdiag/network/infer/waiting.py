@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import assert_never
 
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.flow import waiting
 from cspdiag.network.infer.contexts import Placed, port_facts
@@ -38,7 +39,7 @@ from cspdiag.network.ir.expressions import Expression, FunctionCall, ParameterVa
 from cspdiag.network.ir.ranges import Range, value_range
 from cspdiag.network.ir.walk import all_actions, mentions_variable
 from cspdiag.network.relations import end_key
-from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
+from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast
 
 
@@ -57,10 +58,16 @@ def is_open(placed: Placed, key: Key) -> bool:
     return placed.facts[key][0] == "open"
 
 
+def samples_of(placed: Placed, key: Key) -> Sampling | None:
+    """When samples of a sampled input come; None for what is none, or where it is not known."""
+    kind, sampling = placed.facts[key]
+    return sampling if kind == "sampled" and sampling != UNKNOWN_SAMPLING else None
+
+
 def sample_period(placed: Placed, key: Key) -> int:
     """The period of a sampled input in nanoseconds; 0 for what is none, or where it is not known."""
-    kind, period = placed.facts[key]
-    return period if kind == "sampled" and period is not None and period != UNKNOWN_PERIOD else 0
+    sampling = samples_of(placed, key)
+    return 0 if sampling is None else sampling.period
 
 
 def constant_in(placed: Placed, expression: Expression) -> Value | None:

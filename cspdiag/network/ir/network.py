@@ -16,6 +16,7 @@ from typing import Generic, Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import EnumType, StructType, Type
 from cspdiag.network.ir.actions import A_co, ChannelEnd, CoreAction, End
 from cspdiag.network.ir.declared import Declared
@@ -216,12 +217,12 @@ class SubmodelClass(Declared):
 
 @record(kw_only=True)
 class ExternalPort(Declared):
-    """A port of the outermost process, with values: ``period`` in nanoseconds, None for an event port."""
+    """A port of the outermost process, with values; ``sampling`` is None for an event port."""
 
     direction: Direction
     type: Type
     index: int | None = None
-    period: int | None = None
+    sampling: Sampling | None = None
     immediate: bool = False
     safe: Value | None = None
     default: Value | None = None
@@ -276,7 +277,7 @@ class Net:
     kind: ChannelKind
     type: Type
     external: Direction | None
-    period: int | None
+    sampling: Sampling | None
     writers: tuple[tuple[str, str], ...]
     readers: tuple[tuple[str, str], ...]
     span: Span

@@ -134,7 +134,7 @@ def _step(
             return step
         if isinstance(step, int):
             report.add(EnvironmentStepNotPositive(definition.step.span))
-    return math.gcd(*(port.period for port in ports if port.period)) or MILLISECOND
+    return math.gcd(*(port.sampling.period for port in ports if port.sampling)) or MILLISECOND
 
 
 def _miss_policy(definition: ast.EnvironmentDefinition, report: Report) -> Literal["timeout", "count"]:

@@ -46,7 +46,7 @@ def _external(
         direction=port.direction,
         type=port.type,
         index=index,
-        period=port.period,
+        sampling=port.sampling,
         immediate=declaration.immediate,
         safe=safe,
         default=value(declaration.default),

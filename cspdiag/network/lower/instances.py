@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.base import Span
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import Type
 from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.ir.network import ChannelKind, Direction, ExternalPort, Instantiation, Net
@@ -14,16 +15,22 @@ from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, elem
 class _OpenNet:
     """A net while its users are collected."""
 
-    __slots__ = ("external", "kind", "path", "period", "readers", "span", "type", "writers")
+    __slots__ = ("external", "kind", "path", "readers", "sampling", "span", "type", "writers")
 
     def __init__(
-        self, path: str, kind: ChannelKind, type_: Type, external: Direction | None, period: int | None, span: Span
+        self,
+        path: str,
+        kind: ChannelKind,
+        type_: Type,
+        external: Direction | None,
+        sampling: Sampling | None,
+        span: Span,
     ) -> None:
         self.path = path
         self.kind = kind
         self.type = type_
         self.external = external
-        self.period = period
+        self.sampling = sampling
         self.span = span
         self.writers: list[tuple[str, str]] = []
         self.readers: list[tuple[str, str]] = []
@@ -34,7 +41,7 @@ class _OpenNet:
             kind=self.kind,
             type=self.type,
             external=self.external,
-            period=self.period,
+            sampling=self.sampling,
             writers=tuple(self.writers),
             readers=tuple(self.readers),
             span=self.span,
@@ -68,7 +75,7 @@ class _Walk:
         outside: dict[Key, _OpenNet] = {}
         for port in ports:
             outside[port.name] = self._net(
-                _OpenNet(f"{path}.{port.name}", port.kind, port.type, port.direction, port.period, port.span)
+                _OpenNet(f"{path}.{port.name}", port.kind, port.type, port.direction, port.sampling, port.span)
             )
         pending: list[tuple[str, Occurrence | LawOccurrence, dict[Key, _OpenNet]]] = [(path, top, outside)]
         while pending:
@@ -99,9 +106,9 @@ class _Walk:
         """Adds the channels that a process owns to the nets behind its ports, and itself to those that it uses."""
         shape = occurrence.placed.shape
         for channel in shape.channels.values():
-            period = occurrence.placed.period(channel.name)
+            sampling = occurrence.placed.sampling(channel.name)
             attached[channel.name] = self._net(
-                _OpenNet(f"{path}.{channel.name}", channel.kind, channel.type, None, period, channel.span)
+                _OpenNet(f"{path}.{channel.name}", channel.kind, channel.type, None, sampling, channel.span)
             )
         if shape not in self._own_uses:
             self._own_uses[shape] = own_uses(shape)

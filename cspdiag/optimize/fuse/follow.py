@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from cspdiag.base.record import record
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.network.ir.network import CreatedChoice, ExternalPort, ProcessClass
@@ -67,7 +68,7 @@ class _FoundError(Exception):
 class _Unknown:
     """The environment: inputs are sampled, and nobody knows what."""
 
-    step = 2**63
+    grid = Sampling(2**63)
 
     def advance(self, now: int) -> None:
         """It goes on."""
@@ -101,7 +102,7 @@ class Following(Scheduler):
         self._media: dict[Place, Medium] = {}
         self._make_media(code.entry, ports)
         self._waited_at = [medium for medium in self._media.values() if not isinstance(medium, AtOnce)]
-        self._period = math.lcm(*(port.period for port in self._sampled)) if self._sampled else 1
+        self._period = math.lcm(*(port.sampling.period for port in self._sampled)) if self._sampled else 1
 
     def _make_media(self, entry: ProcessClass, ports: Sequence[ExternalPort]) -> None:
         readers: dict[Place, list[EndKey]] = {}
@@ -117,11 +118,11 @@ class Following(Scheduler):
             place = (port.name.partition("[")[0], port.index)
             if port.direction == "out":
                 self._media[place] = AtOnce(self.record, self, port.name)
-            elif port.period is not None:
-                self._media[place] = self._input(port.name, port.period, readers.get(place, []))
+            elif port.sampling is not None:
+                self._media[place] = self._input(port.name, port.sampling, readers.get(place, []))
 
-    def _input(self, name: str, period: int, ends: Sequence[EndKey]) -> Input:
-        sampled = Input(self.record, self, name, period)
+    def _input(self, name: str, sampling: Sampling, ends: Sequence[EndKey]) -> Input:
+        sampled = Input(self.record, self, name, sampling)
         for end in ends:
             sampled.register(end)
         if ends:
@@ -165,9 +166,9 @@ class Following(Scheduler):
         self._walkers.append(steps)
         return steps.task
 
-    def periods(self) -> list[int]:
+    def samplings(self) -> list[Sampling]:
         """Those of the inputs that somebody follows."""
-        return [port.period for port in self._sampled if port.sessions]
+        return [port.sampling for port in self._sampled if port.sessions]
 
     def instant(self, now: int) -> None:
         """Everything that happens at an instant before tasks run."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, assert_never
 
 from cspdiag.base import Span
-from cspdiag.base.ticks import is_tick, latest_tick
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.actions import End, Target
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import LocalChannel
@@ -157,14 +157,14 @@ class Input(Medium, SampledInput):
     latest tick.
     """
 
-    def __init__(self, record: Records, world: World, name: str, period: int) -> None:
-        super().__init__(record, world, name, period)
+    def __init__(self, record: Records, world: World, name: str, sampling: Sampling) -> None:
+        super().__init__(record, world, name, sampling)
         self.since: dict[EndKey, int] = {}
         """When each end was waited at for the first time."""
 
     def state(self) -> tuple[object, ...]:
         """See ``Medium.state``."""
-        tick = latest_tick(self.world.now, self.period)
+        tick = self.sampling.latest_tick(self.world.now)
         sessions = ((end, session.since < tick, session.available) for end, session in self.sessions.items())
         return (*super().state(), frozenset(sessions))
 
@@ -183,7 +183,7 @@ class Input(Medium, SampledInput):
         """Take the sample that is there, or wait on."""
         if self.ready(offer):
             self.take(offer.end)
-            self.record.sample(followed(offer), is_tick(self.world.now, self.period))
+            self.record.sample(followed(offer), self.sampling.is_tick(self.world.now))
             self.complete(offer)
 
 

@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.base.record import replaced
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import Expression
@@ -69,7 +70,7 @@ class MediumFacts:
         self.given: tuple[Known, ...] = given or (UNKNOWN,)
         """What the environment may give, as far as it is told apart."""
         self.coarse = False
-        self.period: int | None = None
+        self.sampling: Sampling | None = None
         self.is_contended = kind == "any"
         """Whether several processes may be after the same communication."""
         self.capacity = 1
@@ -234,7 +235,7 @@ class World:
         for port in network.external_ports:
             base = port.name.split("[", 1)[0]
             index = port.index
-            kind: MediumKind = "output" if port.direction == "out" else "event" if port.period is None else "sampled"
+            kind: MediumKind = "output" if port.direction == "out" else "event" if port.sampling is None else "sampled"
             item: Item = ("port", network.top, base)
             apart = facts.apart(port.name)
             name, relevant = f"{network.top}.{port.name}", item in facts.relevant
@@ -245,7 +246,7 @@ class World:
             medium = MediumFacts(
                 name, kind, port.type, relevant=relevant, boundaries=apart.cuts, span=port.span, given=given
             )
-            medium.period = port.period
+            medium.sampling = port.sampling
             medium.is_contended = port.kind == "any"
             media[base, index] = medium
         arguments: dict[str, Known] = dict(network.arguments)

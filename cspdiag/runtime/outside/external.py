@@ -19,6 +19,7 @@ from ..kernel.scheduler import present
 from .drivers import Driver, Signal
 from .inputs import EventInput, SampledInput
 from .supply import Supply
+from .ticks import Ticks
 
 
 class _ExternalOutput(Out[T]):
@@ -59,7 +60,7 @@ class _ExternalOutput(Out[T]):
 class SampledOutput(_ExternalOutput[T], Generic[T]):
     """A sampled output: the last value written in a period is handed over at its tick, or at once if ``immediate``."""
 
-    __slots__ = ("immediate", "latched", "period", "writer", "written")
+    __slots__ = ("immediate", "latched", "ticks", "writer", "written")
 
     def __init__(
         self,
@@ -71,7 +72,7 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         immediate: bool = False,
     ) -> None:
         super().__init__(name, driver, safe)
-        self.period = period
+        self.ticks = Ticks(period)
         self.immediate = immediate or isinstance(driver, Supply)
         self.written = False
         self.latched: Any = None

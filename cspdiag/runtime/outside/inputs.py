@@ -21,6 +21,7 @@ from ..kernel.scheduler import Task, present
 from .accepted import Accept
 from .drivers import NO_SAMPLE, Driver, Signal, name_of
 from .supply import Supply
+from .ticks import Ticks
 
 if TYPE_CHECKING:
     from ..channels.alternating import Alternating
@@ -199,14 +200,14 @@ class SampledInput(In[T]):
     """
 
     __slots__ = (
-        "_listening", "_silent", "accepts", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period",
-        "sampled",
+        "_listening", "_silent", "accepts", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "sampled",
+        "ticks",
     )  # fmt: skip
 
     def __init__(self, name: str, *, period: int, driver: Driver | None = None, accepts: Accept | None = None) -> None:
         self.name = name
         self.accepts = accepts
-        self.period = period
+        self.ticks = Ticks(period)
         self.driver = driver
         self.line: Any = driver
         self.ends: list[SampledEnd[T]] = []
@@ -236,7 +237,7 @@ class SampledInput(In[T]):
 
     def _pace_of(self, owner: Owner) -> _Pace:
         for end in owner.ends:
-            if isinstance(end, SampledEnd) and end._port.period == self.period:
+            if isinstance(end, SampledEnd) and end._port.ticks == self.ticks:
                 return end.pace
         return _Pace()
 
@@ -315,7 +316,7 @@ class SampledInput(In[T]):
             return
         self.missed += 1
         self._silent += 1
-        silence = self._silent * self.period
+        silence = self._silent * self.ticks.period
         if self.on_miss == "timeout" and self._silent >= _SILENT_TICKS and silence >= _SILENT_TIME:
             self._silent = 0
             for end in ends:

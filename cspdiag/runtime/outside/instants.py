@@ -16,6 +16,7 @@ from ..kernel.places import raised_by_program, statement_of
 from ..kernel.stopping import stopping
 from .external import EventOutput, Port, SampledOutput
 from .inputs import EventInput, SampledEnd, SampledInput
+from .ticks import Ticks
 
 Plan: TypeAlias = tuple[Callable[[], None], ...]
 
@@ -67,11 +68,11 @@ class Instants:
         self._ports = tuple(ports)
         self._advance = None if environment is None else environment.advance
         self._environment = type(environment).__name__
-        periods = {port.period for port in ports if isinstance(port, SampledInput | SampledOutput)}
-        self.periods: tuple[int, ...] = tuple(sorted(periods))
+        self._sampled = sorted({port.ticks for port in ports if isinstance(port, SampledInput | SampledOutput)})
+        self.periods = tuple(dict.fromkeys(ticks.period for ticks in self._sampled))
         self._grid = self._grid_of(environment)
-        self._cycles = tuple(sorted(periods | ({self._grid} if self._grid else set())))
-        self._hyperperiod = lcm(*self._cycles)
+        self._cycles = sorted({*self._sampled, *([Ticks(self._grid)] if self._grid else [])})
+        self._hyperperiod = lcm(*(ticks.period for ticks in self._cycles))
         self._phases: dict[int, tuple[int, Plan | None]] = {}
         """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where
         nothing does.
@@ -97,14 +98,14 @@ class Instants:
     def _phase(self, phase: int) -> tuple[int, Plan | None]:
         found = self._phases.get(phase)
         if found is None:
-            found = min([cycle - phase % cycle for cycle in self._cycles]), self._plan(phase)
+            found = min([ticks.after(phase) for ticks in self._cycles]) - phase, self._plan(phase)
             if len(self._phases) < _REMEMBERED:
                 self._phases[phase] = found
         return found
 
     def periods_at(self, instant: int) -> list[int]:
         """The sample periods whose tick ``instant`` is."""
-        return [period for period in self.periods if instant % period == 0]
+        return list(dict.fromkeys(ticks.period for ticks in self._sampled if ticks.at(instant)))
 
     def meet(self, instant: int, present: int = 0) -> int | None:
         """What happens at ``instant`` before any process runs, but for the timers; the next instant after it.
@@ -115,7 +116,7 @@ class Instants:
             return None
         phase = instant % self._hyperperiod
         distance, plan = self._phases.get(phase) or self._phase(phase)
-        if present and plan is not None and present - instant >= self._cycles[0]:
+        if present and plan is not None and present - instant >= self._cycles[0].period:
             plan = self._plan(phase, present - instant)
         if plan is not None:
             if self._advance is not None:
@@ -130,20 +131,20 @@ class Instants:
         return instant + distance
 
     def _plan(self, phase: int, late: int = 0) -> Plan | None:
-        if all(phase % cycle for cycle in self._cycles):
+        if not any(ticks.at(phase) for ticks in self._cycles):
             return None
         inputs: list[Callable[[], None]] = []
         outputs: list[Callable[[], None]] = []
         for port in self._ports:
             match port:
                 case SampledInput():
-                    if phase % port.period == 0:
-                        inputs.append(port.skip if port.period <= late else port.at_tick())
+                    if port.ticks.at(phase):
+                        inputs.append(port.skip if port.ticks.period <= late else port.at_tick())
                 case EventInput():
                     if port.polled and phase % self._grid == 0 and self._grid > late:
                         inputs.append(port.at_grid())
                 case SampledOutput():
-                    if phase % port.period == 0 and not port.immediate:
+                    if port.ticks.at(phase) and not port.immediate:
                         outputs.append(port.at_tick())
                 case EventOutput():
                     pass

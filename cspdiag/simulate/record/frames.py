@@ -107,7 +107,7 @@ def _channels(run: RunData, names: Iterable[str]) -> list[_Channel]:
     for name in names:
         port = ports.get(name)
         declared = port if port is not None else nets[name]
-        period = None if declared.period is None else declared.period / 1e9
+        period = None if declared.sampling is None else declared.sampling.period / 1e9
         found.append(_Channel(name if port is None else f"{prefix}{name}", name, declared.type, period))
     return found
 

@@ -48,7 +48,7 @@ class Guided:
         self._defaults = {
             f"{network.top}.{port.name}": next(iter(values.candidates(port.type, None)), None) for port in inputs
         }
-        self._events = frozenset(f"{network.top}.{port.name}" for port in inputs if port.period is None)
+        self._events = frozenset(f"{network.top}.{port.name}" for port in inputs if port.sampling is None)
         self._outside = frozenset(f"{network.top}.{port.name}" for port in network.external_ports)
         environments = network.environments
         counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import Any, Literal
 
-from cspdiag.base.ticks import is_tick, next_tick
 from cspdiag.runtime.outside.external import Port
 from cspdiag.runtime.outside.inputs import EventInput, SampledInput
 from cspdiag.runtime.stepwise import StepwiseRun
@@ -82,7 +81,7 @@ class World:
 
     def next_instant(self) -> int | None:
         """The next instant at which a delay ends, or a sample comes to somebody who listens."""
-        instants = [next_tick(self._run.now, port.period) for port in self._sampled if _listens(port)]
+        instants = [port.ticks.after(self._run.now) for port in self._sampled if _listens(port)]
         timer = self._run.next_timer()
         return min([*instants, *([] if timer is None else [timer])], default=None)
 
@@ -91,7 +90,7 @@ class World:
         """How long delays have still to last, and how long ago all samples came at once: what times there are to come
         depends on that.
         """
-        periods = lcm(*(port.period for port in self._sampled if _listens(port)))
+        periods = lcm(*(port.ticks.period for port in self._sampled if _listens(port)))
         return self._run.now % periods, *sorted(instant - self._run.now for instant in self._run.instants_of_timers())
 
     def meet(self, instant: int) -> None:
@@ -99,7 +98,7 @@ class World:
         self.met += 1
         self._run.now = instant
         for port in self._sampled:
-            if is_tick(instant, port.period):
+            if port.ticks.at(instant):
                 wanted = self._script.next_read(port.name)
                 if wanted is not None and wanted.action == "read":
                     self._present[port.name] = wanted.value
@@ -122,7 +121,7 @@ class World:
         if following is None:
             return (self._run.now,)
         missed = [port for port in self._sampled if self._is_to_miss(port)]
-        twice = max([next_tick(self._run.now, port.period) + port.period for port in missed], default=self._run.now)
+        twice = max([port.ticks.after(self._run.now) + port.ticks.period for port in missed], default=self._run.now)
         return tuple(dict.fromkeys((twice, self._run.now, following)))
 
     def _is_to_miss(self, port: SampledInput[Any]) -> bool:

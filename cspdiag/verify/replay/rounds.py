@@ -168,7 +168,7 @@ class Rounds:
 
     def _urgency(self, option: Option) -> tuple[int, bool, int]:
         port = self._ports.get(option.channel)
-        return _PREFERRED.index(option.action), port is None or port.period is None, option.index
+        return _PREFERRED.index(option.action), port is None or port.sampling is None, option.index
 
     def _step(self, gate: Gate, option: Option) -> TraceStep:
         outer = (name for name in self._names if f"{gate.path}.".startswith(f"{name}."))
@@ -182,7 +182,7 @@ class Rounds:
         value = None
         if port.direction == "in":
             value = written(self._value(option.channel), port.type)
-        kind = "sample" if port.direction == "in" and port.period is not None else "external"
+        kind = "sample" if port.direction == "in" and port.sampling is not None else "external"
         return TraceStep(kind, option.channel, value, parties)
 
     def _value(self, channel: str) -> Any:

@@ -14,6 +14,7 @@ from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, Pare
 from cspdiag.draw.elements.listing import listing
 from cspdiag.draw.elements.marks import WHOLE, Mark, mark_of_rest, marks_of, numbered
 from cspdiag.draw.pictures import Pictures, places_of
+from cspdiag.model.sampling import Sampling
 from cspdiag.pipeline import check
 from tests.properties.programs import programs
 
@@ -121,11 +122,11 @@ process Outer {
 
 def test_each_instance_has_the_periods_of_its_own_ports() -> None:
     outer = drawn(PERIODS, "Outer")
-    assert [port.periods for port in box(outer, "fast").ports] == [(2_000_000,), (2_000_000,)]
-    assert [port.periods for port in box(outer, "slow").ports] == [(5_000_000,), (5_000_000,)]
+    assert [port.periods for port in box(outer, "fast").ports] == [(Sampling(2_000_000),)] * 2
+    assert [port.periods for port in box(outer, "slow").ports] == [(Sampling(5_000_000),)] * 2
     inner = drawn(PERIODS, "Inner")
     ports = [vertex for vertex in inner.vertices if isinstance(vertex, ParentPort)]
-    assert [(port.period, port.periods) for port in ports] == [("T", (2_000_000, 5_000_000))] * 2
+    assert [(port.period, port.periods) for port in ports] == [("T", (Sampling(2_000_000), Sampling(5_000_000)))] * 2
 
 
 ARRAYS = """

@@ -72,7 +72,7 @@ def observed(network: Network, communications: Iterable[tuple[str, Any]]) -> tup
     latched = {
         f"{network.top}.{port.name}"
         for port in network.external_ports
-        if port.direction == "out" and port.period is not None and not port.immediate
+        if port.direction == "out" and port.sampling is not None and not port.immediate
     }
     return [
         (channel, value_text(value, types[channel])) for channel, value in communications if channel not in latched

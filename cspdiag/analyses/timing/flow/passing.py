@@ -53,7 +53,11 @@ class Passing:
         self._stages = stages
         self._kinds = {net.path: net.kind for net in network.nets if net.external is None}
         self._capacities = capacities(network)
-        self.periods = {net.path: net.period for net in network.nets if net.external is not None}
+        self.periods = {
+            net.path: None if net.sampling is None else net.sampling.period
+            for net in network.nets
+            if net.external is not None
+        }
         self._taking_part: dict[tuple[str, bool], list[Behaviour]] = defaultdict(list)
         for one in behaviours.values():
             for channel, writes in {(job.offer.channel, job.offer.writes) for job in one.jobs if job.offer is not None}:

@@ -59,7 +59,7 @@ def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
 
 
 def _latch(port: ExternalPort) -> int | None:
-    return None if port.immediate else port.period
+    return None if port.immediate or port.sampling is None else port.sampling.period
 
 
 def port_names(ports: Iterable[ExternalPort]) -> list[str]:

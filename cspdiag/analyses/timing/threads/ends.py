@@ -37,9 +37,9 @@ class Ends:
         net = self.net(path, end)
         if net is None or (net.kind == "var" and net.external is None):
             return []
-        if net.external == "in" and net.period is not None:
+        if net.external == "in" and net.sampling is not None:
             key = (net.path, owner or path, end.end)
-            return [Offer("sample", target, where.span, net.path, net.period, key, takes)]
+            return [Offer("sample", target, where.span, net.path, net.sampling.period, key, takes)]
         if net.external == "in":
             return [Offer("event", target, where.span, net.path)]
         return [Offer("partner", target, where.span, net.path)]

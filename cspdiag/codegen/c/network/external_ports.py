@@ -16,7 +16,7 @@ def port_key(port: ExternalPort) -> str:
 
 def is_event(port: ExternalPort) -> bool:
     """Whether it passes events, not samples."""
-    return port.direction == "in" and port.period is None
+    return port.direction == "in" and port.sampling is None
 
 
 def port_groups(ports: Sequence[ExternalPort]) -> list[tuple[str, list[ExternalPort]]]:

@@ -218,7 +218,7 @@ class _NetworkFiles:
     def _connected(self, port: ExternalPort, name: str, number: Code, driver: Code) -> list[Statement]:
         """What makes a port, whose values go to and come from a driver."""
         medium, value = address(_external(name)), f"&present.{name}"
-        period = code("") if port.period is None else duration(port.period)
+        period = code("") if port.sampling is None else duration(port.sampling.period)
         found: list[Statement] = []
         match kind_of(port):
             case "sampled":
@@ -305,8 +305,8 @@ class _NetworkFiles:
 def kind_of(port: ExternalPort) -> str:
     """What an external port is for the kernel."""
     if port.direction == "in":
-        return "event" if port.period is None else "sampled"
-    return "direct" if port.period is None or port.immediate else "latched"
+        return "event" if port.sampling is None else "sampled"
+    return "direct" if port.sampling is None or port.immediate else "latched"
 
 
 def _external(name: str) -> Code:

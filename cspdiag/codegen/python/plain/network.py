@@ -65,15 +65,15 @@ def _belongs(external: ExternalPort, port: str) -> bool:
 
 
 def _port(port: ExternalPort, network: Network, imports: Imports) -> Code:
-    sampled = port.period is not None
+    sampled = port.sampling is not None
     class_ = ("Sampled" if sampled else "Event") + ("Input" if port.direction == "in" else "Output")
     arguments = [Argument(Constant(quoted(f"{network.top}.{port_key(port)}"))), *_options(port, imports)]
     return Call(typed(imports.runtime(class_), annotation(port.type, imports)), tuple(arguments))
 
 
 def _options(port: ExternalPort, imports: Imports) -> Iterable[Argument]:
-    if port.period is not None:
-        yield Argument(duration(port.period, imports), "period")
+    if port.sampling is not None:
+        yield Argument(duration(port.sampling.period, imports), "period")
     yield Argument(Name("drivers").at(Constant(quoted(port_key(port)))), "driver")
     if port.direction == "out":
         if port.safe is not None:
@@ -81,6 +81,6 @@ def _options(port: ExternalPort, imports: Imports) -> Iterable[Argument]:
         if port.immediate:
             yield Argument(TRUE, "immediate")
         return
-    if port.period is None and port.kind != "sync":
+    if port.sampling is None and port.kind != "sync":
         yield Argument(Constant(quoted(port.kind)), "kind")
     yield Argument(accepted(port.type, imports), "accepts")

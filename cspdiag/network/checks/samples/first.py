@@ -12,10 +12,10 @@ from collections.abc import Sequence
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
-from cspdiag.base.ticks import latest_tick
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided
-from cspdiag.network.infer.waiting import known_duration, sample_period
+from cspdiag.network.infer.waiting import known_duration, samples_of
 from cspdiag.network.ir.actions import (
     AfterEvent,
     CoreAction,
@@ -90,8 +90,8 @@ class _Beginning:
         self.left = _STEPS
         self.ends: tuple[int, ...] = ()
         """When the time-outs come that end what is done now."""
-        self.opened: dict[int, int] = {}
-        """By period, when the first books were opened."""
+        self.opened: dict[Sampling, int] = {}
+        """By their sample instants, when the first books were opened."""
         self.taken: dict[Key, tuple[int, int, Span, int]] = {}
         """Of each input the tick of the sample that was taken last, when, where, and how many steps there were."""
         self.steps: list[_Step] = []
@@ -162,13 +162,14 @@ class _Beginning:
         self.steps.append(_Step(waits, span, port))
 
     def _read(self, key: Key, span: Span) -> None:
-        period = sample_period(self.placed, key)
-        if not period:
+        samples = samples_of(self.placed, key)
+        if samples is None:
             raise _LeftOpenError
-        present = latest_tick(self.now, period)
+        period = samples.period
+        present = samples.latest_tick(self.now)
         if key not in self.taken:
-            opened = self.opened.setdefault(period, self.now)
-            if present == latest_tick(opened, period):
+            opened = self.opened.setdefault(samples, self.now)
+            if present == samples.latest_tick(opened):
                 present += period
                 if any(end <= present for end in self.ends):
                     raise _LeftOpenError

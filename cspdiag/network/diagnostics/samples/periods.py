@@ -5,6 +5,7 @@ from __future__ import annotations
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
+from cspdiag.model.sampling import Sampling
 
 
 @record
@@ -38,23 +39,20 @@ class PeriodsDisagree(Diagnostic):
     help = "give both ends the same period; between two rates, a process must read at one and write at the other"
 
     net: str
-    one: int
+    one: Sampling
     one_span: Span
-    other: int
+    other: Sampling
     other_span: Span
 
     @property
     def message(self) -> str:
-        return (
-            f"`{self.net}` is sampled every {duration(self.one)} and connects a port sampled every "
-            f"{duration(self.other)}"
-        )
+        return f"`{self.net}` is sampled {self.one.every} and connects a port sampled {self.other.every}"
 
     @property
     def labels(self) -> tuple[Label, ...]:
         return (
-            Label(self.one_span, f"{duration(self.one)} here"),
-            Label(self.other_span, f"{duration(self.other)} here"),
+            Label(self.one_span, f"{self.one} here"),
+            Label(self.other_span, f"{self.other} here"),
         )
 
 
@@ -65,14 +63,14 @@ class SampledInsideOnly(Diagnostic):
     help = "write `@` and the period at this port too"
 
     port: str
-    period: int
+    sampling: Sampling
     inner: Span
 
     @property
     def message(self) -> str:
         return (
             f"`{self.port}` of the outermost process has no period, so it is an event port, "
-            f"but inside it is sampled every {duration(self.period)}"
+            f"but inside it is sampled {self.sampling.every}"
         )
 
     @property

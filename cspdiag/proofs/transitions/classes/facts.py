@@ -214,7 +214,7 @@ def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:
     """The ports, by class and name, of which some instance reads a sampled input of the outermost process."""
     top = program.network.top
     found = {
-        (top, _base(p.name)) for p in program.network.external_ports if p.direction == "in" and p.period is not None
+        (top, _base(p.name)) for p in program.network.external_ports if p.direction == "in" and p.sampling is not None
     }
     for one in reversed(program.classes.values()):
         for instance in one.instances.values():

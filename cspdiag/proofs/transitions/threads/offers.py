@@ -248,7 +248,7 @@ class Offers(Abandoning):
     def _ordered(self, context: Context, inputs: list, remaining: tuple[int, ...]) -> tuple[list[int], list[int]]:  # type: ignore[type-arg]
         """Those of the inputs that are always taken in the order of the ports, and the others.
 
-        Sampled inputs of one period that nobody else in the process reads are there at the same instants.
+        Inputs sampled together that nobody else in the process reads are there at the same instants.
         """
         uses = context.definition.uses_of_ports
         chain = [
@@ -256,8 +256,8 @@ class Offers(Abandoning):
             for i in remaining
             if self.thread.medium(inputs[i][1]).kind == "sampled" and uses.get(inputs[i][0].attachment, 0) == 1
         ]
-        periods = {self.thread.medium(inputs[i][1]).period for i in chain}
-        if len(periods) > 1:
+        samplings = {self.thread.medium(inputs[i][1]).sampling for i in chain}
+        if len(samplings) > 1:
             chain = []
         return chain, [i for i in remaining if i not in chain]
 

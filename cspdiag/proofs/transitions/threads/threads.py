@@ -162,7 +162,7 @@ class Strands:
         for position, medium in enumerate(occurrence.ports.values()):
             initial = repr(medium.initial) if medium.relevant or medium.kind == "constant" else None
             alias = first.setdefault(medium, position)
-            ports.append((medium.kind, medium.relevant, medium.cells, alias, medium.period, initial))
+            ports.append((medium.kind, medium.relevant, medium.cells, alias, medium.sampling, initial))
         parameters = self.world.facts.parameters(definition)
         values = tuple(repr(occurrence.arguments.get(name)) for name in parameters)
         return definition.name, strand.node, strand.role, values, tuple(ports)

@@ -78,7 +78,7 @@ def _of_port(run: RunData, port: ExternalPort) -> Iterator[Series]:
         value = _part(signal.value, name[len(port.name) :])
         if isinstance(kind, TimeType):
             value = value * 1e-9
-        yield Series(name, port.name, kind, signal.time, value, unread, port.period is None, port.direction == "out")
+        yield Series(name, port.name, kind, signal.time, value, unread, port.sampling is None, port.direction == "out")
 
 
 def _part(values: numpy.ndarray, path: str) -> numpy.ndarray:

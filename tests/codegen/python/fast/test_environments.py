@@ -28,7 +28,7 @@ def test_signals_are_equal_at_every_instant(name: str, environment: str) -> None
     program = network(name)
     packages = [LoadedPackage(program.name, pipeline.generate(program, read, level=level)) for level in (0, 1)]
     plain, fast = (package.module("environments").ENVIRONMENTS[environment]() for package in packages)
-    sampled = [port for port in program.external_ports if port.direction == "out" and port.period is not None]
+    sampled = [port for port in program.external_ports if port.direction == "out" and port.sampling is not None]
     outputs = [port.name for port in sampled if isinstance(port.type, RealType)]
     try:
         plain.start()
