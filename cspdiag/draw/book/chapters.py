@@ -201,7 +201,7 @@ def _ports(pictures: Pictures, definition: Described) -> tuple[PortRow, ...]:
     assert not isinstance(definition, ast.EnvironmentDefinition)
     rows: list[PortRow] = []
     for ports in definition.ports:
-        period = f"@ {written(ports.period)}" if ports.period else ""
+        period = f"@ {written(ports.sampling)}" if ports.sampling else ""
         for port in ports.names:
             kinds = pictures.facts.port(definition, port.name.text).kinds
             rows.append(

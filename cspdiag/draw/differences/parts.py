@@ -205,7 +205,7 @@ def _add_ports(parts: Parts, ports: Iterable[ast.Ports]) -> None:
                 "type": texts.written(item.type),
                 "size": texts.indexes(port.dimensions),
                 "default": texts.optional(item.default),
-                "period": texts.optional(item.period),
+                "period": texts.optional(item.sampling),
             }
             text = f"{item.direction} {texts.written(port)} : {texts.written(item.type)}"
             kept = {key: value or "" for key, value in aspects.items()}

@@ -158,7 +158,7 @@ class Boxes:
             spans=(port.span,),
             direction=declaration.direction,
             type=texts.written(declaration.type),
-            period=texts.optional(declaration.period),
+            period=texts.optional(declaration.sampling),
             periods=self._facts.stated_periods(self._declarations.get(box, definition), port.name.text),
         )
 

@@ -95,7 +95,7 @@ class _Extraction:
                         size=texts.indexes(port.dimensions) or None,
                         direction=declaration.direction,
                         type=texts.written(declaration.type),
-                        period=texts.optional(declaration.period),
+                        period=texts.optional(declaration.sampling),
                         periods=self.facts.stated_periods(definition, name),
                         immediate=declaration.immediate,
                         default=texts.optional(declaration.default),

@@ -84,7 +84,7 @@ def _sampled_output(program: Program, part: ast.Node) -> PortSymbol | None:
     if (
         isinstance(symbol, PortSymbol)
         and symbol.declaration.direction == "out"
-        and symbol.declaration.period is not None
+        and symbol.declaration.sampling is not None
     ):
         return symbol
     return None

@@ -156,8 +156,8 @@ class Definitions:
 def _port_expressions(definition: Instantiable) -> Iterator[ast.Expression]:
     for ports in definition.ports:
         yield from ports.type.dimensions
-        if ports.period is not None:
-            yield ports.period
+        if ports.sampling is not None:
+            yield ports.sampling.period
         for name in ports.names:
             yield from name.dimensions
 

@@ -66,9 +66,9 @@ class Elaboration:
 
     def sampling(self, ports: ast.Ports, shape: Shape) -> Sampling | None:
         """The sample instants of a declaration; a period that is refused is kept for the report and unknown."""
-        expression = ports.period
-        if expression is None:
+        if ports.sampling is None:
             return None
+        expression = ports.sampling.period
         if isinstance(expression, ast.Duration):
             period: Value | None = expression.nanoseconds
         else:

@@ -71,6 +71,13 @@ def lower_expression(program: Program, expression: ast.Expression, context: Lowe
     return _Lowering(program, context).lower(expression)
 
 
+def lower_period(program: Program, sampling: ast.Sampling | None, context: LoweringContext) -> Expression | None:
+    """The period of a port, at the place of all that the text says of its sample instants."""
+    if sampling is None:
+        return None
+    return replaced(lower_expression(program, sampling.period, context), span=sampling.span)
+
+
 def in_seconds(expression: Expression, wanted: Type) -> Expression:
     """``expression`` as a real number of seconds where it is a ``time`` and ``wanted`` is a real type."""
     if not (isinstance(expression.type, TimeType) and isinstance(wanted, RealType)):

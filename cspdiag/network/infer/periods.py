@@ -41,8 +41,8 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
     rates: Rates = {}
     for port, _, key in shape.port_elements():
         if port.sampling is not None:
-            expression = port.symbol.declaration.period
-            rates[key] = Rate(port.sampling, port.span if expression is None else expression.span)
+            declared = port.symbol.declaration.sampling
+            rates[key] = Rate(port.sampling, port.span if declared is None else declared.span)
     for instance in shape.instances.values():
         theirs = inside.get(instance.shape)
         if not theirs:

@@ -68,7 +68,8 @@ class Medium:
 
 @record(kw_only=True)
 class Port(Declared):
-    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation.
+    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation, at the place of
+    all that the text says of the sample instants.
 
     ``media`` has the medium of the port, or of each element of the array, once the class is specialized.
     """

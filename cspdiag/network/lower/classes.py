@@ -16,7 +16,7 @@ from cspdiag.base.record import replaced
 from cspdiag.model.program import Program, Value
 from cspdiag.model.types import UNKNOWN, TimeType
 from cspdiag.network.elaborate.definitions import Definitions, arguments_of
-from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
+from cspdiag.network.elaborate.expression import LoweringContext, lower_expression, lower_period
 from cspdiag.network.infer.ends import ReadingEnds, with_ends
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, ParameterValue
@@ -169,7 +169,6 @@ class _Sketch:
 
     def _port(self, port: PortShape) -> Port:
         declaration = port.symbol.declaration
-        period = declaration.period
         return Port(
             name=port.name,
             doc=declaration.doc,
@@ -177,7 +176,7 @@ class _Sketch:
             direction=port.direction,
             type=port.type,
             size=port.size,
-            period=None if period is None else lower_expression(self.program, period, self.plain),
+            period=lower_period(self.program, declaration.sampling, self.plain),
         )
 
     def _channel(self, channel: ChannelShape) -> LocalChannel:

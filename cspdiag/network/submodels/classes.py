@@ -9,7 +9,7 @@ from cspdiag.base import Report
 from cspdiag.base.record import node, record, replaced
 from cspdiag.model.program import BuiltinSymbol, Program
 from cspdiag.network.diagnostics.usage import InputDiscarded
-from cspdiag.network.elaborate.expression import lower_expression
+from cspdiag.network.elaborate.expression import lower_period
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ClassParameter, Direction, Port, SubmodelClass
 from cspdiag.network.submodels.draft import SECONDS, Draft
@@ -98,7 +98,6 @@ def _ports(inlining: Inlining) -> tuple[Port, ...]:
     ports = []
     for symbol in inlining.scope.ports.values():
         direction: Direction = symbol.declaration.direction
-        period = symbol.declaration.period
         size = len(inlining.elements(symbol)) if symbol.port.dimensions else None
         port = Port(
             name=symbol.name,
@@ -107,7 +106,7 @@ def _ports(inlining: Inlining) -> tuple[Port, ...]:
             direction=direction,
             type=inlining.declared(symbol.declaration.type, symbol.type),
             size=size,
-            period=lower_expression(inlining.program, period, inlining.context) if period else None,
+            period=lower_period(inlining.program, symbol.declaration.sampling, inlining.context),
         )
         if size is None or inlining.definition.external is not None:
             ports.append(port)

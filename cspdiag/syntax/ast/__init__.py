@@ -15,6 +15,7 @@ from cspdiag.syntax.ast.communication import (
     PortName,
     Ports,
     RepeatedDeclarations,
+    Sampling,
     Variable,
 )
 from cspdiag.syntax.ast.composition import (
@@ -168,6 +169,7 @@ __all__ = [
     "Replicator",
     "Reset",
     "Run",
+    "Sampling",
     "Sequence",
     "Skip",
     "SkipGuard",

@@ -26,15 +26,22 @@ class PortName(Node):
 
 
 @node
+class Sampling(Node):
+    """``T`` after the ``@`` of a port."""
+
+    period: Expression
+
+
+@node
 class Ports(Node):
-    """``in|out name, name : type [= default] [@ period [immediate]] [safe value]``."""
+    """``in|out name, name : type [= default] [@ sampling [immediate]] [safe value]``."""
 
     doc: str | None
     direction: Literal["in", "out"]
     names: tuple[PortName, ...]
     type: TypeName
     default: Expression | None = None
-    period: Expression | None = None
+    sampling: Sampling | None = None
     immediate: bool = False
     safe: Expression | None = None
 

@@ -23,10 +23,10 @@ class ArrowMiddle:
 
 
 @record
-class Period:
+class Timing:
     """``@ T [immediate]``."""
 
-    value: ast.Expression | None
+    sampling: ast.Sampling | None
     immediate: bool
 
 
@@ -37,7 +37,7 @@ class CommunicationBuilder(ExpressionBuilder):
 
     def ports(self, span: Span, direction: Token, first: ast.PortName, *rest: Any) -> ast.Ports:
         """A port declaration."""
-        *names, port_type, default, period, safe = rest
+        *names, port_type, default, timing, safe = rest
         return ast.Ports(
             span=span,
             doc=self.doc(span.start),
@@ -45,8 +45,8 @@ class CommunicationBuilder(ExpressionBuilder):
             names=(first, *names),
             type=port_type,
             default=default,
-            period=period.value,
-            immediate=period.immediate,
+            sampling=timing.sampling,
+            immediate=timing.immediate,
             safe=safe,
         )
 
@@ -54,17 +54,21 @@ class CommunicationBuilder(ExpressionBuilder):
         """``request[N]``."""
         return ast.PortName(span=span, name=name, dimensions=sizes)
 
-    def untimed(self, span: Span) -> Period:
+    def untimed(self, span: Span) -> Timing:
         """No period."""
-        return Period(None, False)
+        return Timing(None, False)
 
-    def sampled(self, span: Span, period: ast.Expression) -> Period:
+    def sampled(self, span: Span, sampling: ast.Sampling) -> Timing:
         """``@ T``."""
-        return Period(period, False)
+        return Timing(sampling, False)
 
-    def sampled_immediate(self, span: Span, period: ast.Expression) -> Period:
+    def sampled_immediate(self, span: Span, sampling: ast.Sampling) -> Timing:
         """``@ T immediate``."""
-        return Period(period, True)
+        return Timing(sampling, True)
+
+    def sampling(self, span: Span, period: ast.Expression) -> ast.Sampling:
+        """``T``."""
+        return ast.Sampling(span=span, period=period)
 
     communication_block = node(ast.Communication, "declarations")  # communication { ... }
     declarations = gathered  # What is in a communication block

@@ -27,7 +27,7 @@ class CommunicationFormatter(ExpressionFormatter):
             self.token()
         with columns.cell(), self.writer.group(" "), self.writer.indented():
             self.listed(node.names, self._port_name)
-        if node.default is None and node.period is None and node.safe is None:
+        if node.default is None and node.sampling is None and node.safe is None:
             # Nothing follows in the row that would have to be aligned.
             self._port_type(node.type)
             return
@@ -36,14 +36,17 @@ class CommunicationFormatter(ExpressionFormatter):
         if node.default is not None:
             self.token(" ")
             self.expression(node.default, " ")
-        if node.period is not None:
+        if node.sampling is not None:
             self.token(" ")
-            self.expression(node.period, " ")
+            self._sampling(node.sampling)
             if node.immediate:
                 self.token(" ")
         if node.safe is not None:
             self.token(" ")
             self.expression(node.safe, " ")
+
+    def _sampling(self, node: ast.Sampling) -> None:
+        self.expression(node.period, " ")
 
     def _port_type(self, node: ast.TypeName) -> None:
         self.token(" ")
