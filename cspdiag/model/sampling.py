@@ -8,27 +8,34 @@ from cspdiag.model.constants.durations import duration
 
 @record
 class Sampling:
-    """The sample instants of a port, its ticks: the whole multiples of ``period``. Equal samplings have equal ticks."""
+    """The sample instants of a port, its ticks: later than 0, and ``offset`` after a whole multiple of ``period``.
+
+    ``offset`` is not negative and shorter than the period, so that equal samplings have equal ticks.
+    """
 
     period: int
+    offset: int = 0
 
     def is_tick(self, instant: int) -> bool:
-        """Whether a sample is taken at an instant."""
-        return instant % self.period == 0
+        """Whether a sample is taken at an instant later than 0."""
+        return instant % self.period == self.offset
 
     def latest_tick(self, instant: int) -> int:
-        """The last tick up to an instant, which may be one itself."""
-        return instant - instant % self.period
+        """The last tick up to an instant, which may be one itself; before the first tick an instant that is not later
+        than 0.
+        """
+        return instant - (instant - self.offset) % self.period
 
     def next_tick(self, instant: int) -> int:
         """The first tick later than an instant."""
         return self.latest_tick(instant) + self.period
 
     def __str__(self) -> str:
-        """As it is written after ``@``: ``10 ms``."""
-        return duration(self.period)
+        """As it is written after ``@``: ``10 ms``, ``10 ms offset 2 ms``."""
+        return f"{duration(self.period)} offset {duration(self.offset)}" if self.offset else duration(self.period)
 
     @property
     def every(self) -> str:
-        """``every 10 ms``."""
-        return f"every {duration(self.period)}"
+        """``every 10 ms``, ``every 10 ms with an offset of 2 ms``."""
+        behind = f" with an offset of {duration(self.offset)}" if self.offset else ""
+        return f"every {duration(self.period)}{behind}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import networkx
 
-from cspdiag.model.constants.durations import duration
+from cspdiag.model.sampling import Sampling
 
 Facts = Mapping[str, object]
 
@@ -27,8 +27,10 @@ def edge_lines(facts: Facts) -> tuple[str, ...]:
 
 
 def _type_and_period(facts: Facts) -> str:
-    period = facts["period"]
-    return f"{facts['type']} @ {duration(period)}" if isinstance(period, int) else str(facts["type"])
+    period, offset = facts["period"], facts.get("offset", 0)
+    if not isinstance(period, int) or not isinstance(offset, int):
+        return str(facts["type"])
+    return f"{facts['type']} @ {Sampling(period, offset)}"
 
 
 class Enter:

@@ -171,7 +171,9 @@ def _external_port(path: str, port: ExternalPort) -> Facts:
 
 
 def _sampled(sampling: Sampling | None) -> Facts:
-    return {"period": None if sampling is None else sampling.period}
+    if sampling is None:
+        return {"period": None}
+    return {"period": sampling.period, **({"offset": sampling.offset} if sampling.offset else {})}
 
 
 def _outside_kind(port: ExternalPort) -> str:

@@ -1,7 +1,7 @@
 """Ports of the outermost process: where a program meets its environment.
 
-A *sampled* port communicates at the instants k·period. A sampled output is a one-place latch that is handed to the
-driver at the tick, which is when it communicates; any other output communicates when it is written. Inputs: see
+A *sampled* port communicates at the instants k·period + offset. A sampled output is a one-place latch that is handed to
+the driver at the tick, which is when it communicates; any other output communicates when it is written. Inputs: see
 ``inputs``.
 """
 
@@ -67,12 +67,13 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         name: str,
         *,
         period: int,
+        offset: int = 0,
         driver: Driver | None = None,
         safe: T | None = None,
         immediate: bool = False,
     ) -> None:
         super().__init__(name, driver, safe)
-        self.ticks = Ticks(period)
+        self.ticks = Ticks(period, offset)
         self.immediate = immediate or isinstance(driver, Supply)
         self.written = False
         self.latched: Any = None

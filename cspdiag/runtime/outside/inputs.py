@@ -33,7 +33,7 @@ _SILENT_TIME = 500 * ms
 
 
 class _Pace:
-    """The ends of one process with one period. The process *follows* the period from its first sample until it ends."""
+    """The ends of one process with the same ticks. The process *follows* these from its first sample until it ends."""
 
     __slots__ = ("ends", "followed")
 
@@ -45,7 +45,7 @@ class _Pace:
 class SampledEnd(LatchedEnd[T]):
     """The end of one reader of a sampled input.
 
-    Its session begins when the reader first waits for a sample. Before that, while its process follows the period
+    Its session begins when the reader first waits for a sample. Before that, while its process follows the ticks
     through another end, it holds the sample of the present tick, so that a first read belongs to the same instant as
     the reads beside it.
     """
@@ -64,7 +64,7 @@ class SampledEnd(LatchedEnd[T]):
 
     @property
     def listens(self) -> bool:
-        """Whether it wants the next sample: its session has begun, or its process follows the period."""
+        """Whether it wants the next sample: its session has begun, or its process follows the ticks."""
         return self.begun or self.pace.followed
 
     def sample(self, value: T) -> None:
@@ -204,10 +204,12 @@ class SampledInput(In[T]):
         "ticks",
     )  # fmt: skip
 
-    def __init__(self, name: str, *, period: int, driver: Driver | None = None, accepts: Accept | None = None) -> None:
+    def __init__(
+        self, name: str, *, period: int, offset: int = 0, driver: Driver | None = None, accepts: Accept | None = None
+    ) -> None:
         self.name = name
         self.accepts = accepts
-        self.ticks = Ticks(period)
+        self.ticks = Ticks(period, offset)
         self.driver = driver
         self.line: Any = driver
         self.ends: list[SampledEnd[T]] = []

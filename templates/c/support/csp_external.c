@@ -1,7 +1,7 @@
 /* Ports of the outermost process.
  *
  * A reading end of a sampled input has a session, which begins when its reader first waits for a sample and lasts until the
- * process ends; within it, each sample must be taken before the next one comes. Before that, while its process follows the period
+ * process ends; within it, each sample must be taken before the next one comes. Before that, while its process follows the ticks
  * through another end, it holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
  * A value from outside communicates when a reader takes it.
  */
@@ -28,6 +28,12 @@ void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t pe
     port->driver = driver;
 }
 
+/* Before the first tick. */
+static bool have_same_ticks(const csp_sampled_input *one, const csp_sampled_input *other)
+{
+    return (one->period == other->period) && (one->next == other->next);
+}
+
 void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_ends *owner)
 {
     end->medium.number = port->medium.number;
@@ -43,7 +49,7 @@ void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_end
     *last = end;
     last = &owner->first;
     while (*last != NULL) {
-        if ((end->pace == end) && ((*last)->port->period == port->period)) {
+        if ((end->pace == end) && have_same_ticks((*last)->port, port)) {
             end->pace = (*last)->pace;
         }
         last = &(*last)->next_of_owner;

@@ -24,13 +24,13 @@ struct csp_sampled_input {
     bool counts;  /* missed samples are counted and raise no Timeout */
     csp_driver driver;
     int64_t period;
-    int64_t next; /* tick */
+    int64_t next; /* tick; the first is at the period, or at the offset that is stored here before there are ends */
     void *value;  /* the present sample */
     uint32_t missed;
     csp_sampled_end *ends; /* in the order in which they were made */
 };
 
-/* The reading ends of one process, closed when it ends. Those of one period pace each other. */
+/* The reading ends of one process, closed when it ends. Those with the same ticks pace each other. */
 typedef struct csp_ends {
     csp_sampled_end *first;
 } csp_ends;
@@ -40,11 +40,11 @@ struct csp_sampled_end {
     bool begun;    /* its session */
     bool fresh;    /* there is a sample that was not taken */
     bool overdue;  /* one was overwritten */
-    bool followed; /* of the first end of its process and period: the process follows the period */
+    bool followed; /* of the first end of its process and ticks: the process follows these */
     csp_sampled_input *port;
     csp_sampled_end *next;          /* of the port */
     csp_sampled_end *next_of_owner; /* of the process */
-    csp_sampled_end *pace;          /* the first end of its process and period */
+    csp_sampled_end *pace;          /* the first end of its process and ticks */
     csp_party *reader;
     csp_guard *inputs;
 };
@@ -118,7 +118,7 @@ typedef struct csp_latched_output {
     uint32_t writer; /* the process that wrote last */
     csp_driver driver;
     int64_t period;
-    int64_t next; /* tick */
+    int64_t next; /* tick; the first is at the period, or at the offset that is stored here */
     void *value;
 } csp_latched_output;
 

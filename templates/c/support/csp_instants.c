@@ -34,7 +34,7 @@ static void extend(range *ports, uint32_t index)
     ports->to = index + 1U;
 }
 
-/* The period of a port, 0: it has none; and whether the port is an event input that is polled. */
+/* The period of a port, 0: it has none. */
 static int64_t period_of(const csp_port *port)
 {
     switch (port->kind) {
@@ -45,6 +45,13 @@ static int64_t period_of(const csp_port *port)
     default:
         return 0;
     }
+}
+
+/* The next tick of a port that has a period. */
+static int64_t tick_of(const csp_port *port)
+{
+    return (port->kind == CSP_PORT_SAMPLED) ? ((const csp_sampled_input *)(const void *)port->medium)->next
+                                            : ((const csp_latched_output *)(const void *)port->medium)->next;
 }
 
 static bool is_polled(const csp_port *port)
@@ -100,7 +107,7 @@ void csp_instants_begin(const csp_program *program)
             /* It has no instants. */
         }
         if (period_of(port) > 0) {
-            next_tick = earlier(next_tick, period_of(port));
+            next_tick = earlier(next_tick, tick_of(port));
         }
     }
 }

@@ -40,7 +40,8 @@ def test_every_tick_and_every_grid_instant_is_met_in_order(remembered: int, monk
     ports = (
         SampledInput[float]("slow", period=10, driver=_Sensor("slow", log)),
         SampledInput[float]("fast", period=6, driver=_Sensor("fast", log)),
-        SampledOutput[float]("out", period=15),
+        SampledInput[float]("shifted", period=10, offset=3, driver=_Sensor("shifted", log)),
+        SampledOutput[float]("out", period=15, offset=11),
     )
     times = Instants(ports, _Plant(log))
     expected: list[str] = []
@@ -52,8 +53,8 @@ def test_every_tick_and_every_grid_instant_is_met_in_order(remembered: int, monk
         met.append(now)
         times.meet(now)
         expected.append(f"plant {now}")
-        expected += ["slow"] * (now % 10 == 0) + ["fast"] * (now % 6 == 0)
-    assert met == [t for t in range(1, met[-1] + 1) if 0 in (t % 4, t % 6, t % 10, t % 15)]
+        expected += ["slow"] * (now % 10 == 0) + ["fast"] * (now % 6 == 0) + ["shifted"] * (now % 10 == 3)
+    assert met == [t for t in range(1, met[-1] + 1) if 0 in (t % 4, t % 6, t % 10, (t - 3) % 10, (t - 11) % 15)]
     assert log == expected
 
 

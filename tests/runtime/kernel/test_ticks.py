@@ -379,6 +379,42 @@ def test_a_sample_held_for_a_first_read_cannot_be_missed_before_it() -> None:
     assert outcome.missed == {"x": 0, "rare": 0}
 
 
+def test_an_input_with_another_offset_is_followed_by_itself() -> None:
+    world = Scripted({"x": COUNT, "y": COUNT})
+    x = SampledInput[int]("x", period=ms, driver=world.drivers["x"])
+    y = SampledInput[int]("y", period=ms, offset=300 * us, driver=world.drivers["y"])
+    times: list[int] = []
+
+    class Reader(Process):
+        def __init__(self) -> None:
+            super().__init__("Reader")
+            self.x, self.y = x.reader(self), y.reader(self)
+
+        async def run(self) -> None:
+            for end in (self.x, self.x, self.y, self.x, self.y):
+                await end.read()
+                times.append(network.now)
+
+    network = Network(Reader(), [x, y])
+    assert network.run(world, until=100 * ms).missed == {"x": 0, "y": 0}
+    assert times == [ms, 2 * ms, 2300 * us, 3 * ms, 3300 * us]
+
+
+def test_an_output_with_an_offset_changes_between_the_samples() -> None:
+    world = Scripted({"x": COUNT}, ["u"])
+    x = SampledInput[int]("x", period=2 * ms, driver=world.drivers["x"])
+    u = SampledOutput[int]("u", period=2 * ms, offset=500 * us, driver=world.drivers["u"], safe=-1)
+
+    async def top() -> None:
+        end = x.reader()
+        for _ in range(2):
+            await u.write(await end.read())
+        await wait(ms)
+
+    Network(Body(top), [x, u]).run(world, until=100 * ms)
+    assert world.written["u"] == [(2500 * us, 2), (4500 * us, 4), (5000 * us, -1)]
+
+
 def test_a_process_that_runs_again_waits_for_the_next_tick_again() -> None:
     world = Scripted({"x": COUNT, "y": COUNT})
     ports = [SampledInput[int](name, period=ms, driver=world.drivers[name]) for name in ("x", "y")]
