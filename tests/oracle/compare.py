@@ -16,7 +16,7 @@ from tests.oracle.properties import Answer, deadlock_free, livelock_free, schedu
 from tests.oracle.refine import refines
 from tests.oracle.traces import compare_traces
 
-WIDE = (-5, -2, -1, 0, 1, 2, 3, 4, 5, 7, 8, 100, 2**63 - 1)
+WIDE = (-(2**63), -5, -2, -1, 0, 1, 2, 3, 4, 5, 7, 8, 100, 2**63 - 1)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from tests.oracle.machine.core import CANCEL, Core, MustWaitError
 from tests.oracle.machine.laws import assign
 from tests.oracle.machine.link import Node
 from tests.oracle.machine.state import Choice, Frame, Offer, Signal, State, Thread
-from tests.oracle.machine.values import evaluate, stored
+from tests.oracle.machine.values import evaluate, nanoseconds, stored
 from tests.oracle.programs.tree import After, Alt, Guarded, Interrupt, Read, Ready, Value, Write
 
 
@@ -24,7 +24,8 @@ class Guards(Core):
             case Write(channel, value):
                 return Offer(index, "write", channel, stored(evaluate(value, st.variables)), 0, st.seq)
             case After(time, at):
-                return Offer(index, "after", "", None, time if at else st.now + time, st.seq)
+                due = nanoseconds(time, st.variables) + (0 if at else st.now)
+                return Offer(index, "after", "", None, due, st.seq)
             case Ready(channel):
                 return Offer(index, "ready", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
             case _:

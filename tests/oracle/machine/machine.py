@@ -23,7 +23,7 @@ from tests.oracle.machine.state import (  # fmt: skip
     Thread,
     Tid,
 )
-from tests.oracle.machine.values import NOW, FaultError, evaluate
+from tests.oracle.machine.values import NOW, FaultError, evaluate, nanoseconds
 from tests.oracle.programs.tree import (
     After,
     Alt,
@@ -168,9 +168,10 @@ class Machine(Parallels, Guards, Laws):
             case Read() | Write():
                 return self._communicate(st, thread, node, "comm", node.comp)
             case Wait(time, until):
+                length = nanoseconds(time, st.variables)
                 if thread.cancel:
                     return CANCEL
-                return self._delay(st, thread, time - st.now if until else time)
+                return self._delay(st, thread, length - st.now if until else length)
             case Stop():
                 if thread.cancel:
                     return CANCEL

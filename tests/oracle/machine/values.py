@@ -95,6 +95,8 @@ def _arithmetic(op: str, a: int | float, b: int | float) -> int | float:
             return a - b
         case "*":
             return a * b
+        case "^":
+            return _power(a, b)
         case _:
             if b == 0:
                 raise FaultError("division by zero")
@@ -102,6 +104,16 @@ def _arithmetic(op: str, a: int | float, b: int | float) -> int | float:
                 return a / b
             quotient = abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
             return quotient if op == "/" else a - b * quotient
+
+
+def _power(a: int | float, b: int | float) -> int:
+    """Of whole numbers, without computing one that is out of every range."""
+    assert isinstance(a, int)
+    assert isinstance(b, int)
+    if b < 0 or (abs(a) > 1 and b > 64):
+        raise FaultError("a negative exponent, or a power out of range")
+    made: int = a ** (2 - b % 2 if abs(a) <= 1 and b else b)
+    return made
 
 
 def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
@@ -140,6 +152,13 @@ def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
             return _number(variables[NOW]) < instant
         case Make(inner, _):
             return tuple(evaluate(part, variables) for part in inner)
+
+
+def nanoseconds(time: int | Expr, variables: Mapping[str, Value]) -> int:
+    """A duration or an instant, written or computed."""
+    value = time if isinstance(time, int) else evaluate(time, variables)
+    assert isinstance(value, int)
+    return value
 
 
 def _binary(op: str, left: Expr, right: Expr, kind: Type, variables: Mapping[str, Value]) -> Value:

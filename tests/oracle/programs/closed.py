@@ -9,7 +9,7 @@ from __future__ import annotations
 from random import Random
 
 from tests.oracle.programs.forms import MS, Forms, forever
-from tests.oracle.programs.scope import MODE, PAIR, TYPES, Scope, World
+from tests.oracle.programs.scope import MODE, PAIR, TYPES, WIDE_TYPES, Scope, World
 from tests.oracle.programs.text import uses
 from tests.oracle.programs.tree import BOOL, INT, Channel, Comp, Mu, Par, Port, Program, Read, Wait, Write
 
@@ -27,17 +27,23 @@ def _ends(rng: Random, kind: str, count: int) -> tuple[list[int], list[int]]:
     return order[:1], order[1:2]
 
 
+def is_wide(seed: int) -> bool:
+    """Whether a program computes at the ends of the ranges; the others stay what they were for their seeds."""
+    return Random(f"wide {seed}").random() < 0.4
+
+
 def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = False, sampled: bool = True) -> Program:
     """A program without inputs; or with some, of events and of samples."""
     rng = Random(seed)
-    world = World(rng, rich=rng.random() < 0.4)
+    world = World(rng, rich=rng.random() < 0.4, wide=is_wide(seed))
     count = rng.choice([2, 2, 3, 3, 4])
     scopes = [Scope(world, branch, [], [], []) for branch in range(count)]
     ends: dict[str, tuple[list[int], list[int]]] = {}
     for number in range(rng.randint(1, 3)):
         kind = rng.choice([kind for kind in KINDS if kind not in without and (kind != "broadcast" or count > 2)])
         size = rng.randint(1, 2) if kind in ("buffer", "overwrite") else 0
-        channel = Channel(f"c{number}", rng.choice(TYPES) if world.rich else INT, kind, size)
+        kinds = (TYPES if world.rich else ()) + (WIDE_TYPES if world.wide else ()) or (INT,)
+        channel = Channel(f"c{number}", rng.choice(kinds) if len(kinds) > 1 else INT, kind, size)
         world.channels.append(channel)
         ends[channel.name] = _ends(rng, kind, count)
         for branch in ends[channel.name][0]:
@@ -53,6 +59,8 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
         for scope in rng.sample(scopes, rng.choice([1, 1, 2])):
             period = rng.choice([None, None, 2 * MS, 5 * MS]) if sampled else None
             kind, domain, values = INT, (-1, 0, 1, 2), (0, 1)
+            if world.wide:
+                domain, values = (-(2**63), 0, 1, 2**63 - 1), (0, 2**63 - 1)
             if rng.random() < 0.6:
                 kind, domain, values = BOOL, (False, True), (False, True)
             port = Port(
@@ -72,6 +80,7 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
         ports=tuple(
             port for port in ports if any(port.name + ("?" if port.input else "!") in uses(body, {}) for body in bodies)
         ),
+        laws=tuple(world.laws),
         enums=(MODE,),
         structs=(PAIR,),
         exceptions=tuple(sorted(world.exceptions)),
@@ -83,7 +92,8 @@ def _free(scopes: list[Scope], without: frozenset[str]) -> list[Comp]:
     bodies: list[Comp] = []
     for scope in scopes:
         forms = Forms(scope, without)
-        body = forms.sequence(forms.steps(scope.rng.randint(1, 4), 2))
+        steps = forms.steps(scope.rng.randint(1, 4), 2)
+        body = forms.sequence(forms.overflowed(steps) if scope.world.wide and scope.rng.random() < 0.6 else steps)
         bodies.append(forms.loop(body) if scope.rng.random() < 0.6 else body)
     return bodies
 
@@ -107,8 +117,10 @@ def _scripted(
     bodies: list[Comp] = []
     for scope, steps in zip(scopes, lists, strict=True):
         forms = Forms(scope, without)
-        for _ in range(rng.choice([0, 0, 1, 1, 2])):
+        for _ in range(rng.choice([0, 0, 0, 1] if world.wide else [0, 0, 1, 1, 2])):
             steps = forms.changed(steps)
+        if world.wide and rng.random() < 0.6:
+            steps = forms.overflowed(steps)
         body = forms.sequence(steps)
         around = looped < 0.5 or (looped < 0.65 and rng.random() < 0.5)
         bodies.append((forever(body) if looped < 0.4 else forms.loop(body)) if around else body)

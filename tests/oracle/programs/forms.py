@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from tests.oracle.programs.edges import Edges
 from tests.oracle.programs.scope import BYTE, Scope
 from tests.oracle.programs.text import uses
 from tests.oracle.programs.tree import (
@@ -11,6 +13,7 @@ from tests.oracle.programs.tree import (
     INT,
     MS,
     REAL,
+    TIME,
     After,
     Alt,
     Assign,
@@ -24,6 +27,7 @@ from tests.oracle.programs.tree import (
     Expr,
     Guarded,
     If,
+    Int,
     Interrupt,
     Lit,
     Mu,
@@ -247,6 +251,8 @@ class Forms:
     def faulty(self, depth: int) -> Comp:
         """Arithmetic that may fault, and who catches it."""
         scope = self.scope
+        if scope.world.wide and self.rng.random() < 0.8:
+            return self.saved(self.overflowing(depth))
         choice = self.rng.random()
         steps: list[Comp]
         if choice < 0.3:
@@ -274,6 +280,75 @@ class Forms:
         if isinstance(event, Skip):
             event = self.after()
         return Interrupt(body, Guarded(event, self.step(max(depth - 1, 0))))
+
+    # ---- arithmetic at the ends of the ranges ----
+
+    def saved(self, steps: Sequence[Comp], instead: Comp | None = None) -> Comp:
+        """Steps that may fault, and what is done then: nothing, never anything, or a step; of the same or not."""
+        choice = self.rng.random()
+        handler: Comp = Skip() if choice < 0.2 else Stop() if choice < 0.55 else self.step(0)
+        if choice > 0.75:
+            handler = instead or self.communication() or handler
+        return Catch(self.sequence(steps), "Fault", handler)
+
+    def overflowing(self, depth: int) -> list[Comp]:
+        """Steps that compute, wait or communicate what may be out of range."""
+        edges = Edges(self.scope, self.without)
+        choice = self.rng.random()
+        communication = self.communication()
+        timed = "time" not in self.without
+        if choice < 0.12 and isinstance(communication, Write) and isinstance(communication.value.type, Int):
+            return [replace(communication, value=edges.sum(communication.value.type))]
+        if choice < 0.2 and self.scope.outputs:
+            return [Write(self.rng.choice(self.scope.outputs), edges.sum(INT))]
+        if choice < 0.3 and isinstance(communication, Read) and isinstance(communication.target.type, Int):
+            return [communication, edges.added(communication.target)]
+        if choice < 0.4 and timed:
+            until = self.rng.random() < 0.5
+            return [Wait(edges.sum(TIME), until)]
+        if choice < 0.5 and communication is not None:
+            return [self.overflowing_guards(edges, communication, timed=timed)]
+        if choice < 0.55:
+            return [If(edges.condition(), self.step(0), self.step(0))]
+        if choice < 0.75:
+            inner: list[Comp] = [communication] if communication is not None and self.rng.random() < 0.4 else []
+            if not inner and timed and self.rng.random() < 0.4:
+                inner = [self.wait()] if self.rng.random() < 0.1 else [Wait(MS)]
+            return edges.loop(inner)
+        return edges.steps()
+
+    def overflowing_guards(self, edges: Edges, communication: Read | Write, *, timed: bool) -> Comp:
+        """An alternative or an interrupt whose guards compute what may be out of range."""
+        if timed and self.rng.random() < 0.6:
+            late = Guarded(After(edges.sum(TIME), self.rng.random() < 0.5), self.step(0))
+            if self.rng.random() < 0.3 and "interrupt" not in self.without:
+                return Interrupt(communication, late)
+            return Alt((Guarded(communication, Skip()), late), self.rng.random() < 0.5)
+        if isinstance(communication, Write) and isinstance(communication.value.type, Int) and self.rng.random() < 0.5:
+            written = replace(communication, value=edges.sum(communication.value.type))
+            return Alt((Guarded(written, Skip()), Guarded(Skip(), self.step(0))), self.rng.random() < 0.5)
+        alone = Guarded(communication, self.step(0), edges.condition())
+        if self.rng.random() < 0.4:
+            return alone
+        return Alt((alone, Guarded(Skip(), self.step(0))), self.rng.random() < 0.5)
+
+    def overflowed(self, steps: list[Comp]) -> list[Comp]:
+        """A list of steps of which one computes what may be out of range, or is left out after that."""
+        if not steps:
+            return [self.saved(self.overflowing(1))]
+        at = self.rng.randrange(len(steps))
+        before, step, after = steps[:at], steps[at], steps[at + 1 :]
+        edges = Edges(self.scope, self.without)
+        choice = self.rng.random()
+        if isinstance(step, Write) and isinstance(step.value.type, Int) and choice < 0.5:
+            value = edges.sum(step.value.type)
+            return [*before, self.saved([replace(step, value=value)], instead=step), *after]
+        if isinstance(step, Read) and isinstance(step.target.type, Int) and choice < 0.5:
+            return [*before, step, self.saved([edges.added(step.target)]), *after]
+        if choice < 0.75:
+            return [*before, self.saved(self.overflowing(1)), step, *after]
+        end = self.rng.randint(at, len(steps))
+        return [*before, self.saved([*self.overflowing(1), *steps[at:end]], instead=step), *steps[end:]]
 
     # ---- changes ----
 

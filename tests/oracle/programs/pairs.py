@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from random import Random
 
-from tests.oracle.programs.closed import closed
+from tests.oracle.programs.closed import closed, is_wide
 from tests.oracle.programs.forms import Forms, forever
 from tests.oracle.programs.scope import MODE, PAIR, TWO, Scope, World
 from tests.oracle.programs.shrink import tidy
@@ -57,7 +57,7 @@ class Pair:
 
 def pair(seed: int) -> Pair:
     rng = Random(seed)
-    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng)
+    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=is_wide(seed))
     one, other = base, base
     if rng.random() < 0.5:
         one = _narrower(rng, one)
@@ -107,30 +107,33 @@ def _hiding(rng: Random, program: Program) -> tuple[Program, tuple[Port, ...]]:
 
 def _parallel(rng: Random) -> tuple[Program, Forms]:
     """Branches that communicate with each other and outside."""
-    made = closed(rng.randrange(10**9), inputs=True, sampled=False, without=frozenset({"time"}))
+    made = closed(rng.randrange(10**9), inputs=True, sampled=False, without=frozenset({"time", "law"}))
     world = World(rng, variables=list(made.variables))
     outputs = [Channel(port.name, INT, "output") for port in made.ports if not port.input]
     scope = Scope(world, 0, [], outputs[:1], [])
     base = replace(made, boxed=frozenset(), environment=False)
-    return base, Forms(scope, frozenset({"time"}))
+    return base, Forms(scope, frozenset({"time", "law"}))
 
 
-def _sequential(rng: Random) -> tuple[Program, Forms]:
+def _sequential(rng: Random, *, wide: bool) -> tuple[Program, Forms]:
     """One process that communicates outside."""
-    world = World(rng, rich=rng.random() < 0.3)
+    world = World(rng, rich=rng.random() < 0.3, wide=wide)
+    domain = (-(2**63), 0, 1, 2**63 - 1) if wide else DOMAIN
     inputs = [Channel(f"i{number}", INT, "event") for number in range(rng.choice([0, 1, 1, 2]))]
     outputs = [Channel(f"o{number}", INT, "output") for number in range(rng.choice([1, 1, 2]))]
     scope = Scope(world, 0, inputs, outputs, [])
-    without = frozenset({"time"}) if rng.random() < 0.8 else frozenset[str]()
+    without = frozenset({"time", "law"}) if rng.random() < 0.8 else frozenset({"law"})
     forms = Forms(scope, without)
     steps = forms.steps(rng.randint(1, 3), 1)
     for output in outputs:
         steps.insert(rng.randrange(len(steps) + 1), Write(output.name, scope.number()))
     steps += [Read(channel.name, scope.target(INT)) for channel in inputs if rng.random() < 0.7]
+    if wide:
+        steps = forms.overflowed(steps)
     body = forms.sequence(steps)
     looped = rng.random()
     body = forms.loop(body) if looped < 0.4 else forever(body) if looped < 0.6 else body
-    ports = [Port(channel.name, True, INT, domain=DOMAIN, values=((0, 0),)) for channel in inputs]
+    ports = [Port(channel.name, True, INT, domain=domain, values=((0, 0),)) for channel in inputs]
     ports += [Port(channel.name, False, INT) for channel in outputs]
     base = Program(
         body,

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isqrt
 from random import Random
 
 from tests.oracle.machine.values import zero
 from tests.oracle.programs.tree import (
     BOOL,
+    CONSTANTS,
     INT,
+    MS,
     REAL,
+    TIME,
     Array,
     Bin,
     Bool,
@@ -22,6 +26,7 @@ from tests.oracle.programs.tree import (
     If3,
     Index,
     Int,
+    Law,
     Lit,
     Make,
     Real,
@@ -38,7 +43,9 @@ MODE = Enum("Mode", ("low", "mid", "high"))
 PAIR = Struct("Pair", (("a", INT), ("b", BOOL)))
 TWO = Array(INT, 2)
 BYTE = Int("int8")
+NARROW = (BYTE, *(Int(name) for name in ("int16", "int32", "uint8", "uint16", "uint32")))
 TYPES: tuple[Type, ...] = (INT, BOOL, REAL, MODE, PAIR, TWO)
+WIDE_TYPES: tuple[Type, ...] = (*(INT,) * 8, TIME, TIME, REAL, BYTE, *NARROW)
 REALS = (0.0, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0, 1e300)
 
 
@@ -51,6 +58,8 @@ class World:
     channels: list[Channel] = field(default_factory=list)
     exceptions: set[str] = field(default_factory=set)
     rich: bool = True  # with structs, arrays, enumerations
+    wide: bool = False  # with numbers at the ends of the ranges of their types
+    laws: list[Law] = field(default_factory=list)
 
     def variable(self, kind: Type, owner: int, initial: Value | None = None) -> Variable:
         made = Variable(f"v{len(self.variables)}", kind, zero(kind) if initial is None else initial, owner)
@@ -76,7 +85,8 @@ class Scope:
         known = [variable for variable in self.own if variable.type == kind]
         if known and self.rng.random() < 0.8:
             return self.rng.choice(known)
-        made = self.world.variable(kind, self.owner)
+        wide = self.world.wide and isinstance(kind, Int) and self.rng.random() < 0.15
+        made = self.world.variable(kind, self.owner, self.edge(kind).value if wide else None)
         self.own.append(made)
         return made
 
@@ -164,10 +174,28 @@ class Scope:
                 return Make(tuple(self.value(inner) for _, inner in fields), kind)
             case Array(element, size):
                 return Make(tuple(self.value(element) for _ in range(size)), kind)
+            case Int() if self.world.wide and (kind == TIME or rng.random() < 0.3):
+                return self.edge(kind)
             case Int("int"):
                 return self.number()
             case Int():
                 return Convert(Bin("%", Call("max", (self.number(), Lit(0, INT)), INT), Lit(4, INT), INT), kind)
+
+    def edge(self, kind: Int) -> Lit:
+        """A number at an end of the range of its type, at its half or its root, or a small one."""
+        rng = self.rng
+        low, high = kind.bounds
+        named = [value for value, other in CONSTANTS if other == kind]
+        if named and rng.random() < 0.2:
+            return Lit(rng.choice(named), kind, constant=True)
+        choice = rng.random()
+        if choice < 0.35:
+            return Lit(rng.choice((low, low + 1, low + 2, high, high - 1, high - 2)), kind)
+        if choice < 0.6:
+            part = rng.choice((high // 2, high // 2 + 1, high // 3, isqrt(high), isqrt(high) + 1, high - 100))
+            return Lit(-part if low and rng.random() < 0.4 else part, kind)
+        size = rng.choice((1, 2, 3, 10)) * (rng.choice((1, MS)) if kind == TIME else 1)
+        return Lit(-size if low and rng.random() < 0.3 else size, kind)
 
     def condition(self, depth: int = 1) -> Expr:
         rng = self.rng

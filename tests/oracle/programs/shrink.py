@@ -8,8 +8,10 @@ from dataclasses import replace
 
 from tests.oracle.programs.text import branches, uses
 from tests.oracle.programs.tree import (
+    After,
     Alt,
     Assign,
+    Bin,
     Bool,
     Catch,
     Channel,
@@ -29,6 +31,7 @@ from tests.oracle.programs.tree import (
     Run,
     Seq,
     Skip,
+    Un,
     Wait,
     While,
     Write,
@@ -118,18 +121,27 @@ def _simpler(node: Comp) -> Iterator[Comp]:
         case Guarded(event, body, when):
             if when is not None:
                 yield replace(node, when=None)
+                yield from (replace(node, when=each) for each in _values(when))
             if body != Skip():
                 yield replace(node, body=Skip())
             yield from (replace(node, event=each) for each in _events(event))
-        case Mu(body) | While(_, body) | Catch(body) | Interrupt(body) | If(_, body):
+        case Mu(body, until):
+            yield body
+            yield from (replace(node, until=each) for each in ([None, *_values(until)] if until else []))
+        case While(test, body) | If(test, body):
+            yield body
+            yield from (replace(node, condition=each) for each in _values(test))
+        case Catch(body) | Interrupt(body):
             yield body
         case Replicated(_, _, _, body):
             if not isinstance(body, Guarded):
                 yield body
         case Write(_, value) | Assign(_, value):
             yield from (replace(node, value=each) for each in _values(value))
-        case Wait(time_, until) if time_ > 10**6 or until:
+        case Wait(time_, until) if until or not isinstance(time_, int) or time_ > 10**6:
             yield Wait(10**6)
+            if not isinstance(time_, int):
+                yield from (replace(node, time=each) for each in _values(time_))
     inner_parts = parts(node)
     for at, part in enumerate(inner_parts):
         for smaller in _simpler(part):
@@ -137,13 +149,26 @@ def _simpler(node: Comp) -> Iterator[Comp]:
                 yield with_parts(node, (*inner_parts[:at], smaller, *inner_parts[at + 1 :]))
 
 
-def _events(event: object) -> Iterator[Read | Write]:
+def _events(event: object) -> Iterator[Read | Write | After]:
     if isinstance(event, Write):
         yield from (replace(event, value=each) for each in _values(event.value))
+    if isinstance(event, After) and not isinstance(event.time, int):
+        yield from (replace(event, time=each) for each in _values(event.time))
 
 
 def _values(value: Expr) -> Iterator[Expr]:
+    """Simpler expressions of the same type."""
     if not isinstance(value, Lit) and isinstance(value.type, Int):
         yield Lit(1, value.type)
     if not isinstance(value, Lit) and isinstance(value.type, Bool):
         yield Lit(True, value.type)
+    match value:
+        case Lit(_, _, True):
+            yield replace(value, constant=False)
+        case Un(_, of):
+            yield of
+            yield from (replace(value, of=each) for each in _values(of))
+        case Bin(_, left, right):
+            yield from (each for each in (left, right) if each.type == value.type)
+            yield from (replace(value, left=each) for each in _values(left))
+            yield from (replace(value, right=each) for each in _values(right))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 
 from tests.oracle.programs.tree import (
+    CONSTANTS,
     After,
     Alt,
     Array,
@@ -61,7 +62,7 @@ from tests.oracle.programs.tree import (
     walk,
 )  # fmt: skip
 
-CONSTANT = re.compile(r"\bk([0-9])\b")
+CONSTANT = re.compile(r"\bk([0-9]+)\b")
 
 
 def duration(nanoseconds: int) -> str:
@@ -83,8 +84,12 @@ def literal(value: Value, kind: Type) -> str:
                 if isinstance(value, float) and value >= 0
                 else f"(-{-float(str(value))!r})"
             )
-        case Int():
-            return str(value) if isinstance(value, int) and value >= 0 else f"(-{-int(str(value))})"
+        case Int(name):
+            assert isinstance(value, int)
+            if value == -(2**63):  # its size is no number of its type
+                return f"({literal(value + 1, kind)} - {literal(1, kind)})"
+            size = duration(abs(value)) if name == "time" else str(abs(value))
+            return size if value >= 0 else f"(-{size})"
         case Struct(name, fields):
             assert isinstance(value, tuple)
             inner = (f"{part} = {literal(v, t)}" for (part, t), v in zip(fields, value, strict=True))
@@ -111,8 +116,8 @@ def shown(value: Value, kind: Type) -> object:
 
 def expression(expr: Expr) -> str:
     match expr:
-        case Lit(value, _, True):
-            return f"k{value}"
+        case Lit(value, kind, True):
+            return f"k{CONSTANTS.index((value, kind))}"
         case Lit(value, kind):
             return literal(value, kind)
         case Ref(name):
@@ -150,6 +155,10 @@ def condition(expr: Expr) -> str:
     return text[1:-1] if isinstance(expr, Bin | If3 | Early) else text
 
 
+def _time(time: int | Expr) -> str:
+    return duration(time) if isinstance(time, int) else condition(time)
+
+
 def _target(target: Target) -> str:
     return target.name + target.part
 
@@ -161,7 +170,7 @@ def _event(event: Event, ports: dict[str, str]) -> str:
         case Write(channel, value):
             return f"{ports.get(channel + '!', channel)} ! {expression(value)}"
         case After(time, at):
-            return f"{'at' if at else 'after'} {duration(time)}"
+            return f"{'at' if at else 'after'} {_time(time)}"
         case Ready(channel):
             return ports.get(channel + "?", channel)
         case Skip():
@@ -189,7 +198,7 @@ def composition(node: Comp, ports: dict[str, str]) -> str:
         case Read() | Write():
             return _event(node, ports)
         case Wait(time, until):
-            return f"wait {'until ' if until else ''}{duration(time)}"
+            return f"wait {'until ' if until else ''}{_time(time)}"
         case Raise(name):
             return f"raise {name}"
         case Run(law):
@@ -290,8 +299,8 @@ def definitions(program: Program) -> list[str]:
     lines += [f"exception {name}" for name in program.exceptions]
     lines += [_law(law) for law in program.laws]
     processes = process(program)
-    if "constants" in program.tags or CONSTANT.search("\n".join(processes)):
-        lines += [f"const k{value} : int = {value}" for value in range(4)]
+    if "constants" in program.tags or CONSTANT.search("\n".join([*lines, *processes])):
+        lines += [f"const k{i} : {kind.name} = {literal(value, kind)}" for i, (value, kind) in enumerate(CONSTANTS)]
     return [*lines, *processes]
 
 
@@ -311,7 +320,7 @@ def process(program: Program) -> list[str]:
         if law.owner not in program.boxed:
             lines += _owned(law, {})
     for number in sorted(program.boxed):
-        given = ", ".join(f"p{value} = k{value}" for value in _parameters(parts[number]))
+        given = ", ".join(f"p{index} = k{index}" for index in _parameters(parts[number]))
         lines.append(f"    box{number} : {program.name}Box{number}{f'({given})' if given else ''}")
     for channel in program.channels:
         lines += _channel(channel, program.boxed, used)
@@ -344,7 +353,7 @@ def _box(program: Program, number: int, body: Comp, ends: set[str]) -> list[str]
     kinds = {channel.name: channel.type for channel in program.channels}
     ports = {port.name: port for port in program.ports}
     names = {end: f"{end[:-1]}_{'r' if end.endswith('?') else 'w'}" for end in ends}
-    given = ", ".join(f"p{value}: int" for value in _parameters(body))
+    given = ", ".join(f"p{index}: {CONSTANTS[int(index)][1].name}" for index in _parameters(body))
     lines = [f"process {program.name}Box{number}{f'({given})' if given else ''} {{"]
     for end in sorted(ends):
         port = ports.get(end[:-1]) or Port(end[:-1], end.endswith("?"), kinds[end[:-1]])

@@ -7,16 +7,19 @@ from dataclasses import dataclass, field, replace
 MS = 10**6
 """Nanoseconds, as all times."""
 
+COMPUTED = 2**70
+"""Stands for an instant that an expression has: later than any that a run comes to."""
+
 # ---- types ----
 
 
 @dataclass(frozen=True)
 class Int:
-    name: str  # int, int8, uint16, ...
+    name: str  # int, int8, uint16, ..., and time, which is whole nanoseconds
 
     @property
     def bounds(self) -> tuple[int, int]:
-        if self.name == "int":
+        if self.name in ("int", "time"):
             return -(2**63), 2**63 - 1
         bits = int(self.name.lstrip("uint"))
         return (0, 2**bits - 1) if self.name.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
@@ -56,8 +59,15 @@ class Array:
 
 Type = Int | Bool | Real | Enum | Struct | Array
 INT = Int("int")
+TIME = Int("time")
 REAL = Real()
 BOOL = Bool()
+
+CONSTANTS: tuple[tuple[int, Int], ...] = (
+    *((number, INT) for number in (0, 1, 2, 3, 2**63 - 1, -(2**63), 2**63 - 2, 2**62, -(2**62))),
+    *((number, TIME) for number in (2**63 - 1, -(2**63), 9223372036 * 10**9, 5 * MS)),
+)
+"""What the constants `k0`, `k1`, … of every program are worth."""
 
 # Values: int, bool, float, an enumeration's literal as `Mode.idle`, structs and arrays as tuples.
 Value = int | bool | float | str | tuple["Value", ...]
@@ -190,7 +200,7 @@ class Write:
 
 @dataclass(frozen=True)
 class Wait:
-    time: int
+    time: int | Expr
     until: bool = False  # `time` is an instant
 
 
@@ -222,7 +232,7 @@ class Par:
 
 @dataclass(frozen=True)
 class After:
-    time: int
+    time: int | Expr
     at: bool = False  # `time` is an instant
 
 
@@ -407,7 +417,7 @@ def last_instant(program: Program) -> int:
     for node in walk(program.body):
         match node:
             case Wait(time, True) | Guarded(After(time, True)):
-                found.append(time)
+                found.append(time if isinstance(time, int) else COMPUTED)
         for name in ("when", "until", "condition"):
             found += _instants(getattr(node, name, None))
     return max(found)
