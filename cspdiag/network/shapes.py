@@ -7,6 +7,7 @@ depend on) share one shape, so that the checks cost as much as the text, not as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import TypeAlias
 
 from cspdiag.base import Span
@@ -14,6 +15,8 @@ from cspdiag.base.record import node, record
 from cspdiag.model.program import PortSymbol, Value
 from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import Type
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Code
 from cspdiag.network.ir.actions import CoreAction
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ChannelKind, Direction
@@ -205,6 +208,12 @@ class Shape:
     def name(self) -> str:
         """Name of the definition."""
         return self.definition.name.text
+
+    @cached_property
+    def flow(self) -> Code[CoreAction]:
+        """The instructions of the composition, which is there and does not change any more."""
+        assert self.body is not None
+        return flow_of(self.body)
 
     @property
     def is_submodel(self) -> bool:

@@ -214,7 +214,7 @@ def test_every_condition_and_loop_knows_its_instructions() -> None:
     ],
 )  # fmt: skip
 def test_which_exceptions_come_to_handlers(composition: str, leaving: set[str], coming: list[object]) -> None:
-    found, watched = exceptions_of(body(composition), lambda _: NO_EXCEPTIONS)
+    found, watched = exceptions_of(code(composition), lambda _: NO_EXCEPTIONS)
     assert found == leaving
     assert [(each.raised, each.caught_inside) for each in watched] == coming
 

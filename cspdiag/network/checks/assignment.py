@@ -14,7 +14,6 @@ from cspdiag.base import Report, Span
 from cspdiag.base.record import record
 from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.composition.runs import ReadBeforeWrite, Unreachable
-from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Call, Code, Instruction
 from cspdiag.network.flow.effects import reads, writes
 from cspdiag.network.flow.written import surely_written
@@ -54,7 +53,7 @@ def check_assignment(
     if shape.body is None or shape.incomplete:
         return Flow(outputs=bits, reads={}, writes=everything, ends=True)
     process = _Process(shape, inside, bits)
-    code = flow_of(shape.body)
+    code = shape.flow
     before = surely_written(code, process.written_by, endless=process.endless, completes=True)
     _check_reached(code, before, agreement)
     found: dict[Key, int] = {}

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from cspdiag.model.types import BoolType
 from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.composition.alternatives import ReleaseNotToldApart
+from cspdiag.network.flow.code import Code, Select, Watch
 from cspdiag.network.infer.contexts import Placed
-from cspdiag.network.ir.actions import Branch, Choice, CoreAction, InputEvent, InterruptOn, ReadValue, ReadyEvent
-from cspdiag.network.ir.walk import all_actions
+from cspdiag.network.infer.own_uses import own_reads
+from cspdiag.network.ir.actions import Branch, InputEvent, InterruptOn
 from cspdiag.network.relations import end_key, variables_read
-from cspdiag.network.shapes import Key, attached_key
+from cspdiag.network.shapes import attached_key
 
 
 def check_releases(placed: Placed, agreement: Agreement) -> None:
@@ -22,12 +23,12 @@ def check_releases(placed: Placed, agreement: Agreement) -> None:
     shape = placed.shape
     if shape.body is None or shape.incomplete:
         return
-    guards = [(branch, is_interrupt) for branch, is_interrupt in _guards(shape.body) if _is_button(placed, branch)]
+    guards = [(branch, is_interrupt) for branch, is_interrupt in _guards(shape.flow) if _is_button(placed, branch)]
     if not guards:
         return
-    reads = Counter(_reads(placed, shape.body))
-    looked_at = {value.channel for value in variables_read(shape.body)}
-    looked_at |= {attached_key(a) or "" for instance in shape.instances.values() for a in instance.attachments.values()}
+    attached = [attached_key(a) for instance in shape.instances.values() for a in instance.attachments.values()]
+    reads = Counter([*own_reads(shape), *attached])
+    looked_at = {*attached, *(value.channel for value in variables_read(shape.body))}
     for branch, is_interrupt in guards:
         assert isinstance(branch.event, InputEvent)
         key, variable = end_key(branch.event.source), branch.event.target.channel
@@ -39,29 +40,20 @@ def check_releases(placed: Placed, agreement: Agreement) -> None:
             agreement.refuted(ReleaseNotToldApart, branch.event.span)
 
 
-def _guards(body: CoreAction) -> Iterator[tuple[Branch[CoreAction], bool]]:
-    for action in all_actions(body):
-        if isinstance(action, Choice):
-            for branch in action.branches:
-                yield branch, False
-        elif isinstance(action, InterruptOn):
-            yield action.branch, True
+def _guards(code: Code) -> Iterator[tuple[Branch, bool]]:
+    """With whether it is that of an interrupt."""
+    for instruction in code.instructions:
+        match instruction:
+            case Select(step=choice):
+                yield from ((branch, False) for branch in choice.branches)
+            case Watch(step=InterruptOn(branch=branch)):
+                yield branch, True
+            case _:  # Nothing else has guards.
+                pass
 
 
-def _is_button(placed: Placed, branch: Branch[CoreAction]) -> bool:
+def _is_button(placed: Placed, branch: Branch) -> bool:
     if not isinstance(branch.event, InputEvent) or branch.condition is not None:
         return False
     key = end_key(branch.event.source)
     return placed.facts[key][0] == "event" and isinstance(placed.shape.port_or_channel_type(key), BoolType)
-
-
-def _reads(placed: Placed, body: CoreAction) -> Iterator[Key]:
-    """Each place of the process where something is read, or handed to an instance to be read."""
-    for action in all_actions(body):
-        if isinstance(action, ReadValue):
-            yield end_key(action.source)
-    for branch, _ in _guards(body):
-        if isinstance(branch.event, InputEvent | ReadyEvent):
-            yield end_key(branch.event.source)
-    for instance in placed.shape.instances.values():
-        yield from (key for key in map(attached_key, instance.attachments.values()) if key is not None)

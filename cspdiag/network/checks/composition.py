@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import assert_never
+from collections.abc import Iterator, Sequence
 
 from cspdiag.base import Report, Span
 from cspdiag.model.types import UnknownType
 from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.composition.alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
 from cspdiag.network.diagnostics.composition.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
+from cspdiag.network.flow.code import Call, Delay, Instruction, Select, Take, Watch
+from cspdiag.network.flow.effects import writes
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided_by_instance, overtaken
 from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_one_instant, is_open, is_over_at_once
 from cspdiag.network.ir.actions import (
     AfterEvent,
-    AssignValue,
     Branch,
-    CatchException,
     Choice,
     CoreAction,
-    CountedLoop,
     Event,
-    Group,
-    IfElse,
     InputEvent,
     InterruptOn,
     OutputEvent,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
     ReadyEvent,
     Repeat,
-    ResetInstance,
     RunInstance,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
+    Target,
     WaitStep,
     WhileLoop,
-    WriteValue,
 )
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, PresentTime
@@ -93,32 +82,26 @@ def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: 
     shape = placed.shape
     if shape.body is None or shape.incomplete:
         return
-    for action in all_actions(shape.body):
-        match action:
-            case Repeat():
-                _check_loop(placed, waiting, action, action.until, report, agreement)
-            case WhileLoop():
-                _check_loop(placed, waiting, action, action.condition, report, agreement)
-            case Choice():
-                _check_branches(placed, action, report, agreement)
-                _check_time_outs(placed, action, agreement)
-            case InterruptOn():
-                _never_holds(action.branch, agreement)
-            case (
-                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
-                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | CountedLoop() | IfElse()
-                | CatchException() | Group()
-            ):  # fmt: skip
+    flow = shape.flow
+    for loop, inside in flow.decisions:
+        if isinstance(loop, Repeat | WhileLoop):
+            _check_loop(placed, waiting, loop, flow.instructions[inside.start : inside.stop], report, agreement)
+    for instruction in flow.instructions:
+        match instruction:
+            case Select(step=choice):
+                _check_branches(placed, choice, report, agreement)
+                _check_time_outs(placed, choice, agreement)
+            case Watch(step=InterruptOn(branch=branch)):
+                _never_holds(branch, agreement)
+            case _:  # Nothing else has guards.
                 pass
-            case _:
-                assert_never(action)
 
 
 def _check_loop(
     placed: Placed,
     waiting: MayWait,
     loop: Repeat[CoreAction] | WhileLoop[CoreAction],
-    condition: Expression | None,
+    inside: Sequence[Instruction],
     report: Report,
     agreement: Agreement,
 ) -> None:
@@ -126,12 +109,13 @@ def _check_loop(
 
     Where that follows from the values of parameters, it is refused only if all instances are given such values.
     """
-    once = [one for one in _delays(loop.body) if is_one_instant(one[1])]
+    condition = loop.until if isinstance(loop, Repeat) else loop.condition
+    once = [one for one in _delays(inside) if is_one_instant(one[1])]
     passes_once = bool(once) and condition is not None and _looks_at_time(condition)
-    if waiting.action(placed, loop.body) or passes_once or _may_end(placed, loop, condition):
+    if waiting.action(placed, loop.body) or passes_once or _may_end(placed, loop, condition, inside):
         agreement.refuted(EndlessLoop, loop.span)
         return
-    delays = once or [one for one in _delays(loop.body) if is_over_at_once(placed, one[1])]
+    delays = once or [one for one in _delays(inside) if is_over_at_once(placed, one[1])]
     endless = EndlessLoop(
         span=loop.span,
         conditional=condition is not None,
@@ -148,7 +132,12 @@ def _check_loop(
         report.add(endless)
 
 
-def _may_end(placed: Placed, loop: Repeat[CoreAction] | WhileLoop[CoreAction], condition: Expression | None) -> bool:
+def _may_end(
+    placed: Placed,
+    loop: Repeat[CoreAction] | WhileLoop[CoreAction],
+    condition: Expression | None,
+    inside: Sequence[Instruction],
+) -> bool:
     """Whether a loop may not begin at all, or end: what its condition looks at is changed inside, or has other values
     in other instances.
     """
@@ -164,7 +153,7 @@ def _may_end(placed: Placed, loop: Repeat[CoreAction] | WhileLoop[CoreAction], c
     if not looked_at and not _looks_at_time(condition):
         # Constants that have no value: the loop ends with a fault.
         return True
-    written = _written_in(placed.shape, loop.body)
+    written = _written_in(placed.shape, inside)
     return not looked_at.isdisjoint(written) or any(is_open(placed, key) for key in looked_at)
 
 
@@ -172,51 +161,23 @@ def _looks_at_time(condition: Expression) -> bool:
     return any(isinstance(part, PresentTime) for part in walk(condition))
 
 
-def _delays(body: CoreAction) -> Iterator[tuple[Span, Expression]]:
-    """The delays and the time-outs in an action, with their places."""
-    for action in all_actions(body):
-        match action:
-            case WaitStep():
-                yield action.span, action.duration
-            case Choice():
-                events = (branch.event for branch in action.branches)
-                yield from ((event.span, event.duration) for event in events if isinstance(event, AfterEvent))
-            case InterruptOn(branch=Branch(event=AfterEvent() as event)):
-                yield event.span, event.duration
-            case (
-                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep()
-                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop()
-                | CountedLoop() | IfElse() | CatchException() | InterruptOn() | Group()
-            ):  # fmt: skip
+def _delays(inside: Sequence[Instruction]) -> Iterator[tuple[Span, Expression]]:
+    """The delays and the time-outs among instructions, with their places."""
+    for instruction in inside:
+        match instruction:
+            case Delay(step=WaitStep() as timed) | Take(branch=Branch(event=AfterEvent() as timed)):
+                yield timed.span, timed.duration
+            case _:  # Nothing else waits for time to pass.
                 pass
-            case _:
-                assert_never(action)
 
 
-def _written_in(shape: Shape, body: CoreAction) -> set[Key]:
+def _written_in(shape: Shape, inside: Sequence[Instruction]) -> set[Key]:
     written: set[Key] = set()
-    for action in all_actions(body):
-        match action:
-            case AssignValue() | ReadValue():
-                written.add(action.target.channel)
-            case RunInstance():
-                attached = shape.instances[action.instance].attachments.values()
-                written.update(key for key in map(attached_key, attached) if key is not None)
-            case Choice():
-                for branch in action.branches:
-                    if isinstance(branch.event, InputEvent):
-                        written.add(branch.event.target.channel)
-            case InterruptOn():
-                if isinstance(action.branch.event, InputEvent):
-                    written.add(action.branch.event.target.channel)
-            case (
-                WriteValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
-                | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop() | CountedLoop() | IfElse()
-                | CatchException() | Group()
-            ):  # fmt: skip
-                pass
-            case _:
-                assert_never(action)
+    for instruction in inside:
+        if isinstance(instruction, Call):
+            attached = shape.instances[instruction.step.instance].attachments.values()
+            written.update(key for key in map(attached_key, attached) if key is not None)
+        written.update(place.channel for place in writes(instruction) if isinstance(place, Target))
     return written
 
 

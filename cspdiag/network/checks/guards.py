@@ -15,6 +15,7 @@ from typing import TypeAlias, assert_never
 from cspdiag.base import Report, Span
 from cspdiag.base.record import record
 from cspdiag.network.diagnostics.composition.alternatives import GuardNotRead
+from cspdiag.network.flow.code import Take
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
 from cspdiag.network.ir.actions import (
@@ -79,24 +80,11 @@ _DEEPEST = 100
 
 def check_guards(placed: Placed, report: Report) -> None:
     """Report every ready guard whose process does not begin by reading the guard's port."""
-    body = placed.shape.body
-    if body is None or placed.shape.incomplete:
+    if placed.shape.body is None or placed.shape.incomplete:
         return
-    for action in all_actions(body):
-        match action:
-            case Choice():
-                for branch in action.branches:
-                    _check(placed, branch, report)
-            case InterruptOn():
-                _check(placed, action.branch, report)
-            case (
-                RunInstance() | ReadValue() | WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep()
-                | ResetInstance() | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop()
-                | CountedLoop() | IfElse() | CatchException() | Group()
-            ):  # fmt: skip
-                pass
-            case _:
-                assert_never(action)
+    for instruction in placed.shape.flow.instructions:
+        if isinstance(instruction, Take):
+            _check(placed, instruction.branch, report)
 
 
 def _check(placed: Placed, branch: Branch[CoreAction], report: Report) -> None:

@@ -44,7 +44,7 @@ class RaisedExceptions:
             inner = shape.instances[name].shape
             return NO_EXCEPTIONS if inner.is_submodel else self._by_shape.get(inner)
 
-        self._by_shape[shape], watched = exceptions_of(shape.body, of_instance)
+        self._by_shape[shape], watched = exceptions_of(shape.flow, of_instance)
         for found in watched:
             self._note(shape, found)
 

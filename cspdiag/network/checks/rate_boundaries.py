@@ -7,6 +7,7 @@ law waits.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 from cspdiag.base import Report, Span
@@ -28,7 +29,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
 )
 from cspdiag.network.ir.network import Direction
-from cspdiag.network.ir.walk import all_actions
+from cspdiag.network.ir.walk import instances_run
 from cspdiag.network.shapes import InstanceShape, Key, attached_key, element_name
 
 _WAITING_KINDS = frozenset({"sync", "broadcast", "buffer", "overwrite"})
@@ -133,10 +134,7 @@ def _paces(placed: Placed, read_by_process: frozenset[Key]) -> dict[str, Pace]:
     """The laws of a process that keep a pace, by instance."""
     shape = placed.shape
     assert shape.body is not None
-    runs: dict[str, int] = {}
-    for action in all_actions(shape.body):
-        if isinstance(action, RunInstance):
-            runs[action.instance] = runs.get(action.instance, 0) + 1
+    runs = Counter(instances_run(shape.body))
     readers: dict[Key, int] = dict.fromkeys(read_by_process, 2)
     for instance in shape.instances.values():
         for key in dict(_inputs(instance)) if instance.shape.is_submodel else ():

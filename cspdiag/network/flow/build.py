@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import assert_never
+from typing import assert_never, overload
 
 from cspdiag.network.flow.code import (
     Abandon,
@@ -35,6 +35,7 @@ from cspdiag.network.ir.actions import (
     Branch,
     CatchException,
     Choice,
+    CoreAction,
     CountedLoop,
     Group,
     IfElse,
@@ -60,7 +61,11 @@ from cspdiag.network.ir.actions import (
 )
 
 
-def flow_of(body: Action) -> Code:
+@overload
+def flow_of(body: CoreAction) -> Code[CoreAction]: ...
+@overload
+def flow_of(body: Action) -> Code[Action]: ...
+def flow_of(body: Action) -> Code[Action]:
     """The instructions of a composition."""
     builder = _Builder()
     builder.action(body)
@@ -72,7 +77,7 @@ class _Builder:
     """Adds instructions in the order of the text."""
 
     def __init__(self) -> None:
-        self.code = Code(instructions=[], before=[], back={}, abandoned=[], sequences=[], decisions=[])
+        self.code = Code[Action](instructions=[], before=[], back={}, abandoned=[], sequences=[], decisions=[])
         self._open: tuple[int, ...] = ()
         """What the next instruction comes after: at most one, but where ways come together, and none where nothing
         ends.

@@ -8,11 +8,12 @@ instruction.
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Generic, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import node
 from cspdiag.network.ir.actions import (
+    A_co,
     AssignValue,
     Branch,
     CatchException,
@@ -44,7 +45,7 @@ from cspdiag.network.ir.expressions import Expression
 Computation: TypeAlias = AssignValue | SkipStep | ResetInstance | RunLaw | ResetStates | ReportCommunication
 Communication: TypeAlias = ReadValue | WriteValue | ReadInputs | WriteOutputs
 
-Decision: TypeAlias = IfElse | WhileLoop | Repeat | CountedLoop
+Decision: TypeAlias = IfElse[A_co] | WhileLoop[A_co] | Repeat[A_co] | CountedLoop[A_co]
 
 SINGLE_STEPS = Computation | Communication | WaitStep
 """The steps that one ``Compute``, ``Communicate`` or ``Delay`` stands for."""
@@ -86,17 +87,17 @@ class Call(Placed):
 
 
 @node
-class Select(Placed):
+class Select(Placed, Generic[A_co]):
     """Waits until a guard is ready; a ``Take`` for each branch follows."""
 
-    step: Choice
+    step: Choice[A_co]
 
 
 @node
-class Take(Placed):
+class Take(Placed, Generic[A_co]):
     """A guard is chosen: its event happens. Its condition, which is looked at before, counts as read here."""
 
-    branch: Branch
+    branch: Branch[A_co]
 
 
 @node
@@ -115,10 +116,10 @@ class Turn(Placed):
 
 
 @node
-class Fork(Placed):
+class Fork(Placed, Generic[A_co]):
     """The branches of a parallel begin."""
 
-    step: ParallelSteps
+    step: ParallelSteps[A_co]
 
 
 class Join(Placed):
@@ -130,10 +131,10 @@ class Meet(Placed):
 
 
 @node
-class Watch(Placed):
+class Watch(Placed, Generic[A_co]):
     """Begins what an exception or an interrupt may abandon."""
 
-    step: CatchException | InterruptOn
+    step: CatchException[A_co] | InterruptOn[A_co]
 
 
 class Unwatch(Placed):
@@ -141,10 +142,10 @@ class Unwatch(Placed):
 
 
 @node
-class Abandon(Placed):
+class Abandon(Placed, Generic[A_co]):
     """It was abandoned: the handler or the interrupt's branch follows."""
 
-    step: CatchException | InterruptOn
+    step: CatchException[A_co] | InterruptOn[A_co]
 
 
 class Resume(Placed):
@@ -190,17 +191,17 @@ Instruction: TypeAlias = (
     | Communicate
     | Delay
     | Call
-    | Select
-    | Take
+    | Select[A_co]
+    | Take[A_co]
     | Test
     | Loop
     | Turn
-    | Fork
+    | Fork[A_co]
     | Join
     | Meet
-    | Watch
+    | Watch[A_co]
     | Unwatch
-    | Abandon
+    | Abandon[A_co]
     | Resume
     | Raise
     | Stop
@@ -211,21 +212,21 @@ Instruction: TypeAlias = (
 
 
 @node
-class Code:
+class Code(Generic[A_co]):
     """The instructions of a process, the first one its entry and the last one its ``ProcessEnd``, with their edges
     as indexes.
     """
 
-    instructions: list[Instruction]
+    instructions: list[Instruction[A_co]]
     before: list[tuple[int, ...]]
     back: dict[int, int]
     """The ends of loops, each with the ``Loop`` that it goes back to; the edges from them are among ``before`` as well.
     """
     abandoned: list[int | None]
     """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
-    sequences: list[tuple[SequentialSteps, list[int]]]
+    sequences: list[tuple[SequentialSteps[A_co], list[int]]]
     """Every sequence, with the instruction at which each of its steps begins."""
-    decisions: list[tuple[Decision, range]]
+    decisions: list[tuple[Decision[A_co], range]]
     """Every condition and loop, with its instructions; those inside it come before it."""
 
 

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from cspdiag.base.record import node
-from cspdiag.network.flow.build import flow_of
-from cspdiag.network.flow.code import Abandon, Call, Instruction, Raise
-from cspdiag.network.ir.actions import Action, CatchException
+from cspdiag.network.flow.code import Abandon, Call, Code, Instruction, Raise
+from cspdiag.network.ir.actions import CatchException
 
 Exceptions: TypeAlias = frozenset[str] | None
 """Names of exceptions; None: any."""
@@ -26,7 +25,7 @@ class Watched:
 
 
 def exceptions_of(
-    body: Action,
+    code: Code,
     of_instance: Callable[[str], Exceptions],
     of_step: Callable[[Instruction], Exceptions] = lambda _: NO_EXCEPTIONS,
 ) -> tuple[Exceptions, list[Watched]]:
@@ -35,7 +34,6 @@ def exceptions_of(
     ``of_instance`` are those that leave the instance of a name, ``of_step`` those that come from an instruction but for
     ``raise``.
     """
-    code = flow_of(body)
     arriving: dict[int | None, Exceptions] = {None: NO_EXCEPTIONS}
     caught: dict[int | None, frozenset[str]] = {}
     found = []

@@ -2,33 +2,10 @@
 
 from __future__ import annotations
 
-from typing import assert_never
+from collections.abc import Iterable, Iterator
 
-from cspdiag.network.ir.actions import (
-    AssignValue,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
-from cspdiag.network.ir.walk import all_actions
+from cspdiag.network.flow.effects import reads, writes
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key, Shape
 
@@ -37,27 +14,16 @@ def own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
     """The ports and channels that a process itself writes and reads, each once, in text order; expressions are no
     readers.
     """
-    writes: dict[Key, None] = {}
-    reads: dict[Key, None] = {}
-    for action in [] if shape.body is None else all_actions(shape.body):
-        match action:
-            case ReadValue():
-                reads[end_key(action.source)] = None
-            case WriteValue():
-                writes[end_key(action.sink)] = None
-            case Choice() | InterruptOn():
-                branches = action.branches if isinstance(action, Choice) else (action.branch,)
-                for branch in branches:
-                    if isinstance(branch.event, ReadyEvent | InputEvent):
-                        reads[end_key(branch.event.source)] = None
-                    elif isinstance(branch.event, OutputEvent):
-                        writes[end_key(branch.event.sink)] = None
-            case (
-                RunInstance() | AssignValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance()
-                | RaiseException() | SequentialSteps() | ParallelSteps() | Repeat() | WhileLoop() | CountedLoop()
-                | IfElse() | CatchException() | Group()
-            ):  # fmt: skip
-                pass
-            case _:
-                assert_never(action)
-    return list(writes), list(reads)
+    if shape.body is None:
+        return [], []
+    written = _ends(place for instruction in shape.flow.instructions for place in writes(instruction))
+    return list(dict.fromkeys(written)), list(dict.fromkeys(own_reads(shape)))
+
+
+def own_reads(shape: Shape) -> Iterator[Key]:
+    """The port or channel of each place where a process reads one itself."""
+    return _ends(place for instruction in shape.flow.instructions for place in reads(instruction))
+
+
+def _ends(places: Iterable[object]) -> Iterator[Key]:
+    return (end_key(place) for place in places if isinstance(place, PortEnd | ChannelEnd))

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
 from cspdiag.network.checks.unwritten import may_be_unwritten
+from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Compute, Instruction
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
@@ -132,7 +133,7 @@ class _Raising:
 
     def by(self, body: Action) -> Exceptions:
         """The declared exceptions that may leave a composition, from what it runs as well."""
-        return exceptions_of(body, lambda instance: self._raised[self._classes[instance]], _from_outside)[0]
+        return exceptions_of(flow_of(body), lambda instance: self._raised[self._classes[instance]], _from_outside)[0]
 
     def may(self, body: Action, exception: str) -> bool:
         """Whether it may raise an exception; any step may fault."""

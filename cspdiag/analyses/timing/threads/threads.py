@@ -14,6 +14,7 @@ from cspdiag.analyses.timing.threads.graph import Circle, Move, Offer, Thread
 from cspdiag.analyses.timing.threads.looping import Looping
 from cspdiag.analyses.timing.threads.places import Context, variables_in
 from cspdiag.base.record import replaced
+from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
 from cspdiag.network.ir.actions import (
     AfterEvent,
@@ -327,7 +328,7 @@ class Threads(Communicating):
             body = entry.body if isinstance(entry, ProcessClass) else None
             return NO_EXCEPTIONS if body is None else self._raised_in(body, f"{path}.{name}")
 
-        raised, _ = exceptions_of(action, of_instance)
+        raised, _ = exceptions_of(flow_of(action), of_instance)
         assert raised is not None
         return raised
 

@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
+from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import (
     Abandon,
     Call,
@@ -122,7 +123,7 @@ class Facts:
         known = self._escaping.get(node)
         if known is None:
             known, _ = exceptions_of(
-                node.action,
+                flow_of(node.action),
                 lambda name: self._of_instance(name, one),
                 lambda instruction: self._of_step(instruction, one),
             )
