@@ -35,8 +35,8 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.expressions import Expression, FunctionCall, ParameterValue, Value, VariableValue
-from cspdiag.network.ir.ranges import Range, value_range
+from cspdiag.network.ir.expressions import Expression, FunctionCall, ParameterValue, Value
+from cspdiag.network.ir.ranges import Given, Range, value_range
 from cspdiag.network.ir.walk import all_actions, mentions_variable
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key
@@ -87,7 +87,7 @@ def is_over_at_once(placed: Placed, duration: Expression) -> bool:
     constant is refused already.
     """
 
-    def known(name: ParameterValue | VariableValue) -> Range | None:
+    def known(name: Given) -> Range | None:
         return placed.parameters.get(name.name) if isinstance(name, ParameterValue) else None
 
     constant = constant_value(duration, lambda _: None)

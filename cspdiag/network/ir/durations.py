@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from cspdiag.network.ir.actions import AssignValue, InputEvent, ReadValue
 from cspdiag.network.ir.expression_walk import walk
-from cspdiag.network.ir.expressions import Expression, ParameterValue, VariableValue
+from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.network.ir.ranges import Range, joined, limits_of, of_instances, value_range
+from cspdiag.network.ir.ranges import Given, Range, joined, limits_of, of_instances, value_range
 from cspdiag.network.ir.walk import parts
 
 _DEEPEST = 4
@@ -41,8 +41,8 @@ class Durations:
     def _bounds(self, name: str, expression: Expression, assumed: frozenset[str]) -> Range:
         """The values that an expression may have. ``assumed`` are variables that are taken to be greater than zero."""
 
-        def known(part: ParameterValue | VariableValue) -> Range | None:
-            return of_instances(part) if isinstance(part, ParameterValue) else self._of_variable(name, part, assumed)
+        def known(part: Given) -> Range | None:
+            return self._of_variable(name, part, assumed) if isinstance(part, VariableValue) else of_instances(part)
 
         return value_range(expression, known)
 

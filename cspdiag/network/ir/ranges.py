@@ -42,25 +42,28 @@ from cspdiag.network.ir.walk import parts
 Range: TypeAlias = tuple[int, int]
 """The least and the greatest value."""
 
-Lookup: TypeAlias = "Callable[[ParameterValue | VariableValue], Range | None]"
-"""What a parameter or a variable may be; None where that is any value of its type."""
+Given: TypeAlias = "ParameterValue | VariableValue | SignalValue | PresentTime"
+"""What an expression is computed from."""
+
+Lookup: TypeAlias = "Callable[[Given], Range | None]"
+"""What a parameter, a variable, a signal or the present time may be; None where that is any value of its type."""
 
 _WORD = IntType()
 
 
-def of_instances(name: ParameterValue | VariableValue) -> Range | None:
-    """What the instances of a class give a parameter, once all are known; of variables nothing is known."""
+def of_instances(name: Given) -> Range | None:
+    """What the instances of a class give a parameter, once all are known; of the rest nothing is known."""
     return name.range if isinstance(name, ParameterValue) else None
 
 
-def needs_check(expression: Expression) -> bool:
+def needs_check(expression: Expression, known: Lookup = of_instances) -> bool:
     """Whether a whole-number operation may overflow: only one whose operands have ranges that exclude it needs no
     check.
 
     That an operation is over parameters and indices alone does not say that it stays in range. What is known before the
     run is a fault of the run, where it stands and if it is reached.
     """
-    low, high = _result(expression)
+    low, high = _result(expression, known)
     bounds = limits_of(expression.type)
     return low < bounds[0] or high > bounds[1]
 
@@ -111,7 +114,7 @@ def _result(expression: Expression, known: Lookup = of_instances) -> Range:
     match expression:
         case LiteralValue(value=int(value)):
             return value, value
-        case ParameterValue() | VariableValue():
+        case ParameterValue() | VariableValue() | SignalValue() | PresentTime():
             return known(expression) or limits_of(expression.type)
         case UnaryOperation(operator="-", operand=operand):
             low, high = value_range(operand, known)
@@ -128,7 +131,7 @@ def _result(expression: Expression, known: Lookup = of_instances) -> Range:
             lows, highs = zip(*(value_range(argument, known) for argument in arguments), strict=True)
             return choose(lows), choose(highs)
         case (
-            LiteralValue() | SignalValue() | PresentTime() | UnaryOperation() | FunctionCall() | Conversion()
+            LiteralValue() | UnaryOperation() | FunctionCall() | Conversion()
             | FieldValue() | ElementValue() | StructValue() | ArrayElements()
         ):  # fmt: skip
             return limits_of(expression.type)

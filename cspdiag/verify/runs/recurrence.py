@@ -34,7 +34,7 @@ from cspdiag.verify.runs.memory import memory
 State: TypeAlias = tuple[object, ...]
 
 _UNBOUNDED_BITS = 64
-"""Sums of integers so wide are taken not to overflow, as in proofs; narrower ones count to a fault."""
+"""Integers so wide may count for ever, as in proofs, where they do not decide a fault; narrower ones count to one."""
 
 
 class Recurrence:

@@ -1,9 +1,8 @@
 """Which computations may end in a fault: only those are followed both ways, and only where a ``catch Fault`` is around
 them.
 
-A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Sums and
-differences of 64-bit integers are taken not to overflow: a counter of milliseconds would need 292 million years. Those
-of parameters and constants alone do not count: they overflow at once or never.
+A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Of 64-bit
+integers and times what counts (``counting.py``) is taken to stay far from where it would overflow.
 """
 
 from __future__ import annotations
@@ -44,6 +43,7 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 from cspdiag.network.ir.ranges import needs_check
+from cspdiag.proofs.transitions.classes.counting import Counting
 
 _MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite"})
 
@@ -55,6 +55,10 @@ class Faults:
         self._network = network
         self._known: dict[tuple[str, Expression], bool] = {}
         self._laws: dict[str, bool] = {}
+
+    @cached_property
+    def _counting(self) -> Counting:
+        return Counting(self._network)
 
     @cached_property
     def _variables(self) -> dict[str, frozenset[str]]:
@@ -131,11 +135,13 @@ class Faults:
             case VariableValue():
                 return part.channel in self._variables.get(class_name, ())
             case BinaryOperation():
-                return _operation(part)
+                return self._operation(part, class_name)
             case UnaryOperation(operator="-"):
-                return needs_check(part) and not (_is_wide(part.type) and _varies(part))
+                return self._may_overflow(part, class_name)
             case FunctionCall():
-                return part.function in _MAY_FAIL or (isinstance(part.type, IntType) and needs_check(part))
+                return part.function in _MAY_FAIL or (
+                    isinstance(part.type, IntType) and self._may_overflow(part, class_name)
+                )
             case Conversion():
                 return not conversion_fits(part)
             case ElementValue():
@@ -148,27 +154,18 @@ class Faults:
             case _:
                 assert_never(part)
 
+    def _operation(self, part: BinaryOperation, class_name: str) -> bool:
+        match part.operator:
+            case "+" | "-" | "*":
+                return isinstance(part.type, IntType | TimeType) and self._may_overflow(part, class_name)
+            case "/" | "%":
+                return not (isinstance(part.right, LiteralValue) and part.right.value not in (0, -1))
+            case "^":
+                return True
+            case "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
+                return False
+            case _:
+                assert_never(part.operator)
 
-def _is_wide(kind: Type) -> bool:
-    return isinstance(kind, TimeType) or (isinstance(kind, IntType) and kind.bits == 64)
-
-
-def _varies(expression: Expression) -> bool:
-    return any(isinstance(part, VariableValue | SignalValue | PresentTime) for part in walk(expression))
-
-
-def _operation(part: BinaryOperation) -> bool:
-    match part.operator:
-        case "+" | "-":
-            whole = isinstance(part.type, IntType | TimeType)
-            return whole and needs_check(part) and not (_is_wide(part.type) and _varies(part))
-        case "*":
-            return isinstance(part.type, IntType | TimeType) and needs_check(part)
-        case "/" | "%":
-            return not (isinstance(part.right, LiteralValue) and part.right.value not in (0, -1))
-        case "^":
-            return True
-        case "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or":
-            return False
-        case _:
-            assert_never(part.operator)
+    def _may_overflow(self, part: Expression, class_name: str) -> bool:
+        return needs_check(part, self._counting.ranges_in(class_name))

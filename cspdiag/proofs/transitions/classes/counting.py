@@ -1,0 +1,262 @@
+"""Which 64-bit integers and times count: every value that they get is a constant, the present time, or what one of them
+was before, a little more or less.
+
+Until they are so far from zero that a sum of two overflows, one of them has been counted on more than five hundred
+million times, or eighteen years of the program's own time have passed: no proof follows a run that far. Of every other
+variable nothing is known: an input may be anything, and what is doubled overflows after 63 turns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TypeAlias, assert_never
+
+from cspdiag.base.record import record
+from cspdiag.model.types import IntType, TimeType, Type
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    AssignValue,
+    ChannelEnd,
+    End,
+    InputEvent,
+    OutputEvent,
+    PortEnd,
+    ReadValue,
+    WaitStep,
+    WriteValue,
+)
+from cspdiag.network.ir.equations import SubmodelEquation
+from cspdiag.network.ir.expressions import (
+    BinaryOperation,
+    ConditionalValue,
+    Expression,
+    FunctionCall,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    UnaryOperation,
+    VariableValue,
+)
+from cspdiag.network.ir.network import (
+    Attachment,
+    ConstantEnd,
+    CoreClass,
+    CoreNetwork,
+    DiscardEnd,
+    ProcessClass,
+    SubmodelClass,
+    SubmodelState,
+)
+from cspdiag.network.ir.ranges import Given, Lookup, Range, of_instances, value_range
+from cspdiag.network.ir.walk import parts
+
+_STEP = 2**31
+"""What is counted by is smaller: as a time, 2.1 s."""
+
+_BASE = 2**60
+"""What counting begins with is smaller."""
+
+_COUNTED = (-(2**61), 2**61)
+"""Where what counts then stays for 2**60 / 2**31 computations."""
+
+_PRESENT = (0, 2**59)
+"""The present time for 18 years, in nanoseconds."""
+
+_LONGEST_DELAY = 2**46
+"""A delay that is longer, 19 h, may come to the end of time in few steps."""
+
+_Place: TypeAlias = tuple[str, str]
+"""A class, and a port, a channel or a variable of it, or a signal if it is a control law."""
+
+_NOW: _Place = ("", "")
+"""The present time, among the places."""
+
+
+@record
+class _Value:
+    """What an expression of a class gives."""
+
+    expression: Expression
+    class_name: str
+
+
+_Origin: TypeAlias = "_Place | _Value"
+"""Where a value comes from."""
+
+
+class Counting:
+    """What counts in a network: all that is not shown to get another value."""
+
+    def __init__(self, network: CoreNetwork) -> None:
+        self._origins = _origins(network)
+        self._delays = list(_delays(network))
+        unknown = {place for place, origin in self._origins if origin is None}
+        self._counting = {place for place, _ in self._origins} - unknown
+        if _periods_are_short(network):
+            self._counting.add(_NOW)
+        self._remove_others()
+
+    def ranges_in(self, class_name: str, *, counted: bool = True) -> Lookup:
+        """What the values in expressions of a class may be: any where nothing is known, and of all variables if not
+        ``counted``.
+        """
+
+        def known(part: Given) -> Range | None:
+            match part:
+                case ParameterValue():
+                    return of_instances(part)
+                case PresentTime():
+                    return _PRESENT if _NOW in self._counting else None
+                case VariableValue(channel=name) | SignalValue(name=name):
+                    return _COUNTED if counted and (class_name, name) in self._counting else None
+                case _:
+                    assert_never(part)
+
+        return known
+
+    def _remove_others(self) -> None:
+        """Until nothing counts that gets the value of what does not."""
+        changed = True
+        while changed:
+            others = {
+                place
+                for place, origin in self._origins
+                if place in self._counting and not (origin is not None and self._comes_from_counting(origin))
+            }
+            if _NOW in self._counting and not all(
+                self._is_near(delay.expression, delay.class_name) for delay in self._delays
+            ):
+                others.add(_NOW)
+            self._counting -= others
+            changed = bool(others)
+
+    def _comes_from_counting(self, origin: _Origin) -> bool:
+        if isinstance(origin, _Value):
+            return self._counts(origin.expression, origin.class_name)
+        return origin in self._counting
+
+    def _counts(self, value: Expression, class_name: str) -> bool:
+        """Whether a value is near zero, or that of something that counts, with little added or subtracted."""
+        if self._within(value, class_name, _BASE, counted=False):
+            return True
+        match value:
+            case VariableValue(channel=name) | SignalValue(name=name):
+                return (class_name, name) in self._counting
+            case UnaryOperation(operator="-", operand=operand):
+                return self._counts(operand, class_name)
+            case BinaryOperation(operator="+" | "-", left=left, right=right):
+                return self._counts_by(left, right, class_name) or self._counts_by(right, left, class_name)
+            case ConditionalValue(then=then, otherwise=otherwise):
+                return self._counts(then, class_name) and self._counts(otherwise, class_name)
+            case FunctionCall(function="abs" | "min" | "max" | "limit", arguments=arguments):
+                return all(self._counts(argument, class_name) for argument in arguments)
+            case _:  # Products, elements, what a function computes: of them only the range is known.
+                return False
+
+    def _counts_by(self, value: Expression, step: Expression, class_name: str) -> bool:
+        return self._within(step, class_name, _STEP, counted=True) and self._counts(value, class_name)
+
+    def _is_near(self, duration: Expression, class_name: str) -> bool:
+        """Whether a delay is short, or lasts until an instant that is not far from what counts."""
+        match duration:
+            case FunctionCall(function="until", arguments=(instant, _)):
+                return self._within(instant, class_name, 2 * _COUNTED[1], counted=True)
+            case _:
+                return self._within(duration, class_name, _LONGEST_DELAY, counted=True)
+
+    def _within(self, value: Expression, class_name: str, limit: int, *, counted: bool) -> bool:
+        """Whether a value is nearer to zero than a limit, whatever its variables are, or as they are ``counted``."""
+        low, high = value_range(value, self.ranges_in(class_name, counted=counted))
+        return -limit < low and high < limit
+
+
+def is_wide(kind: Type) -> bool:
+    """Whether a type has 64 bits, and counting does not come to its end."""
+    return isinstance(kind, TimeType) or (isinstance(kind, IntType) and kind.bits == 64)
+
+
+def _origins(network: CoreNetwork) -> list[tuple[_Place, _Origin | None]]:
+    """What everything that has a 64-bit integer or a time gets its values from; None is anything."""
+    inputs = {(entry.name, port.name) for entry in network.classes for port in entry.ports if port.direction == "in"}
+    found: list[tuple[_Place, _Origin | None]] = [(place, None) for place in inputs if place[0] == network.top]
+    wide: set[_Place] = set()
+    for entry in network.classes:
+        typed = [*entry.ports, *(entry.channels if isinstance(entry, ProcessClass) else _signals_in(entry))]
+        wide |= {(entry.name, one.name) for one in typed if is_wide(one.type)}
+        if entry.external is not None:
+            found += [((entry.name, port.name), None) for port in entry.ports]
+        elif isinstance(entry, ProcessClass):
+            found += [*_origins_in(entry), *_connected(entry, inputs)]
+        else:
+            found += _origins_in_law(entry)
+    return [(place, origin) for place, origin in found if place in wide]
+
+
+def _signals_in(law: SubmodelClass) -> list[SubmodelState | SubmodelEquation]:
+    """What has a name in a control law and is computed, but by what is written in another language."""
+    return [*law.states, *law.constants, *(one for one in law.equations if isinstance(one, SubmodelEquation))]
+
+
+def _origins_in_law(law: SubmodelClass) -> Iterator[tuple[_Place, _Origin]]:
+    for state in law.states:
+        yield (law.name, state.name), _Value(state.initial, law.name)
+    for name, value in law.next_values:
+        yield (law.name, name), _Value(value, law.name)
+    for signal in _signals_in(law):
+        if isinstance(signal, SubmodelEquation):
+            yield (law.name, signal.name), _Value(signal.value, law.name)
+
+
+def _origins_in(entry: CoreClass) -> Iterator[tuple[_Place, _Origin | None]]:
+    for channel in entry.channels:
+        if channel.initial is not None:
+            yield (entry.name, channel.name), _Value(channel.initial, entry.name)
+    for part in parts(entry.body):
+        match part:
+            case AssignValue(target=target, value=value):
+                yield (entry.name, target.channel), _Value(value, entry.name)
+            case ReadValue(source=source, target=target) | InputEvent(source=source, target=target):
+                yield (entry.name, target.channel), _origin_of(source, entry.name)
+            case WriteValue(sink=sink, value=value) | OutputEvent(sink=sink, value=value):
+                yield _place_of(sink, entry.name), _Value(value, entry.name)
+            case _:  # Nothing else gives a variable a value.
+                pass
+
+
+def _connected(entry: CoreClass, inputs: set[tuple[str, str]]) -> Iterator[tuple[_Place, _Origin | None]]:
+    """What instances in a class get at their inputs, and what gets what they write."""
+    for instance in entry.instances:
+        for connection in instance.connections:
+            inner: _Place = (instance.class_name, connection.port)
+            if (instance.class_name, connection.port) in inputs:
+                yield inner, _origin_of(connection.attachment, entry.name)
+            elif isinstance(connection.attachment, PortEnd | ChannelEnd):
+                yield _place_of(connection.attachment, entry.name), inner
+
+
+def _origin_of(end: Attachment, class_name: str) -> _Origin | None:
+    match end:
+        case PortEnd() | ChannelEnd():
+            return _place_of(end, class_name)
+        case ConstantEnd(value=value):
+            return _Value(value, class_name)
+        case DiscardEnd():
+            return None
+        case _:
+            assert_never(end)
+
+
+def _place_of(end: End, class_name: str) -> _Place:
+    return (class_name, end.port) if isinstance(end, PortEnd) else (class_name, end.channel)
+
+
+def _delays(network: CoreNetwork) -> Iterator[_Value]:
+    for entry in network.classes:
+        if isinstance(entry, ProcessClass):
+            for part in parts(entry.body):
+                if isinstance(part, WaitStep | AfterEvent):
+                    yield _Value(part.duration, entry.name)
+
+
+def _periods_are_short(network: CoreNetwork) -> bool:
+    return all(port.sampling is None or port.sampling.period < _LONGEST_DELAY for port in network.external_ports)
