@@ -76,6 +76,27 @@ def held(class_: SubmodelClass) -> list[str]:
     return [name for name in read if name not in moving]
 
 
+def read_after_change(next_values: Iterable[tuple[str, Expression]]) -> dict[str, int]:
+    """The states that are read after they have got their next values, in the order of reading, and how often."""
+    late: Counter[str] = Counter()
+    changed: set[str] = set()
+    for name, value in next_values:
+        late.update(signal for signal in signals((value,)) if signal in changed)
+        changed.add(name)
+    return late
+
+
+def evaluated_in_runs(class_: SubmodelClass) -> tuple[object, ...]:
+    """What a law evaluates once its constants are known: when it is reset, and in each run."""
+    return (
+        tuple(state.initial for state in class_.states),
+        class_.next_values,
+        class_.derivatives,
+        tuple(equation.value for equation in class_.derivative_equations),
+        tuple(part for equation in class_.equations for part in values(equation)),
+    )
+
+
 def constants_needed(class_: SubmodelClass) -> list[SubmodelEquation]:
     """The constants that anything depends on."""
     roots = signals(

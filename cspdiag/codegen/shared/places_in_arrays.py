@@ -37,11 +37,6 @@ class Arrays:
         """The name of the array, or the name itself."""
         return self.place(name)[0]
 
-    def subscript(self, name: str) -> str:
-        """``[3]``, or nothing."""
-        index = self.place(name)[1]
-        return "" if index is None else f"[{index}]"
-
     def size(self, name: str) -> int | None:
         """The number of elements of the array that an element stands in."""
         base, index = self.place(name)

@@ -14,10 +14,10 @@ from cspdiag.codegen.python.text.names import (
     MEMBERS,
     Names,
     identifier,
-    indexed,
     member_names,
     snake_case,
 )
+from cspdiag.codegen.shared.places_in_arrays import indexed
 from cspdiag.runtime import Process, Submodel
 
 

@@ -13,12 +13,11 @@ from cspdiag.codegen.c.text.code import PRODUCT, Code, call, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names, identifier
 from cspdiag.codegen.c.text.statements import Block, Statement, define, store
-from cspdiag.codegen.shared.equations import signals, values
+from cspdiag.codegen.shared.equations import read_after_change, signals, values
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
-from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass
 
 
@@ -41,13 +40,6 @@ def run_law_signals(action: RunLaw) -> list[tuple[str, Type]]:
         else:
             found.append((equation.name, equation.type))
     return found
-
-
-def run_law_may_fault(action: RunLaw) -> bool:
-    """Whether a run can fault."""
-    items = [part for equation in action.equations for part in values(equation)]
-    items += [value for _, value in action.next_values]
-    return bool(action.derivatives) or any(map(may_fault, items))
 
 
 def run_law(
@@ -139,11 +131,7 @@ class _Run:
 
     def _hoisted(self) -> list[str]:
         """States that are read after they have changed."""
-        changed: set[str] = set()
-        late: set[str] = set()
-        for name, value in self.action.next_values:
-            late |= set(signals((value,))) & changed
-            changed.add(name)
+        late = read_after_change(self.action.next_values)
         return [name for name, _ in self.action.next_values if name in late]
 
     def _integration(self) -> Integration:

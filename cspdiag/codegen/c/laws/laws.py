@@ -32,11 +32,13 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.equations import (
     constants_needed,
     defined,
+    evaluated_in_runs,
     held,
     inputs,
     needed,
     outputs,
     parameters,
+    read_after_change,
     signal_types,
     signals,
     values,
@@ -106,14 +108,7 @@ class LawFiles:
     @cached_property
     def _late(self) -> set[str]:
         """Parameters and constants that are wanted after `initialize`."""
-        class_ = self.class_
-        late = (
-            tuple(state.initial for state in class_.states),
-            class_.next_values,
-            class_.derivatives,
-            tuple(equation.value for equation in class_.derivative_equations),
-            tuple(part for equation in class_.equations for part in values(equation)),
-        )
+        late = evaluated_in_runs(self.class_)
         return {*signals(late), *parameters(late)}
 
     @cached_property
@@ -356,11 +351,7 @@ class LawFiles:
     def _hoisted(self) -> list[str]:
         """States that are read after they have changed, and so become local variables first."""
         class_ = self.class_
-        changed: set[str] = set()
-        late: set[str] = set()
-        for name, value in class_.next_values:
-            late |= set(signals((value,))) & changed
-            changed.add(name)
+        late = set(read_after_change(class_.next_values))
         if class_.derivatives:
             late |= set(self._integration.held) & {state.name for state in class_.states if not state.continuous}
             late |= set(self._continuous)

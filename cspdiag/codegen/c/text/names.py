@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
-from cspdiag.base.render.snippet import on_one_line
+from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, with_underscores, words
 from cspdiag.network.ir.network import Network
-from cspdiag.network.lower.distinct_names import DistinctNames
 
-
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-RESERVED = _words(
+RESERVED = words(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
@@ -40,7 +33,7 @@ RESERVED = _words(
 
 def identifier(text: str) -> str:
     """A C name for a name of the text, or for several joined by dots and indexes (``pid.error``, ``cell[3]``)."""
-    joined = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_") if re.search(r"\W", text, re.ASCII) else text
+    joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"n{joined}"
     if joined.startswith("_"):
@@ -49,16 +42,15 @@ def identifier(text: str) -> str:
     return f"{joined}_" if clashes else joined
 
 
-_MACROS = _words("EOF INFINITY NAN NULL DOMAIN OVERFLOW UNDERFLOW SING PLOSS TLOSS HUGE M_PI I BUFSIZ")
+_MACROS = words("EOF INFINITY NAN NULL DOMAIN OVERFLOW UNDERFLOW SING PLOSS TLOSS HUGE M_PI I BUFSIZ")
 
 
 def snake_case(name: str) -> str:
     """``PositionController`` as ``position_controller``; ``PIDLoop`` as ``pid_loop``."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
-    return identifier(spaced.lower())
+    return identifier(with_underscores(name))
 
 
-_LIBRARIES = _words(
+_LIBRARIES = words(
     """
     m c g pthread rt dl util gcc gcc_s gcc_eh gcov stdc++ supc++ atomic gomp quadmath asan ubsan tsan lsan ssp nosys
     rdimon semihost
@@ -69,7 +61,7 @@ _LIBRARIES = _words(
 itself.
 """
 
-_TARGETS = _words(
+_TARGETS = words(
     "all clean depend edit_cache help install list_install_components package package_source preinstall rebuild_cache "
     "test zero_check"
 )
@@ -81,30 +73,13 @@ def library_name(package: str) -> str:
     return f"{package}_" if package in _LIBRARIES | _TARGETS else package
 
 
-class Names:
+class Names(GivenNames):
     """Gives out C names, each once."""
 
-    def __init__(self, taken: Iterable[str] = ()) -> None:
-        self._names = DistinctNames(taken)
-        self._given: dict[str, str] = {}
-
-    def __getitem__(self, text: str) -> str:
-        """The name that was given for a name of the text; made at the first time."""
-        if text not in self._given:
-            self._given[text] = self.fresh(text)
-        return self._given[text]
-
-    def __contains__(self, name: str) -> bool:
-        """Whether a C name is taken."""
-        return name in self._names.taken
-
-    def fresh(self, text: str) -> str:
-        """A new name, as near to ``text`` as may be."""
-        wanted = identifier(text)
-        return self._names.fresh(wanted, lambda count: f"{wanted.rstrip('_')}_{count}")
+    _identifier = staticmethod(identifier)
 
 
-HEADERS = _words(
+HEADERS = words(
     "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic "
     "stdbool stddef stdint stdio "
     "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore "
@@ -128,11 +103,11 @@ FILES = (
 )
 """Stems of files of a package that no class may be stored in."""
 
-_OF_NETWORK = _words("external present brought port_table process_name channel_name exception_names copy_name")
+_OF_NETWORK = words("external present brought port_table process_name channel_name exception_names copy_name")
 """Names in the file that builds the network, beside that of the outermost process."""
 
 
-class PackageNames:
+class PackageNames(Package):
     """The names that all files of one package share.
 
     A class has one name: of its struct, its files, and what its functions begin with. A constant, and a literal of an
@@ -140,8 +115,7 @@ class PackageNames:
     """
 
     def __init__(self, network: Network) -> None:
-        self.package = network.name
-        self._folder = network.source.rpartition("/")[0]
+        super().__init__(network)
         self._names = Names((*FILES, *HEADERS, *_OF_NETWORK))
         self.types: Mapping[str, str] = {
             name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
@@ -174,8 +148,3 @@ class PackageNames:
 
     def _fresh(self, name: str) -> str:
         return self._names.fresh(snake_case(name))
-
-    def place(self, file: str, line: int) -> str:
-        """``laws.csp:12``, the file relative to the folder of the program."""
-        inside = file.removeprefix(f"{self._folder}/") if self._folder else file
-        return f"{on_one_line(inside)}:{line}"

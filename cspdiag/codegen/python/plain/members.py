@@ -7,8 +7,9 @@ from functools import cached_property
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import Code, Name, own
-from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names, indexed
+from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.statements import Statement, bound_in
+from cspdiag.codegen.shared.places_in_arrays import indexed
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from cspdiag.codegen.python.plain.docs import class_doc
@@ -32,10 +31,12 @@ from cspdiag.codegen.shared.equations import (
     Equation,
     constants_needed,
     defined,
+    evaluated_in_runs,
     inputs,
     needed,
     outputs,
     parameters,
+    read_after_change,
     signal_types,
     signals,
     values,
@@ -111,13 +112,7 @@ class _SubmodelWriter:
     def _attributes(self) -> set[str]:
         """Parameters and constants that are wanted after construction."""
         class_ = self.class_
-        late = (
-            tuple(state.initial for state in class_.states),
-            class_.next_values,
-            class_.derivatives,
-            tuple(equation.value for equation in class_.derivative_equations),
-            tuple(part for equation in class_.equations for part in values(equation)),
-        )
+        late = evaluated_in_runs(class_)
         period = {"sample"} if class_.derivatives and class_.step is None else set()
         return {*signals(late), *parameters(late), *period}
 
@@ -264,17 +259,13 @@ class _SubmodelWriter:
         read = signals(expressions) + parameters(expressions)
         discrete = [state.name for state in class_.states if not state.continuous]
         continuous = [state.name for state in class_.states if state.continuous]
-        changed: set[str] = set()
-        late: Counter[str] = Counter()
-        for name, value in class_.next_values:
-            late.update(signal for signal in signals((value,)) if signal in changed)
-            changed.add(name)
+        late = read_after_change(class_.next_values)
         candidates = [
             *discrete,
             *(item.name for item in class_.parameters),
             *(item.name for item in self.constants),
         ]
-        hoisted = [name for name in candidates if read[name] > 1 or late[name]]
+        hoisted = [name for name in candidates if read[name] > 1 or name in late]
         if class_.derivatives:
             hoisted += [name for name in discrete if name in self.integration.held and name not in hoisted]
             hoisted += continuous

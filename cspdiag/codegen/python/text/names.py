@@ -5,27 +5,20 @@ A name keeps its spelling unless Python or the runtime has it already; then it g
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 
-from cspdiag.base.render.snippet import on_one_line
+from cspdiag.codegen.shared.names import GivenNames, Package, as_one_word, with_underscores, words
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.network.lower.distinct_names import DistinctNames
 
-
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-KEYWORDS = _words(
+KEYWORDS = words(
     """
     False None True and as assert async await break class continue def del elif else except finally for from
     global if import in is lambda nonlocal not or pass raise return try while with yield
     """
 )
 
-BUILTINS = _words(
+BUILTINS = words(
     """
     abs aiter all anext any ascii bin bool breakpoint bytearray bytes callable chr classmethod compile complex
     delattr dict dir divmod enumerate eval exec filter float format frozenset getattr globals hasattr hash hex
@@ -35,21 +28,21 @@ BUILTINS = _words(
     """
 )
 
-MEMBERS = _words(
+MEMBERS = words(
     "self name source run runs_now execute enclosing started ended owns calculate reset ends is_law has_computed _place"
 )
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
-PROCESS_MEMBERS = MEMBERS | _words("kind steps start end fail blame checked tracked _enclosing")
+PROCESS_MEMBERS = MEMBERS | words("kind steps start end fail blame checked tracked _enclosing")
 """The same with what ``Routine`` defines: a generated process has the same names at every level of optimization."""
 
-MODULES = _words("network constants types exceptions runtime environments external")
+MODULES = words("network constants types exceptions runtime environments external")
 """Modules of a generated package that no class may be stored in."""
 
 
 def identifier(text: str) -> str:
     """A Python name for a name of the text, or for several joined by dots and indexes (``pid.error``, ``cell[3]``)."""
-    joined = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_") if re.search(r"\W", text, re.ASCII) else text
+    joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"_{joined}"
     return f"{joined}_" if joined in KEYWORDS or joined in BUILTINS else joined
@@ -57,45 +50,17 @@ def identifier(text: str) -> str:
 
 def snake_case(name: str) -> str:
     """``PositionController`` as a module is called: ``position_controller``; ``PIDLoop``: ``pid_loop``."""
-    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
-    return identifier(spaced.lower())
+    return identifier(with_underscores(name))
 
 
-def indexed(name: str) -> tuple[str, int] | None:
-    """``cell[3]`` and ``cell[3].out`` as (``cell``, 3) and (``cell.out``, 3); None unless there is exactly
-    one index.
-    """
-    found = re.findall(r"\[(\d+)\]", name)
-    if len(found) != 1:
-        return None
-    return re.sub(r"\[\d+\]", "", name), int(found[0])
-
-
-class Names:
+class Names(GivenNames):
     """Gives out Python names, each once."""
 
-    def __init__(self, taken: Iterable[str] = ()) -> None:
-        self._names = DistinctNames(taken)
-        self._given: dict[str, str] = {}
+    _identifier = staticmethod(identifier)
 
-    def __getitem__(self, text: str) -> str:
-        """The name that was given for a name of the text; made at the first time."""
-        if text not in self._given:
-            self._given[text] = self.fresh(text)
-        return self._given[text]
-
-    def __contains__(self, name: str) -> bool:
-        """Whether a Python name is taken."""
-        return name in self._names.taken
-
-    def fresh(self, text: str) -> str:
-        """A new name, as near to ``text`` as may be."""
-        wanted = identifier(text)
-
-        def numbered(count: int) -> str:
-            return f"{wanted}_" if count == 2 and not wanted.endswith("_") else f"{wanted.rstrip('_')}_{count}"
-
-        return self._names.fresh(wanted, numbered)
+    @staticmethod
+    def _numbered(wanted: str, count: int) -> str:
+        return f"{wanted}_" if count == 2 and not wanted.endswith("_") else f"{wanted.rstrip('_')}_{count}"
 
 
 @cache
@@ -112,12 +77,11 @@ def member_names(texts: tuple[str, ...], taken: frozenset[str]) -> Mapping[str, 
     return {text: given[text] for text in texts}
 
 
-class PackageNames:
+class PackageNames(Package):
     """The names that the modules of one package share: classes, their modules, types, constants and exceptions."""
 
     def __init__(self, network: Network) -> None:
-        self.package = network.name
-        self._folder = network.source.rpartition("/")[0]
+        super().__init__(network)
         definitions = Names({"Timeout", "Fault", "IntEnum", "NamedTuple"})
         modules = Names(MODULES)
         self.classes: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.classes}
@@ -138,8 +102,3 @@ class PackageNames:
         made = (python for name, python in self.classes.items() if name not in by_hand)
         self.globals = frozenset((*made, *self.types.values(), *self.constants.values()))
         self.globals |= frozenset(self.exceptions.values())
-
-    def place(self, file: str, line: int) -> str:
-        """``laws.csp:12``, the file relative to the folder of the program."""
-        inside = file.removeprefix(f"{self._folder}/") if self._folder else file
-        return f"{on_one_line(inside)}:{line}"

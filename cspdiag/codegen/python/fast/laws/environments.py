@@ -56,10 +56,6 @@ class _FastEnvironmentWriter(EnvironmentWriter):
                 known[item.name] = value
         return known
 
-    @cached_property
-    def _temporaries(self) -> Temporaries:
-        return Temporaries(self.names)
-
     def _constants(self) -> Iterable[Statement]:
         printer = self._printer(())
         for item in self.constants:

@@ -27,7 +27,7 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import For, Statement, assign, unpack
 from cspdiag.codegen.python.text.types import real
-from cspdiag.codegen.shared.equations import defined, signals
+from cspdiag.codegen.shared.equations import defined, read_after_change
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
@@ -80,7 +80,7 @@ class InlineLaw:
         moved: list[Statement] = []
         if self._continuous:
             yield from self._integrated(moved)
-        before = {name: self.names.fresh(f"{name}_before") for name in self._wanted_late()}
+        before = {name: self.names.fresh(f"{name}_before") for name in read_after_change(self.law.next_values)}
         for name, local in before.items():
             yield assign(local, self.printer.signal(name))
         changed: set[str] = set()
@@ -114,15 +114,6 @@ class InlineLaw:
 
     def _place_of_state(self, name: str) -> str | None:
         return next((self.place(state) for state in self.class_.states if state.name == name), None)
-
-    def _wanted_late(self) -> list[str]:
-        """States that are read after they have got their next values."""
-        late: dict[str, None] = {}
-        changed: set[str] = set()
-        for name, value in self.law.next_values:
-            late.update((signal, None) for signal in signals((value,)) if signal in changed)
-            changed.add(name)
-        return list(late)
 
     # Integration
 
