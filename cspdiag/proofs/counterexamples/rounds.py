@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from cspdiag.base.record import record, replaced
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
@@ -11,6 +11,8 @@ LONGEST = 24
 """A round of more steps is not found."""
 FEWEST = 8
 """Rounds of the trace itself are shown one by one where they are fewer; the first and the last one always are."""
+FEWEST_OF_OTHER_VALUES = 24
+"""The same, where values change from round to round, and not always by the same."""
 
 
 @record
@@ -66,7 +68,8 @@ def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
     """The steps in order, for people: of those of the trace itself, too, the rounds of a loop between the first and the
     last only once.
 
-    Values may go up or down by the same from round to round: those of the steps then say which there are.
+    Values may go up or down by the same from round to round: those of the steps then say which there are. Of other
+    values, in many rounds, they say the first and the last.
     """
     own: list[Step] = []
     for part in repeated(steps):
@@ -82,42 +85,48 @@ def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
 def _own_rounds(steps: Sequence[Step]) -> Iterator[Repeated]:
     position = 0
     while position < len(steps):
-        length, times = _alike(steps, position)
-        inner = position + length, position + (times - 1) * length
-        if times - 2 >= FEWEST:
-            yield from (Repeated(1, (step,)) for step in steps[position : inner[0]])
-            rounds = steps[slice(*inner)]
-            yield Repeated(times - 2, tuple(_summed_up(rounds[at::length]) for at in range(length)))
-            yield from (Repeated(1, (step,)) for step in steps[inner[1] : inner[1] + length])
-            position = inner[1] + length
-        else:
+        found = _alike(steps, position, FEWEST, _counts) or _alike(steps, position, FEWEST_OF_OTHER_VALUES, _is_alike)
+        if found is None:
             yield Repeated(1, (steps[position],))
             position += 1
+            continue
+        length, times = found
+        inner = position + length, position + (times - 1) * length
+        yield from (Repeated(1, (step,)) for step in steps[position : inner[0]])
+        rounds = steps[slice(*inner)]
+        yield Repeated(times - 2, tuple(_summed_up(rounds[at::length]) for at in range(length)))
+        yield from (Repeated(1, (step,)) for step in steps[inner[1] : inner[1] + length])
+        position = inner[1] + length
 
 
-def _alike(steps: Sequence[Step], start: int) -> tuple[int, int]:
-    """The shortest round that follows on itself often enough from a step on, but for values that count, and how often;
-    (1, 1) without one.
-    """
+def _alike(
+    steps: Sequence[Step], start: int, fewest: int, follows: Callable[[Sequence[Step], int, int, int], bool]
+) -> tuple[int, int] | None:
+    """The shortest round that follows on itself often enough from a step on, but for values, and how often."""
     for length in range(1, LONGEST + 1):
         end = start + length
-        while end < len(steps) and _follows(steps, end, start, length):
+        while end < len(steps) and follows(steps, end, start, length):
             end += 1
         times = (end - start) // length
-        if times - 2 >= FEWEST:
+        if times - 2 >= fewest:
             return length, times
-    return 1, 1
+    return None
 
 
-def _follows(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
+def _is_alike(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
+    """Whether a step is the one of the round before, whatever its value."""
+    one, other = steps[at], steps[at - length]
+    return (one.kind, one.channel, one.parties) == (other.kind, other.channel, other.parties)
+
+
+def _counts(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
     """Whether a step is the one of the round before, and its value as much more as that was more than in the round
     before that.
     """
-    one, other = steps[at], steps[at - length]
-    if (one.kind, one.channel, one.parties) != (other.kind, other.channel, other.parties):
+    if not _is_alike(steps, at, start, length):
         return False
-    more = _more(one, other)
-    return more is not None and (at - 2 * length < start or more == _more(other, steps[at - 2 * length]))
+    more = _more(steps[at], steps[at - length])
+    return more is not None and (at - 2 * length < start or more == _more(steps[at - length], steps[at - 2 * length]))
 
 
 def _more(one: Step, other: Step) -> int | None:
@@ -131,15 +140,18 @@ def _more(one: Step, other: Step) -> int | None:
 
 
 def _summed_up(steps: Sequence[Step]) -> Step:
-    """What is the same step in each round, with all its values: ``7``, ``1 … 480`` or ``0, 5 … 495``."""
+    """What is the same step in each round, with all its values: ``7``, ``1 … 480`` or ``0, 5 … 495``; of others the
+    first and the last, ``2 to 1024``.
+    """
     first, second, last = steps[0], steps[1], steps[-1]
-    match _more(second, first):
-        case 0:
-            return first
-        case 1 | -1:
-            return replaced(first, value=f"{first.value} … {last.value}")
-        case _:  # Other differences, of all sizes.
-            return replaced(first, value=f"{first.value}, {second.value} … {last.value}")
+    more = {_more(one, other) for one, other in zip(steps[1:], steps, strict=False)}
+    if more == {0}:
+        return first
+    if len(more) > 1 or None in more:
+        return replaced(first, value=f"{first.value} to {last.value}")
+    if more <= {1, -1}:
+        return replaced(first, value=f"{first.value} … {last.value}")
+    return replaced(first, value=f"{first.value}, {second.value} … {last.value}")
 
 
 def _round(steps: Sequence[Step]) -> Repeated | None:

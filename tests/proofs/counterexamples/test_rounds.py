@@ -28,6 +28,10 @@ def told(steps: list[Step]) -> list[Row]:
         ([7] * 40, "7"),
         ([None] * 40, None),
         (["1.5"] * 40, "1.5"),
+        ([2**n for n in range(40)], f"2 to {2**38}"),
+        ([n + 0.5 for n in range(40)], "1.5 to 38.5"),
+        ([None, *[3] * 38, 4], "3"),
+        ([1, 2, 3, 5, 8, *range(9, 50)], "2 to 48"),
     ],
 )
 def test_values_that_count_are_summed_up(values: list[object], middle: str | None) -> None:
