@@ -108,7 +108,8 @@ class _Teller:
             name = actor.path.removeprefix(self._prefix)
             return BlockedProcess(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
         _, number, state = min(
-            candidates, key=lambda entry: (entry[0], not self._is_at(entry[1], entry[2], actor.place))
+            candidates,
+            key=lambda one: (one[0], self._goes_on(one[1], one[2]), not self._is_at(one[1], one[2], actor.place)),
         )
         component, events = (
             self._system.components[number],
@@ -130,6 +131,10 @@ class _Teller:
         """The events for which a component waits in a state, but for the end of all that runs beside it."""
         events = sorted({event for event, _ in self._edges(component, state)} - {INTERNAL})
         return [event for event in events if self._system.events[event].kind not in _UNSEEN - {"delivered"}]
+
+    def _goes_on(self, component: int, state: int) -> bool:
+        """Whether a component leaves a state by itself, so that nobody is at rest there."""
+        return any(event == INTERNAL for event, _ in self._edges(component, state))
 
     def _is_at(self, component: int, state: int, at: str | None) -> bool:
         return _is_at(self._system.components[component].places.get(state, Place("")), at)

@@ -371,3 +371,13 @@ def test_what_has_to_happen_before_a_round_is_told(
 def _last(step: Step) -> str:
     """A delay, or the name of a channel without those of the processes."""
     return step.channel.rpartition(": ")[2].rpartition(".")[2]
+
+
+def test_who_stands_still_after_a_fault_that_was_caught_is_where_the_handler_stops() -> None:
+    composition = "(mu (wait 1 ms ; n := n - 1 ; beat ! 10 / n)) catch Fault -> stop"
+    answer = answer_to(
+        f"process Main {{ out beat : int communication {{ var n : int = 3 }} composition {{ {composition} }} }}\n"
+        "assert Main terminates\n"
+    )
+    assert answer.counterexample is not None
+    assert [process.words for process in answer.counterexample.waiting] == ["waits forever, at stop"]
