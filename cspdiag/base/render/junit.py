@@ -20,20 +20,24 @@ def render(diagnostics: Sequence[Diagnostic], files: Sequence[str]) -> str:
     root = ElementTree.Element("testsuites", name="cspdiag")
     for name, own in found.items():
         failures = sum(diagnostic.severity == "error" for diagnostic in own)
-        suite = ElementTree.SubElement(
-            root,
-            "testsuite",
-            name=printable(name),
-            tests=str(max(len(own), 1)),
-            failures=str(failures),
-            errors="0",
-            skipped="0",
-            time="0",
-        )
+        suite = suite_of(root, name, tests=max(len(own), 1), failures=failures)
         for diagnostic in own:
             _test(suite, diagnostic)
         if not own:
             ElementTree.SubElement(suite, "testcase", name="check", classname=printable(name), time="0")
+    return written(root)
+
+
+def suite_of(
+    root: ElementTree.Element, name: str, *, tests: int, failures: int, errors: int = 0, time: str = "0"
+) -> ElementTree.Element:
+    """A new test suite with its numbers of tests; ``time`` is in seconds."""
+    counts = {"tests": str(tests), "failures": str(failures), "errors": str(errors), "skipped": "0", "time": time}
+    return ElementTree.SubElement(root, "testsuite", {"name": printable(name), **counts})
+
+
+def written(root: ElementTree.Element) -> str:
+    """The text of a report."""
     ElementTree.indent(root)
     return f"<?xml version='1.0' encoding='utf-8'?>\n{ElementTree.tostring(root, encoding='unicode')}\n"
 

@@ -33,7 +33,7 @@ from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import lay_out
 from cspdiag.draw.layout.graph import Layout, Node, Route, Side
 from cspdiag.draw.scene.geometry import Point, Rectangle
-from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved
+from cspdiag.draw.scene.scene_geometry import below_each_other, bounds, fitted
 from cspdiag.draw.scene.shapes import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height
 from cspdiag.network.ir.network import Direction
@@ -75,7 +75,7 @@ def draw_communication(
         parts.append(explained)
     if diagnostics:
         parts.append(messages(diagnostics.items(), width))
-    return fitted(_below_each_other(parts), title=diagram.key, description=diagram.doc or "", name=diagram.key)
+    return fitted(below_each_other(parts, GAP), title=diagram.key, description=diagram.doc or "", name=diagram.key)
 
 
 def _with_row(layout: Layout, apart: Sequence[Node]) -> Layout:
@@ -100,16 +100,6 @@ def _title(diagram: CommunicationDiagram) -> tuple[TextRun, ...]:
     names = ", ".join(parameter.partition(":")[0].strip() for parameter in diagram.parameters)
     parameters = (TextRun(f"({names})", ink=Ink.FAINT),) if names else ()
     return (TextRun("process ", ink=Ink.FAINT), TextRun(diagram.key, Face.BOLD), *parameters)
-
-
-def _below_each_other(parts: list[Item]) -> list[Item]:
-    placed: list[Item] = []
-    y = 0.0
-    for part in parts:
-        room = bounds(part)
-        placed.append(moved(part, -room.x, y - room.y))
-        y += room.height + GAP
-    return placed
 
 
 class _Drawing:

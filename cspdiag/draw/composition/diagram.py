@@ -40,7 +40,7 @@ from cspdiag.draw.elements.composition import (
 from cspdiag.draw.elements.marks import Marks
 from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.scene.geometry import Point
-from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved
+from cspdiag.draw.scene.scene_geometry import below_each_other, bounds, fitted
 from cspdiag.draw.scene.shapes import Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import runs_width
 from cspdiag.syntax.parse.nesting import room_to_recurse
@@ -81,21 +81,11 @@ def draw_composition(
     if diagnostics:
         parts.append(messages(diagnostics.items(), width))
     return fitted(
-        _below_each_other(parts),
+        below_each_other(parts, GAP),
         title=f"composition of {diagram.key}",
         description=diagram.doc or "",
         name=f"{diagram.key}-composition",
     )
-
-
-def _below_each_other(parts: list[Item]) -> list[Item]:
-    y = 0.0
-    stacked: list[Item] = []
-    for part in parts:
-        room = bounds(part)
-        stacked.append(moved(part, -room.x, y - room.y))
-        y += room.height + GAP
-    return stacked
 
 
 class _Drawer:

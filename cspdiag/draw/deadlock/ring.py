@@ -15,7 +15,7 @@ from cspdiag.draw.deadlock.marks import StuckProcess, shortened, surroundings
 from cspdiag.draw.deadlock.steps import waiting_steps
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.scene.geometry import Point, Rectangle
-from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved, stacked
+from cspdiag.draw.scene.scene_geometry import below_each_other, fitted, stacked
 from cspdiag.draw.scene.shapes import Box, Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import ASCENT, line_height, text_width
 from cspdiag.model.program import Program
@@ -80,13 +80,7 @@ def draw_ring(deadlock: Deadlock) -> Scene:
             parts.append(Group("besides", tuple(_list("besides:", deadlock.besides, deadlock.top))))
     elif deadlock.besides:
         parts.append(Group("ring", tuple(_grid(deadlock.besides, deadlock.top))))
-    placed: list[Item] = []
-    y = 0.0
-    for part in parts:
-        room = bounds(part)
-        placed.append(moved(part, -room.x, y - room.y))
-        y += room.height + 22
-    return fitted(placed, title=deadlock.title, description=explained, name="deadlock")
+    return fitted(below_each_other(parts, 22), title=deadlock.title, description=explained, name="deadlock")
 
 
 def _ring(cycle: Sequence[StuckProcess], top: str) -> Iterator[Item]:

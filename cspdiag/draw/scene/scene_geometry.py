@@ -113,6 +113,17 @@ def fitted(
     return Scene(ceil(room.width + 2 * margin), ceil(room.height + 2 * margin), placed, title, description, name)
 
 
+def below_each_other(parts: Iterable[Item], gap: float) -> list[Item]:
+    """The parts from top to bottom, each at the left border, with ``gap`` between them."""
+    placed: list[Item] = []
+    y = 0.0
+    for part in parts:
+        room = bounds(part)
+        placed.append(moved(part, -room.x, y - room.y))
+        y += room.height + gap
+    return placed
+
+
 def stacked(scenes: Sequence[Scene], *, gap: float = 0) -> Scene:
     """One scene with the others below each other; names and descriptions are those of the first."""
     return _joined(scenes, lambda done, _: (0, done.height + gap if done.items else 0))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from xml.etree import ElementTree
 
+from cspdiag.base.render.junit import suite_of, written
 from cspdiag.base.render.snippet import printable
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.text import render as render_text
@@ -13,20 +15,13 @@ from cspdiag.proofs.answers.text import render as render_text
 def render(answers: Sequence[Answer], file: str) -> str:
     """One test suite; a refuted assertion is a failure, one of which nothing is known an error."""
     root = ElementTree.Element("testsuites", name="cspdiag")
-    suite = ElementTree.SubElement(
-        root,
-        "testsuite",
-        name=printable(file),
-        tests=str(len(answers)),
-        failures=str(sum(answer.outcome == "refuted" for answer in answers)),
-        errors=str(sum(answer.outcome == "unknown" for answer in answers)),
-        skipped="0",
-        time=f"{sum(answer.seconds for answer in answers):.3f}",
-    )
+    outcomes = Counter(answer.outcome for answer in answers)
+    seconds = sum(answer.seconds for answer in answers)
+    refuted, unknown = outcomes["refuted"], outcomes["unknown"]
+    suite = suite_of(root, file, tests=len(answers), failures=refuted, errors=unknown, time=f"{seconds:.3f}")
     for answer in answers:
         _test(suite, answer, file)
-    ElementTree.indent(root)
-    return f"<?xml version='1.0' encoding='utf-8'?>\n{ElementTree.tostring(root, encoding='unicode')}\n"
+    return written(root)
 
 
 def _test(suite: ElementTree.Element, answer: Answer, file: str) -> None:
