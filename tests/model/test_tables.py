@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import BuiltinSymbol, EnumLiteralSymbol, PortSymbol, Program
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 from tests.model.programs import correct, resolved
 
 LAW = """
@@ -53,7 +53,7 @@ def expressions(program: Program) -> list[ast.Node]:
         | ast.Call
         | ast.ArrayValue
     )
-    return [part for part in walk(program.main) if isinstance(part, kinds)]
+    return [part for part in nodes(program.main) if isinstance(part, kinds)]
 
 
 def type_of(program: Program, text: str, at: int = 0) -> str:
@@ -148,5 +148,5 @@ def test_instances_that_close_a_circle_are_poisoned() -> None:
         process Pong { communication { ping : Ping } composition { ping } }
         """
     )
-    instances = [part for part in walk(program.main) if isinstance(part, ast.Instance)]
+    instances = [part for part in nodes(program.main) if isinstance(part, ast.Instance)]
     assert set(instances) <= program.poisoned

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 
 from cspdiag.base import Span
@@ -18,6 +18,7 @@ from cspdiag.draw.scene.scene_geometry import fitted
 from cspdiag.draw.scene.shapes import Group, Scene
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import instances_in
 
 Described: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 """The definitions that have a chapter."""
@@ -149,28 +150,10 @@ def _described(pictures: Pictures) -> dict[str, Described]:
 
 def _parts(definition: Described) -> tuple[str, ...]:
     """The names of the definitions of the instances, in text order."""
-    items: list[ast.Node] = []
-    match definition:
-        case ast.ProcessDefinition():
-            communication = definition.communication
-            items = [] if communication is None else list(_flat(communication.declarations))
-        case ast.EnvironmentDefinition():
-            items = list(_flat(definition.declarations))
-        case ast.SubmodelDefinition():
-            items = list(definition.items)
-        case ast.DriverDefinition():
-            pass
-    names = [item.definition.text for item in items if isinstance(item, ast.Instance)]
+    names = [instance.definition.text for instance in instances_in(definition)]
     if isinstance(definition, ast.EnvironmentDefinition):
         names.insert(0, definition.process.text)
     return tuple(dict.fromkeys(names))
-
-
-def _flat(items: Iterable[ast.Declaration]) -> Iterator[ast.Declaration]:
-    for item in items:
-        yield item
-        if isinstance(item, ast.RepeatedDeclarations):
-            yield from _flat(item.declarations)
 
 
 def _chapter(pictures: Pictures, definition: Described, links: Mapping[str, str], used_by: tuple[str, ...]) -> Chapter:

@@ -15,6 +15,7 @@ from cspdiag.draw.elements.facts import Facts
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import instances_in
 
 _INDEX = re.compile(r"\[[^\]]*\]")
 MOST_NUMBERS = 10
@@ -71,22 +72,12 @@ def definition_at(program: Program, path: Sequence[str]) -> ast.ProcessDefinitio
     """The definition of the process at a path that begins with the outermost one; None if it is unknown."""
     definition = program.definitions.get(path[0])
     for part in path[1:]:
-        if not isinstance(definition, ast.ProcessDefinition) or definition.communication is None:
+        if not isinstance(definition, ast.ProcessDefinition):
             return None
-        instance = _instance(definition.communication.declarations, _INDEX.sub("", part))
-        definition = None if instance is None else program.definitions.get(instance.definition.text)
+        name = _INDEX.sub("", part)
+        found = (instance.definition.text for instance in instances_in(definition) if instance.name.text == name)
+        definition = program.definitions.get(next(found, ""))
     return definition if isinstance(definition, ast.ProcessDefinition) else None
-
-
-def _instance(declarations: Sequence[ast.Declaration], name: str) -> ast.Instance | None:
-    for declaration in declarations:
-        if isinstance(declaration, ast.Instance) and declaration.name.text == name:
-            return declaration
-        if isinstance(declaration, ast.RepeatedDeclarations):
-            found = _instance(declaration.declarations, name)
-            if found is not None:
-                return found
-    return None
 
 
 def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[StuckProcess]) -> dict[str, Mark]:

@@ -8,8 +8,8 @@ from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.draw.elements import texts
 from cspdiag.model.program import EndLabelSymbol, Program
-from cspdiag.network.syntax_walk import names, nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import names, nodes
 
 
 @record(kw_only=True)

@@ -29,6 +29,7 @@ from cspdiag.draw.elements.diagram import BoxKind
 from cspdiag.draw.elements.texts import optional, replicator, written
 from cspdiag.syntax import ast
 from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.walk import instances_in
 
 Definitions: TypeAlias = Mapping[str, ast.Definition]
 
@@ -68,15 +69,8 @@ class _Reader:
         self._depth = depth
         self._within = within
         self._instances: dict[str, ast.Instance] = {}
-        if process.communication is not None:
-            self._collect(process.communication.declarations)
-
-    def _collect(self, declarations: tuple[ast.Declaration, ...]) -> None:
-        for declaration in declarations:
-            if isinstance(declaration, ast.Instance):
-                self._instances.setdefault(declaration.name.text, declaration)
-            elif isinstance(declaration, ast.RepeatedDeclarations):
-                self._collect(declaration.declarations)
+        for instance in instances_in(process):
+            self._instances.setdefault(instance.name.text, instance)
 
     def composition(self, node: ast.Composition, key: str) -> Composition:
         match node:

@@ -7,19 +7,19 @@ from cspdiag.model.checks.ports import check_duration
 from cspdiag.model.diagnostics.names import WrongKind
 from cspdiag.model.diagnostics.ports import DifferentEnds, Misused, NotReadable, NotVariable, NotWritable
 from cspdiag.model.expressions.coercion import same
-from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN
 from cspdiag.model.wording import waited_for
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 
 def check_compositions(program: Program, report: Report) -> None:
     """Check the composition of every process."""
     for definition in program.definitions.values():
         if isinstance(definition, ast.ProcessDefinition) and definition.composition is not None:
-            for part in walk(definition.composition):
+            for part in nodes(definition.composition):
                 _check(program, part, report)
 
 

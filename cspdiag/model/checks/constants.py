@@ -14,10 +14,10 @@ from cspdiag.model.diagnostics.constants import (
     IndexOutOfRange,
     NumberTooLarge,
 )
-from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import Program
 from cspdiag.model.types import INT, TIME, UNKNOWN, ArrayType, IntType, RealType, TimeType, Type
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 
 def check_constants(program: Program, report: Report) -> None:
@@ -42,10 +42,10 @@ def _warn_of_faults(program: Program, report: Report) -> None:
     """Warn of compositions and equations whose constants fault. What follows a condition may never be computed."""
     found = Report()
     for tree in program.trees:
-        for part in walk(tree):
+        for part in nodes(tree):
             for expression in _computed_in_a_run(program, part):
                 evaluate(program, expression, {}, found)
-                for inner in walk(expression):
+                for inner in nodes(expression):
                     if isinstance(inner, ast.Index) and inner not in program.poisoned:
                         _check_index(program, inner.index, program.types.get(inner.value, UNKNOWN), found)
             if isinstance(part, ast.Reference):
@@ -105,14 +105,14 @@ _CONDITIONAL: dict[type[ast.Node], tuple[str, ...]] = {
 def _doubtful_places(program: Program) -> Iterator[Span]:
     """The places of all expressions that follow a condition."""
     for tree in program.trees:
-        for part in walk(tree):
+        for part in nodes(tree):
             names = _CONDITIONAL.get(type(part), ())
             if isinstance(part, ast.Binary) and part.operator in {"and", "or"}:
                 names = ("right",)
             for name in names:
                 inner = getattr(part, name)
                 if inner is not None:
-                    yield from (below.span for below in walk(inner))
+                    yield from (below.span for below in nodes(inner))
 
 
 def _check_duration(program: Program, duration: ast.Duration, report: Report) -> None:

@@ -14,11 +14,11 @@ from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.declared_types import declared_type
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.expressions.numbers import Typer
-from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import Scope
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, RESERVED_VALUES, TYPE_NAMES, described
 from cspdiag.model.types import TEXT, UNKNOWN, EnumType, StructType, Type
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 Settled = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
 
@@ -96,7 +96,7 @@ def settle(context: Context) -> None:
 
 def _needed(context: Context, item: Settled) -> list[Settled]:
     found: list[Settled] = []
-    for part in walk(item):
+    for part in nodes(item):
         match part:
             case ast.Name():
                 name = part.name

@@ -14,11 +14,11 @@ from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.names.instances import resolve_instance
 from cspdiag.model.names.references import end_of_channel
 from cspdiag.model.names.scopes import declare, definition_text
-from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN, ArrayType, RealType, Type
 from cspdiag.model.units import DIMENSIONLESS, SECOND, divide
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 
 def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> None:
@@ -146,7 +146,7 @@ def _resolve_lets(typer: Typer, lets: list[ast.Let]) -> None:
     context, names = typer.context, typer.surroundings.scope.names
     needs: dict[ast.Let, list[ast.Let]] = {}
     for let in lets:
-        used = [names.get(part.name) for part in walk(let.value) if isinstance(part, ast.Name)]
+        used = [names.get(part.name) for part in nodes(let.value) if isinstance(part, ast.Name)]
         needs[let] = [symbol for symbol in used if isinstance(symbol, ast.Let)]
     types = context.program.types
     for component in strong_components(lets, needs.__getitem__):

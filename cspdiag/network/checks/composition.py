@@ -35,8 +35,8 @@ from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterVa
 from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
-from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 
 def check_runs(shape: Shape, uses: UsesByKey, report: Report) -> None:

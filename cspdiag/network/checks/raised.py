@@ -9,8 +9,8 @@ from cspdiag.model.program import Program
 from cspdiag.network.diagnostics.usage import HandlerNeverRuns
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, Watched, exceptions_of
 from cspdiag.network.shapes import Shape
-from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 
 @record

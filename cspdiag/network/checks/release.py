@@ -24,8 +24,8 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.network.diagnostics.samples.release import OutputNotReleased
-from cspdiag.network.syntax_walk import declared_in, nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import declared_in, nodes
 
 Driven: TypeAlias = "Mapping[PortSymbol, ast.Run] | None"
 """The sampled outputs that were last written by a submodel in a loop, with where it was run."""

@@ -52,8 +52,8 @@ from cspdiag.network.ir.actions import (
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime, VariableValue
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Shape
-from cspdiag.network.syntax_walk import names, nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import names, nodes
 
 Values: TypeAlias = Mapping[ast.Node, Value]
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from cspdiag.model.program import Program
-from cspdiag.network.syntax_walk import declared_in, names, nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import declared_in, names, nodes
 
 Instantiable = ast.ProcessDefinition | ast.SubmodelDefinition
 

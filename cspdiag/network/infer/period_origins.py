@@ -14,8 +14,8 @@ from cspdiag.model.program import Program
 from cspdiag.network.diagnostics.samples.periods import PeriodNotPositive
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.shapes import Shape
-from cspdiag.network.syntax_walk import names
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import names
 
 Refused = tuple[int, Span]
 """The period in nanoseconds, and the port's use of it."""

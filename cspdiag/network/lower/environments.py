@@ -25,8 +25,8 @@ from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.network.submodels.inline import Inlining, external_body, nested
 from cspdiag.network.submodels.signals import InlinedInto
 from cspdiag.network.submodels.system import complete, evaluation_order
-from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import nodes
 
 MILLISECOND = 1_000_000
 

@@ -17,8 +17,8 @@ from cspdiag.network.submodels.inline import Inlining, external_body
 from cspdiag.network.submodels.operators import PARAMETERS
 from cspdiag.network.submodels.signals import InlinedInto
 from cspdiag.network.submodels.system import complete, evaluation_order
-from cspdiag.network.syntax_walk import declarations, declared_in, nodes
 from cspdiag.syntax import ast
+from cspdiag.syntax.walk import declarations, declared_in, nodes
 
 
 @record

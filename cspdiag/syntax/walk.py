@@ -1,13 +1,14 @@
-"""Walks over the syntax of expressions and processes, without recursion on operator chains."""
+"""Walks over the tree, without recursion on operator chains."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import assert_never
 
 from cspdiag.base.record import field_names, is_record
 from cspdiag.syntax import ast
 
-_SKIPPED = frozenset({"span", "unit_span", "target_span", "composition_span", "doc"})
+_SKIPPED = frozenset({"source", "span", "unit_span", "target_span", "composition_span", "doc"})
 
 
 def nodes(*roots: ast.Node | None) -> Iterator[ast.Node]:
@@ -45,3 +46,23 @@ def declared_in(definition: ast.ProcessDefinition) -> Iterator[ast.Declaration]:
     """Every declaration of a process."""
     if definition.communication is not None:
         yield from declarations(definition.communication.declarations)
+
+
+def instances_in(definition: ast.Definition) -> Iterator[ast.Instance]:
+    """Every instance that a definition declares, also inside ``for``, in text order."""
+    items: Iterable[ast.Node]
+    match definition:
+        case ast.ProcessDefinition():
+            items = declared_in(definition)
+        case ast.SubmodelDefinition(items=items):
+            pass
+        case ast.EnvironmentDefinition():
+            items = declarations(definition.declarations)
+        case (
+            ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
+            | ast.ExceptionDefinition() | ast.DriverDefinition()
+        ):  # fmt: skip
+            items = ()
+        case _:
+            assert_never(definition)
+    return (item for item in items if isinstance(item, ast.Instance))
