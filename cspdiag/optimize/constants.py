@@ -26,6 +26,7 @@ from cspdiag.network.ir.expressions import (
 from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.changes import changed, in_sequence
+from cspdiag.optimize.dead.waited_for import ends_of, places_waited_for
 from cspdiag.optimize.folding import folded, is_literal
 
 Literals: TypeAlias = "dict[str, LiteralValue]"
@@ -90,7 +91,7 @@ def _same(one: Value, other: Value) -> bool:
 
 def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> ProcessClass:
     """The class with what is known put in place, as often as that makes more known."""
-    broadcasts = _broadcast_places(entry)
+    broadcasts = places_waited_for(entry)
     while True:
         known = dict(parameters)
         signals = _known_signals(entry)
@@ -194,7 +195,7 @@ def _folding(
 def _both(fold: Callable[[Any], Any], broadcasts: frozenset[str]) -> Callable[[Any], Any]:
     def change(item: Any) -> Any:
         result = _decided(fold(item))
-        if result is not item and not _ends(item, broadcasts) <= _ends(result, broadcasts):
+        if result is not item and not ends_of(item, broadcasts) <= ends_of(result, broadcasts):
             return fold(item)
         return result
 
@@ -245,22 +246,6 @@ def _choice(choice: ir.Choice) -> ir.Choice:
         return choice
     same = all(new is old for new, old in zip(branches, choice.branches, strict=False))
     return choice if same and len(branches) == len(choice.branches) else replaced(choice, branches=tuple(branches))
-
-
-def _broadcast_places(entry: ProcessClass) -> frozenset[str]:
-    """Ports and channels whose writer waits for every reading end, read or not; a class that is not specialized may
-    have any port connected so.
-    """
-    ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
-    return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
-
-
-def _ends(item: Any, places: frozenset[str]) -> frozenset[Any]:
-    """The ends of these places that an action uses."""
-    if not places:
-        return frozenset()
-    ends = [part for part in parts(item) if isinstance(part, ir.PortEnd | ir.ChannelEnd)]
-    return frozenset(end for end in ends if (end.port if isinstance(end, ir.PortEnd) else end.channel) in places)
 
 
 def _without_parameters(

@@ -31,7 +31,6 @@ from cspdiag.network.ir.network import (
     Attachment,
     ConstantEnd,
     DiscardEnd,
-    ExternalPort,
     InstanceOf,
     LocalChannel,
     Medium,
@@ -139,9 +138,7 @@ class _Specialization:
 
     def _outside(self, top: ProcessClass) -> Media:
         """The media of the ports of the outermost process."""
-        kinds = {
-            (port.name.partition("[")[0], port.index): _external_kind(port) for port in self.network.external_ports
-        }
+        kinds = {(port.name.partition("[")[0], port.index): port.medium for port in self.network.external_ports}
         guards = self.guards[top.name]
         return tuple(tuple(_medium(kinds[place], place, guards) for place in _elements(port)) for port in top.ports)
 
@@ -188,12 +185,6 @@ class _Specialization:
 
 def _elements(port: Port) -> list[tuple[str, int | None]]:
     return [(port.name, None)] if port.size is None else [(port.name, index) for index in range(port.size)]
-
-
-def _external_kind(port: ExternalPort) -> MediumKind:
-    if port.direction == "in":
-        return "event" if port.sampling is None else "sampled"
-    return "direct" if port.sampling is None or port.immediate else "latched"
 
 
 def _medium(kind: MediumKind, place: Place, guards: Guards) -> Medium:

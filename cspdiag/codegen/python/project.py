@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.docs import sentence
-from cspdiag.codegen.python.plain.environments import port_key
 from cspdiag.codegen.python.plain.external import ExternalModules, installed_modules
 from cspdiag.codegen.python.text.literals import docstring
 from cspdiag.codegen.python.text.names import PackageNames
@@ -73,4 +72,4 @@ def port_row(port: ExternalPort) -> PortRow:
     timing = "event" if port.sampling is None else port.sampling.every
     if port.immediate:
         timing += ", immediate"
-    return PortRow(port_key(port), port.direction, str(port.type), timing, markdown(" ".join((port.doc or "").split())))
+    return PortRow(port.key, port.direction, str(port.type), timing, markdown(" ".join((port.doc or "").split())))

@@ -230,6 +230,18 @@ class ExternalPort(Declared):
     kind: ChannelKind = "sync"
     """For an event input that several processes read: ``broadcast`` or ``any``."""
 
+    @property
+    def key(self) -> str:
+        """Its name with its index, under which drivers know it."""
+        return self.name if self.index is None or self.name.endswith("]") else f"{self.name}[{self.index}]"
+
+    @property
+    def medium(self) -> Literal["event", "sampled", "direct", "latched"]:
+        """What a process reads or writes behind it."""
+        if self.direction == "in":
+            return "event" if self.sampling is None else "sampled"
+        return "direct" if self.sampling is None or self.immediate else "latched"
+
 
 @record(kw_only=True)
 class DriverInstance(Declared):

@@ -49,6 +49,7 @@ from cspdiag.network.ir.network import (
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import changed, in_sequence, mapped
 from cspdiag.optimize.dead.values import without_dead_values
+from cspdiag.optimize.dead.waited_for import ends_of, places_waited_for
 from cspdiag.optimize.reachable import reachable
 
 Class: TypeAlias = "ProcessClass | SubmodelClass"
@@ -95,22 +96,6 @@ def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
                 return item
 
     return replaced(entry, body=rewritten(entry.body, change))
-
-
-def places_waited_for(entry: ProcessClass) -> frozenset[str]:
-    """Ports and channels whose writer waits for every reading end, read or not; where media are not known, that may be
-    any port.
-    """
-    ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
-    return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
-
-
-def ends_of(item: Any, places: frozenset[str]) -> frozenset[Any]:
-    """The ends of these ports and channels in an action."""
-    if not places:
-        return frozenset()
-    ends = [part for part in parts(item) if isinstance(part, PortEnd | ChannelEnd)]
-    return frozenset(end for end in ends if (end.port if isinstance(end, PortEnd) else end.channel) in places)
 
 
 def _until_the_last(sequence: SequentialSteps, waited_for: frozenset[str]) -> Action:

@@ -9,7 +9,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, noted_at
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
-from cspdiag.codegen.c.network.external_ports import is_event, port_groups, port_key
+from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.text.code import (
     EQUALITY,
     PRODUCT,
@@ -89,7 +89,7 @@ class EnvironmentFiles:
     def _members(self) -> Names:
         members = Names({*self.names.globals, *_LOCALS})
         for port in self.network.external_ports:
-            members[port_key(port)]
+            members[port.key]
         return members
 
     @cached_property
@@ -142,10 +142,10 @@ class EnvironmentFiles:
     def _plant(self) -> Statement:
         found: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
         system = self._system
-        ports = {port_key(port): port for port in self.network.external_ports}
+        ports = {port.key: port for port in self.network.external_ports}
         for key, port in ports.items():
             name, kind = self._members[key], self.types.type_name(port.type)
-            if is_event(port):
+            if port.medium == "event":
                 found.append(define(kind, f"{name}[2]", remark="present and last"))
             else:
                 found.append(define(kind, name))
@@ -160,9 +160,9 @@ class EnvironmentFiles:
 
     def _signal(self, name: str) -> Code:
         """The place of a port's value, a state or a constant."""
-        ports = {port_key(port): port for port in self.network.external_ports}
+        ports = {port.key: port for port in self.network.external_ports}
         place = _plant(self._members[name])
-        return place.at(0) if name in ports and is_event(ports[name]) else place
+        return place.at(0) if name in ports and ports[name].medium == "event" else place
 
     def _printer(self, local: Iterable[str], time: str = "time") -> Printer:
         known = set(local)
@@ -222,8 +222,8 @@ class EnvironmentFiles:
         if self._results:
             found.append(run(ignored(code(f"{self.name}_evaluate()"))))
         for port in self.network.external_ports:
-            if is_event(port):
-                member = _plant(self._members[port_key(port)])
+            if port.medium == "event":
+                member = _plant(self._members[port.key])
                 found.append(store(member.at(1), member.at(0)))
         found.append(give(negated(code("csp_faulted()"))))
         return Function(f"static bool {self.name}_start", (), tuple(found))
@@ -338,7 +338,7 @@ class EnvironmentFiles:
             if port.direction == "out":
                 copied = store(f"*({kind} *)device", f"*(const {kind} *)value")
                 found.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
-            elif not is_event(port):
+            elif port.medium != "event":
                 copied = store(f"*({kind} *)value", f"*(const {kind} *)device")
                 found.append(Function(f"static bool {name}", ("void *device", "void *value"), (copied, give("true"))))
             else:
@@ -362,7 +362,7 @@ class EnvironmentFiles:
         return Function(f"static bool {name}", ("void *device", "void *value"), body)
 
     def _transfer(self, port: ExternalPort) -> str:
-        verb = "write" if port.direction == "out" else "poll" if is_event(port) else "read"
+        verb = "write" if port.direction == "out" else "poll" if port.medium == "event" else "read"
         return f"{verb}_{self.types.suffix(port.type)}"
 
     def _drivers(self) -> Statement:
@@ -375,8 +375,8 @@ class EnvironmentFiles:
         return define("const struct network_drivers", f"{self.name}_drivers", drivers)
 
     def _driver(self, port: ExternalPort) -> Aggregate:
-        member, function = _plant(self._members[port_key(port)]), code(self._transfer(port))
-        device, nothing = member if is_event(port) else address(member), code("NULL")
+        member, function = _plant(self._members[port.key]), code(self._transfer(port))
+        device, nothing = member if port.medium == "event" else address(member), code("NULL")
         parts = (device, nothing, function) if port.direction == "out" else (device, function, nothing)
         return Aggregate(tuple((None, part) for part in parts))
 

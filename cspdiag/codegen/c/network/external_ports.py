@@ -7,18 +7,6 @@ from collections.abc import Sequence
 from cspdiag.network.ir.network import ExternalPort
 
 
-def port_key(port: ExternalPort) -> str:
-    """The name of an external port, with its index."""
-    if port.index is None or port.name.endswith("]"):
-        return port.name
-    return f"{port.name}[{port.index}]"
-
-
-def is_event(port: ExternalPort) -> bool:
-    """Whether it passes events, not samples."""
-    return port.direction == "in" and port.sampling is None
-
-
 def port_groups(ports: Sequence[ExternalPort]) -> list[tuple[str, list[ExternalPort]]]:
     """The ports by member of `struct network_drivers`: elements of an array together."""
     groups: dict[str, list[ExternalPort]] = {}

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import assert_never
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.network.external_ports import port_groups, port_key
+from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.network.network_names import names_file
 from cspdiag.codegen.c.process.leaves import ports_header
 from cspdiag.codegen.c.process.levels import Levels
@@ -126,10 +127,10 @@ class _NetworkFiles:
         members = self._members()
         found = ['#include "network.h"', "", '#include "constants.h"', f'#include "{struct}.h"', ""]
         found += ["/* All memory of the program. */", f"static struct {struct} {struct};"]
-        ports = [(port, members[port_key(port)]) for port in self.network.external_ports]
-        fields = [define(_STRUCTS[kind_of(port)], name) for port, name in ports]
-        values = [define(self.types.type_name(port.type), name) for port, name in ports if kind_of(port) != "direct"]
-        brought = [define(self.types.type_name(port.type), name) for port, name in ports if kind_of(port) == "event"]
+        ports = [(port, members[port.key]) for port in self.network.external_ports]
+        fields = [define(_STRUCTS[port.medium], name) for port, name in ports]
+        values = [define(self.types.type_name(port.type), name) for port, name in ports if port.medium != "direct"]
+        brought = [define(self.types.type_name(port.type), name) for port, name in ports if port.medium == "event"]
         for body, tail in (
             (fields, "external;"),
             (values, "present;"),
@@ -147,15 +148,15 @@ class _NetworkFiles:
     def _members(self) -> Names:
         members = Names()
         for port in self.network.external_ports:
-            members[port_key(port)]
+            members[port.key]
         return members
 
     @property
     def _events(self) -> list[ExternalPort]:
-        return [port for port in self.network.external_ports if kind_of(port) == "event"]
+        return [port for port in self.network.external_ports if port.medium == "event"]
 
     def _bringer(self, port: ExternalPort, members: Names) -> tuple[str, tuple[str, ...]]:
-        head = f"void network_bring_{members[port_key(port)]}"
+        head = f"void network_bring_{members[port.key]}"
         return head, (f"{self.types.type_name(port.type)} value",)
 
     def _bringers_declared(self) -> list[str]:
@@ -169,7 +170,7 @@ class _NetworkFiles:
     def _bringers(self, members: Names) -> list[str]:
         found: list[Statement] = []
         for port in self._events:
-            latest = address(_external(members[port_key(port)]))
+            latest = address(_external(members[port.key]))
             body = run(call("csp_event_bring", latest, "&value"))
             found += [Function(*self._bringer(port, members), (body,)), Blank()]
         return lines(found)
@@ -178,7 +179,7 @@ class _NetworkFiles:
         found: list[Statement] = [
             define(
                 f"static const {self.types.type_name(port.type)}",
-                f"safe_{members[port_key(port)]}",
+                f"safe_{members[port.key]}",
                 self.types.initial(self._safe(port), port.type),
             )
             for port in self.network.external_ports
@@ -190,15 +191,15 @@ class _NetworkFiles:
         return zero(port.type) if port.safe is None else port.safe
 
     def _table(self, members: Names) -> list[str]:
-        entries = tuple((None, self._port(port, members[port_key(port)])) for port in self.network.external_ports)
+        entries = tuple((None, self._port(port, members[port.key])) for port in self.network.external_ports)
         return lines([store("static const csp_port port_table[]", Aggregate(entries)), Blank()]) if entries else []
 
     def _port(self, port: ExternalPort, name: str) -> Aggregate:
-        parts: list[tuple[str, Code]] = [(".kind", code(_KINDS[kind_of(port)]))]
+        parts: list[tuple[str, Code]] = [(".kind", code(_KINDS[port.medium]))]
         parts.append((".medium", address(_external(name).field("medium"))))
         if port.direction == "out":
             parts.append((".safe", code(f"&safe_{name}")))
-        parts.append((".name", code(quoted(f"{self.network.top}.{port_key(port)}"))))
+        parts.append((".name", code(quoted(f"{self.network.top}.{port.key}"))))
         return Aggregate(tuple(parts))
 
     def _building(self, members: Names) -> list[Statement]:
@@ -210,7 +211,7 @@ class _NetworkFiles:
             found.append(_cleared("external"))
         drivers = _driver_lvalues(self.network, self.types)
         for number, (port, driver) in enumerate(zip(ports, drivers, strict=True)):
-            found += self._connected(port, members[port_key(port)], unsigned(number), driver)
+            found += self._connected(port, members[port.key], unsigned(number), driver)
         found.append(store("numbers.channel", unsigned(len(ports))) if ports else run("(void)drivers"))
         found.append(run(self._initialize()))
         return found
@@ -220,7 +221,7 @@ class _NetworkFiles:
         medium, value = address(_external(name)), f"&present.{name}"
         period = code("") if port.sampling is None else duration(port.sampling.period)
         found: list[Statement] = []
-        match kind_of(port):
+        match port.medium:
             case "sampled":
                 found.append(run(call("csp_sampled_input_init", medium, number, period, value, driver)))
             case "event":
@@ -233,10 +234,10 @@ class _NetworkFiles:
                 found.append(run(call("csp_latched_output_init", medium, number, period, value, driver)))
             case "direct":
                 found.append(run(call("csp_direct_output_init", medium, number, driver)))
-            case kind:
-                raise AssertionError(f"the kernel has no {kind} ports")
+            case _:
+                assert_never(port.medium)
         if port.direction == "out":
-            name_of_port = quoted(f"{self.network.top}.{port_key(port)}")
+            name_of_port = quoted(f"{self.network.top}.{port.key}")
             found.append(store(_external(name).field("name"), name_of_port))
         return found
 
@@ -246,7 +247,7 @@ class _NetworkFiles:
         for port in self.network.external_ports:
             designator = layout.designator(port.name.partition("[")[0], port.index)
             if designator is not None:
-                fields.append((f".{designator}", address(_external(members[port_key(port)]))))
+                fields.append((f".{designator}", address(_external(members[port.key]))))
         given: list[Code] = [code(f"&{struct}"), code("&numbers")]
         if fields:
             given.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
@@ -300,13 +301,6 @@ class _NetworkFiles:
             "#endif",
             "};",
         ]
-
-
-def kind_of(port: ExternalPort) -> str:
-    """What an external port is for the kernel."""
-    if port.direction == "in":
-        return "event" if port.sampling is None else "sampled"
-    return "direct" if port.sampling is None or port.immediate else "latched"
 
 
 def _external(name: str) -> Code:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cspdiag.codegen.c.network.external_ports import port_key
 from cspdiag.codegen.c.process.processes import ProcessFiles
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import access_of_channel
@@ -45,7 +44,7 @@ class _Numbering:
         self.processes: list[tuple[str, str]] = []
         """Paths, and the names of the definitions; empty for groups."""
         self.channels: list[tuple[str, Type]] = [
-            (f"{network.top}.{port_key(port)}", port.type) for port in network.external_ports
+            (f"{network.top}.{port.key}", port.type) for port in network.external_ports
         ]
         self.variables: list[str] = []
         pending = [(network.top, self.classes[network.top])]

@@ -46,7 +46,7 @@ from cspdiag.codegen.shared.equations import (
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass
 from cspdiag.network.ir.zero import zero
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
@@ -73,13 +73,6 @@ def environment_module(
 ) -> EnvironmentModule:
     """The module of an environment."""
     return EnvironmentWriter(environment, network, names, modules).module()
-
-
-def port_key(port: ExternalPort) -> str:
-    """The name under which the drivers know a port of the outermost process."""
-    if port.index is None or port.name.endswith("]"):
-        return port.name
-    return f"{port.name}[{port.index}]"
 
 
 class EnvironmentWriter:
@@ -166,7 +159,7 @@ class EnvironmentWriter:
             made = self.modules.construct(device.external, given, self.imports)
             statements.append(assign(own(self.names[device.name]), made))
         for port in self.network.external_ports:
-            key = port_key(port)
+            key = port.key
             if key in devices:
                 device, device_port = devices[key]
                 driver: Code = call(

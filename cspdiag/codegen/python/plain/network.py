@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cspdiag.base.record import record
-from cspdiag.codegen.python.plain.environments import port_key
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import keywords_of
 from cspdiag.codegen.python.text.code import TRUE, Argument, Call, Code, Constant, Items, Name, tuple_of, typed
@@ -31,17 +30,17 @@ def network_view(network: Network, names: PackageNames, modules: ExternalModules
     """The module ``network``."""
     top = network.class_named(network.top)
     local = Names({"drivers"})
-    by_port = {port_key(port): local[port_key(port)] for port in network.external_ports}
+    by_port = {port.key: local[port.key] for port in network.external_ports}
     imports = Imports(names, taken=[*by_port.values(), "drivers"])
     statements: list[Statement] = [
-        assign(by_port[port_key(port)], _port(port, network, imports)) for port in network.external_ports
+        assign(by_port[port.key], _port(port, network, imports)) for port in network.external_ports
     ]
     keywords = keywords_of(top)
     arguments = [Argument(Constant(quoted(network.top)))]
     types = {parameter.name: parameter.type for parameter in top.parameters}
     arguments += [Argument(literal(value, types[name], imports), keywords[name]) for name, value in network.arguments]
     for port in top.ports:
-        own = [Name(by_port[port_key(e)]) for e in network.external_ports if _belongs(e, port.name)]
+        own = [Name(by_port[e.key]) for e in network.external_ports if _belongs(e, port.name)]
         value: Code = own[0] if port.size is None else Items("[]", tuple(own))
         arguments.append(Argument(value, keywords[port.name]))
     by_hand = top.external if isinstance(top, ProcessClass) else None
@@ -67,14 +66,14 @@ def _belongs(external: ExternalPort, port: str) -> bool:
 def _port(port: ExternalPort, network: Network, imports: Imports) -> Code:
     sampled = port.sampling is not None
     class_ = ("Sampled" if sampled else "Event") + ("Input" if port.direction == "in" else "Output")
-    arguments = [Argument(Constant(quoted(f"{network.top}.{port_key(port)}"))), *_options(port, imports)]
+    arguments = [Argument(Constant(quoted(f"{network.top}.{port.key}"))), *_options(port, imports)]
     return Call(typed(imports.runtime(class_), annotation(port.type, imports)), tuple(arguments))
 
 
 def _options(port: ExternalPort, imports: Imports) -> Iterable[Argument]:
     if port.sampling is not None:
         yield Argument(duration(port.sampling.period, imports), "period")
-    yield Argument(Name("drivers").at(Constant(quoted(port_key(port)))), "driver")
+    yield Argument(Name("drivers").at(Constant(quoted(port.key))), "driver")
     if port.direction == "out":
         if port.safe is not None:
             yield Argument(literal(port.safe, port.type, imports), "safe")
