@@ -313,11 +313,11 @@ class LoadedProgram:
 
         require_seconds("time_limit", time_limit)
         settings = settings_of(set)
-        asked = pipeline.ask(self.source, read_source, process=process, settings=settings)
-        if asked.checked.report.has_errors:
-            raise ProgramError(asked.checked.report.diagnostics)
-        verifier = Verifier(asked, read_source, settings=settings)
-        return [verifier.answer(question, Limits(time_limit)) for question in asked.questions]
+        obligations = pipeline.proof_obligations(self.source, read_source, process=process, settings=settings)
+        if obligations.checked.report.has_errors:
+            raise ProgramError(obligations.checked.report.diagnostics)
+        verifier = Verifier(obligations, read_source, settings=settings)
+        return [verifier.answer(question, Limits(time_limit)) for question in obligations.questions]
 
 
 def _require_level(level: object) -> None:

@@ -58,7 +58,7 @@ class Built:
 
 
 @node
-class Asked:
+class ProofObligations:
     """A program and what is to be proved of it; ``networks`` are those of its processes, by name, as far as they were
     lowered.
     """
@@ -229,9 +229,9 @@ def _check_with(
     return checked, overrides
 
 
-def ask(
+def proof_obligations(
     main: SourceFile, read: Reader, *, process: str | None = None, settings: Mapping[str, str] | None = None
-) -> Asked:
+) -> ProofObligations:
     """Check a program and collect what is to be proved: its assertions, or those about ``process``.
 
     Where there are none, what is expected of ``process``, or else of the outermost process. Raises as ``build`` does.
@@ -240,26 +240,26 @@ def ask(
     from cspdiag.proofs.answers.question import expected_of, questions_of
 
     def roots(program: Program, analysis: Analysis) -> Sequence[Root]:
-        asked = dict.fromkeys(name for question in questions_of(program, process) for name in question.processes)
+        named = dict.fromkeys(name for question in questions_of(program, process) for name in question.processes)
         found: dict[Root, None] = {}
-        for name in asked or (process,):
+        for name in named or (process,):
             outermost, environments = selection(program, analysis, name, None)
             found |= dict.fromkeys((outermost, *environments))
         return tuple(found)
 
     checked, overrides = _check_with(main, read, settings, roots)
-    asked = Asked(checked=checked, questions=(), networks={}, parameters=overrides.parameters)
+    obligations = ProofObligations(checked=checked, questions=(), networks={}, parameters=overrides.parameters)
     if checked.program is None or checked.report.has_errors:
-        return asked
+        return obligations
     questions = questions_of(checked.program, process)
     if not questions:
         network = compile_network(checked, top=process, overrides=overrides.parameters)
         if network is None:
-            return asked
+            return obligations
         outermost = network.class_named(network.top).definition
-        asked.networks[outermost] = network
+        obligations.networks[outermost] = network
         questions = expected_of(checked.program, outermost)
-    return replaced(asked, questions=questions)
+    return replaced(obligations, questions=questions)
 
 
 @room_to_recurse()

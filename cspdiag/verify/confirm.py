@@ -60,7 +60,7 @@ class Verifier:
 
     def __init__(
         self,
-        asked: pipeline.Asked,
+        obligations: pipeline.ProofObligations,
         read: pipeline.Reader,
         method: Method | None = None,
         *,
@@ -68,13 +68,13 @@ class Verifier:
         settings: Mapping[str, str] | None = None,
         enforced: Enforced = nullcontext,
     ) -> None:
-        self._asked = asked
+        self._obligations = obligations
         self._read = read
         self._method = method
         self._spin = spin
         self._settings = settings
         self._enforced = enforced
-        self._systems = SystemCache(asked)
+        self._systems = SystemCache(obligations)
         self._files: dict[str, dict[str, str]] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
@@ -95,7 +95,7 @@ class Verifier:
         if question.claim == "schedulable":
             from cspdiag.proofs.answers.schedulable import schedulable
 
-            network = self._asked.network(question.process)
+            network = self._obligations.network(question.process)
             assert network is not None, "asked for a process with errors"
             return schedulable(question, network)
         if self._spin and question.claim == "deadlock free":
@@ -179,7 +179,7 @@ class Verifier:
         from cspdiag.verify.runs.names import in_words
         from cspdiag.verify.runs.trace import read_trace
 
-        network = self._asked.network(answer.question.process)
+        network = self._obligations.network(answer.question.process)
         assert network is not None, "asked for a process with errors"
         try:
             judge = self._judge(answer, network, limits)
@@ -210,7 +210,7 @@ class Verifier:
             return answer
         from cspdiag.verify.suggest import Deadlock, helpful
 
-        deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
+        deadlock = Deadlock(self._obligations, answer.question, answer.counterexample, self._settings or {})
         try:
             return replaced(answer, suggestions=helpful(deadlock, self._read, limits))
         except LimitError:

@@ -38,7 +38,7 @@ SMALLER = range(3, 9)
 class Deadlock:
     """A program, with settings, of which something was asked, and how it gets stuck."""
 
-    asked: pipeline.Asked
+    obligations: pipeline.ProofObligations
     question: Question
     found: Counterexample
     settings: Mapping[str, str]
@@ -48,7 +48,7 @@ def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[
     """Changes of the text after which the property was proved, the least first; what time there is ``within`` is not
     exceeded.
     """
-    network = deadlock.asked.network(deadlock.question.process)
+    network = deadlock.obligations.network(deadlock.question.process)
     if network is None or not deadlock.found.waiting:
         return ()
     limits = Limits(min(SECONDS, within.remaining))
@@ -67,7 +67,7 @@ def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[
 
 
 def _proved(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> Iterator[Suggestion]:
-    program, network = deadlock.asked.checked.program, deadlock.asked.network(deadlock.question.process)
+    program, network = deadlock.obligations.checked.program, deadlock.obligations.network(deadlock.question.process)
     assert program is not None
     assert network is not None
     helping = tried = 0
@@ -91,40 +91,40 @@ def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, li
     def read_changed(path: str) -> SourceFile:
         return SourceFile(name=path, text=suggestion.text) if path == changed else read(path)
 
-    assert deadlock.asked.checked.program is not None
-    main = deadlock.asked.checked.program.main.source
+    assert deadlock.obligations.checked.program is not None
+    main = deadlock.obligations.checked.program.main.source
     source = read_changed(changed) if main.name == changed else main
-    asked = _asked(source, read_changed, deadlock.question, deadlock.settings)
-    answer = None if asked is None else _answer(asked, limits)
+    obligations = _obligations(source, read_changed, deadlock.question, deadlock.settings)
+    answer = None if obligations is None else _answer(obligations, limits)
     return answer is not None and answer.outcome == "proved"
 
 
-def _asked(
+def _obligations(
     source: SourceFile, read: pipeline.Reader, question: Question, settings: Mapping[str, str]
-) -> pipeline.Asked | None:
+) -> pipeline.ProofObligations | None:
     """The same question of another program; None if it has errors."""
     try:
-        asked = pipeline.ask(source, read, process=question.process, settings=settings)
+        obligations = pipeline.proof_obligations(source, read, process=question.process, settings=settings)
     except (SettingError, SelectionError):
         return None
-    same = tuple(other for other in asked.questions if other.text == question.text)
-    if not same or asked.checked.report.has_errors or asked.network(question.process) is None:
+    same = tuple(other for other in obligations.questions if other.text == question.text)
+    if not same or obligations.checked.report.has_errors or obligations.network(question.process) is None:
         return None
-    return replaced(asked, questions=same[:1])
+    return replaced(obligations, questions=same[:1])
 
 
-def _answer(asked: pipeline.Asked, limits: Limits) -> Answer | None:
+def _answer(obligations: pipeline.ProofObligations, limits: Limits) -> Answer | None:
     if limits.remaining <= 0:
         return None
     try:
-        return prove(asked.questions[0], SystemCache(asked).of, Limits(limits.remaining, limits.memory))
+        return prove(obligations.questions[0], SystemCache(obligations).of, Limits(limits.remaining, limits.memory))
     except VerificationError:
         return None
 
 
 def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple[Deadlock, str] | None:
     """The same program with a smaller constant, with which it waits at the same places, and that setting."""
-    program, network = deadlock.asked.checked.program, deadlock.asked.network(deadlock.question.process)
+    program, network = deadlock.obligations.checked.program, deadlock.obligations.network(deadlock.question.process)
     assert program is not None
     assert network is not None
     for constant, value in program.constants.items():
@@ -132,14 +132,14 @@ def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple
             if limits.remaining <= 0 or not isinstance(value, int) or less >= value:
                 break
             settings = {**deadlock.settings, constant.name.text: str(less)}
-            asked = _asked(program.main.source, read, deadlock.question, settings)
-            small = None if asked is None else asked.network(deadlock.question.process)
-            if asked is None or small is None or len(small.instances) >= len(network.instances):
+            obligations = _obligations(program.main.source, read, deadlock.question, settings)
+            small = None if obligations is None else obligations.network(deadlock.question.process)
+            if obligations is None or small is None or len(small.instances) >= len(network.instances):
                 break
-            answer = _answer(asked, limits)
+            answer = _answer(obligations, limits)
             found = None if answer is None else answer.counterexample
             if found is not None and _places(found) == _places(deadlock.found):
-                return Deadlock(asked, asked.questions[0], found, settings), f"{constant.name.text}={less}"
+                return Deadlock(obligations, obligations.questions[0], found, settings), f"{constant.name.text}={less}"
     return None
 
 

@@ -22,8 +22,8 @@ class VerificationError(CspdiagError):
 class SystemCache:
     """The transition systems of a program of which something was asked."""
 
-    def __init__(self, asked: pipeline.Asked) -> None:
-        self._asked = asked
+    def __init__(self, obligations: pipeline.ProofObligations) -> None:
+        self._obligations = obligations
         self._made: dict[tuple[str, frozenset[tuple[str, Apart]], AsSpecification | None], System] = {}
 
     def of(
@@ -36,7 +36,7 @@ class SystemCache:
         ports = told_apart or {}
         key = process, frozenset(ports.items()), specification
         if key not in self._made:
-            network = self._asked.network(process)
+            network = self._obligations.network(process)
             assert network is not None, "asked for a process with errors"
             try:
                 self._made[key] = transition_system(network, ports, specification)

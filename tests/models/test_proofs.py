@@ -23,9 +23,9 @@ def answers(name: str, change: tuple[str, str] | None = None) -> list[Answer]:
     if change is not None:
         assert change[0] in source.text
         source = type(source)(name=source.name, text=source.text.replace(*change))
-    asked = pipeline.ask(source, read_source)
-    verifier = Verifier(asked, read_source)
-    return [verifier.answer(question, Limits()) for question in asked.questions]
+    obligations = pipeline.proof_obligations(source, read_source)
+    verifier = Verifier(obligations, read_source)
+    return [verifier.answer(question, Limits()) for question in obligations.questions]
 
 
 def test_most_models_assert_something() -> None:

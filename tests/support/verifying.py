@@ -19,10 +19,10 @@ def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | 
             raise FileNotFoundError(2, "No such file or directory", path)
         return SourceFile(name=path, text=files[path])
 
-    asked = pipeline.ask(read(main), read, process=process)
-    assert not asked.checked.report.has_errors, asked.checked.report.diagnostics
-    verifier = Verifier(asked, read)
-    return [verifier.answer(question, Limits(60.0)) for question in asked.questions]
+    obligations = pipeline.proof_obligations(read(main), read, process=process)
+    assert not obligations.checked.report.has_errors, obligations.checked.report.diagnostics
+    verifier = Verifier(obligations, read)
+    return [verifier.answer(question, Limits(60.0)) for question in obligations.questions]
 
 
 def answer_to(text: str) -> Answer:

@@ -194,7 +194,7 @@ def asked(files: dict[str, str], main: str, settings: dict[str, str] | None = No
     def read(path: str) -> SourceFile:
         return SourceFile(name=path, text=files[Path(path).name])
 
-    question = pipeline.ask(read(main), read, settings=settings)
+    question = pipeline.proof_obligations(read(main), read, settings=settings)
     return Verifier(question, read, settings=settings).answer(question.questions[0], Limits(20.0))
 
 

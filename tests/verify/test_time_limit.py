@@ -64,7 +64,7 @@ STUCK = ENDLESS.replace("mu (c ! 1)", "c ! 1 ; c ! 1").replace("mu (c ? x)", "c 
 @pytest.mark.parametrize("where", ["replay", "suggestions"])
 def test_the_limit_covers_everything(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What never ends by itself is ended from outside, wherever it is."""
-    asked = pipeline.ask(SourceFile(name="case.csp", text=STUCK), read)
+    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
     entered = []
 
     def endless(*_: object, **__: object) -> None:
@@ -76,19 +76,19 @@ def test_the_limit_covers_everything(where: str, monkeypatch: pytest.MonkeyPatch
         monkeypatch.setattr(attempts, "replay", endless)
     else:
         monkeypatch.setattr(suggest, "suggestions", endless)
-    answer = Verifier(asked, read, enforced=ended_by_alarm).answer(asked.questions[0], Limits(1.0))
+    answer = Verifier(obligations, read, enforced=ended_by_alarm).answer(obligations.questions[0], Limits(1.0))
     assert entered == [where]
     assert answer.outcome == ("unknown" if where == "replay" else "refuted")
     assert not answer.suggestions
 
 
 def test_what_is_limited_includes_the_transition_system() -> None:
-    asked = pipeline.ask(SourceFile(name="case.csp", text=STUCK), read)
+    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
 
     @contextmanager
     def at_once(limits: Limits) -> Iterator[None]:
         raise limits.time_is_up()
         yield
 
-    answer = Verifier(asked, read, enforced=at_once).answer(asked.questions[0], Limits(1.0))
+    answer = Verifier(obligations, read, enforced=at_once).answer(obligations.questions[0], Limits(1.0))
     assert (answer.outcome, answer.reason) == ("unknown", "the time limit of 1 s was reached")

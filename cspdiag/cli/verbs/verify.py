@@ -20,7 +20,7 @@ from cspdiag.cli.support.proofs.answers import refused, rendered_answers
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 
 if TYPE_CHECKING:
-    from cspdiag.pipeline import Asked, Reader
+    from cspdiag.pipeline import ProofObligations, Reader
     from cspdiag.proofs.answers.answer import Answer
 
 EXAMPLE = (
@@ -109,23 +109,23 @@ def run(arguments: Namespace) -> int:
     is_cached = not arguments.no_cache and arguments.file != "-"
     is_cached = is_cached and arguments.trace_out is None and arguments.draw is None
     printed = cache.look() if is_cached else None
-    asked: Asked | None = None
+    obligations: ProofObligations | None = None
     answers: list[Answer] = []
     if printed is None:
-        asked = _ask(arguments, cache.read)
-        found = asked.checked.report.diagnostics
-        if asked.checked.report.has_errors:
+        obligations = _ask(arguments, cache.read)
+        found = obligations.checked.report.diagnostics
+        if obligations.checked.report.has_errors:
             return refused(found, arguments)
-        answers = _answers(asked, arguments, cache.read)
+        answers = _answers(obligations, arguments, cache.read)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         printed = Printed(code, *rendered_answers(answers, found, arguments))
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.keep(printed)
     write_out(printed.stdout)
     put(printed.stderr)
-    if asked is not None:
+    if obligations is not None:
         _write_trace(arguments, answers)
-        _draw(arguments, answers, asked)
+        _draw(arguments, answers, obligations)
     return printed.code
 
 
@@ -135,20 +135,22 @@ def _what_matters(arguments: Namespace) -> dict[str, object]:
     return {**settled, "color": wants_colour(arguments.color, standard_error()), "folder": os.getcwd()}
 
 
-def _ask(arguments: Namespace, read: Reader) -> Asked:
+def _ask(arguments: Namespace, read: Reader) -> ProofObligations:
     """What is to be proved, with the networks that it takes."""
     from cspdiag.network.lower.program import SelectionError
-    from cspdiag.pipeline import ask
+    from cspdiag.pipeline import proof_obligations
     from cspdiag.settings import SettingError
 
     try:
-        asked = ask(read(arguments.file), read, process=arguments.process, settings=_settings(arguments))
-        for question in asked.questions:
+        obligations = proof_obligations(
+            read(arguments.file), read, process=arguments.process, settings=_settings(arguments)
+        )
+        for question in obligations.questions:
             for name in question.processes:
-                asked.network(name)
+                obligations.network(name)
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
-    return asked
+    return obligations
 
 
 def _settings(arguments: Namespace) -> dict[str, str]:
@@ -157,7 +159,7 @@ def _settings(arguments: Namespace) -> dict[str, str]:
     return split_settings(arguments.set)
 
 
-def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
+def _answers(obligations: ProofObligations, arguments: Namespace, read: Reader) -> list[Answer]:
     from cspdiag.cli.support.proofs.alarm import ended_by_alarm
     from cspdiag.proofs.verdict import Limits
     from cspdiag.verify.confirm import Verifier
@@ -166,10 +168,10 @@ def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     memory = int(arguments.memory_limit * 1e6)
     spin = arguments.engine == "spin"
     verifier = Verifier(
-        asked, read, arguments.method, spin=spin, settings=_settings(arguments), enforced=ended_by_alarm
+        obligations, read, arguments.method, spin=spin, settings=_settings(arguments), enforced=ended_by_alarm
     )
     try:
-        return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
+        return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in obligations.questions]
     except VerificationError as problem:
         raise NoResultError(str(problem)) from None
 
@@ -187,7 +189,7 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
         _tell_written(arguments, arguments.trace_out)
 
 
-def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None:
+def _draw(arguments: Namespace, answers: Sequence[Answer], obligations: ProofObligations) -> None:
     from cspdiag.cli.support.deadlock_picture import write_picture
     from cspdiag.verify.deadlock_picture import deadlock_shown_by
 
@@ -198,7 +200,7 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
     if deadlock is None:
         say(f"cspdiag: no processes wait forever, so {on_one_line(arguments.draw)} was not written")
     else:
-        write_picture(arguments.draw, deadlock, asked.checked.program)
+        write_picture(arguments.draw, deadlock, obligations.checked.program)
         _tell_written(arguments, arguments.draw)
 
 

@@ -60,7 +60,7 @@ def asked(seed: int) -> str:
     def read(path: str) -> SourceFile:
         raise FileNotFoundError(path)
 
-    question = pipeline.ask(source, read)
+    question = pipeline.proof_obligations(source, read)
     if question.checked.report.has_errors:
         return "refused"
     answer = Verifier(question, read).answer(question.questions[0], Limits(20.0))

@@ -64,12 +64,12 @@ assert Has refines Demands
     ],
 )
 def test_run(run: list[tuple[str, object]], says: str | None) -> None:
-    asked = pipeline.ask(SourceFile(name="case.csp", text=TEXT), read_source)
-    (question,) = asked.questions
-    network = asked.network("Has")
+    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=TEXT), read_source)
+    (question,) = obligations.questions
+    network = obligations.network("Has")
     assert network is not None
     judged = judge(
-        question, lambda apart: SystemCache(asked).of("Demands", apart, AsSpecification()), network, Limits()
+        question, lambda apart: SystemCache(obligations).of("Demands", apart, AsSpecification()), network, Limits()
     )
     said = judged([(f"Has.{port}", value) for port, value in run], Resting((), goes_on=True))
     assert (said is None) == (says is None)

@@ -22,19 +22,19 @@ TABLE = str(MODELS / "dining" / "deadlock.csp")
 
 
 @pytest.fixture(scope="module")
-def table() -> tuple[pipeline.Asked, Trace]:
+def table() -> tuple[pipeline.ProofObligations, Trace]:
     """Three philosophers, and the trace to their deadlock."""
-    asked = pipeline.ask(read_source(TABLE), read_source, settings={"seats": "3"})
-    question = asked.questions[0]
-    verifier = Verifier(asked, read_source, "breadth-first")
+    obligations = pipeline.proof_obligations(read_source(TABLE), read_source, settings={"seats": "3"})
+    question = obligations.questions[0]
+    verifier = Verifier(obligations, read_source, "breadth-first")
     answer = verifier.answer(question, Limits())
     assert answer.replayed
-    return asked, read_trace(trace_of(answer, {}))
+    return obligations, read_trace(trace_of(answer, {}))
 
 
-def test_the_program_does_what_was_found(table: tuple[pipeline.Asked, Trace]) -> None:
-    asked, trace = table
-    network = asked.network("SymmetricTable")
+def test_the_program_does_what_was_found(table: tuple[pipeline.ProofObligations, Trace]) -> None:
+    obligations, trace = table
+    network = obligations.network("SymmetricTable")
     assert network is not None
     result = replayed(network, trace, read_source)
     assert result.succeeded
@@ -45,9 +45,11 @@ def test_the_program_does_what_was_found(table: tuple[pipeline.Asked, Trace]) ->
 
 
 @pytest.mark.parametrize("changed", ["shortened", "exchanged", "unknown channel", "extended"])
-def test_a_trace_that_the_program_does_not_do_is_noticed(table: tuple[pipeline.Asked, Trace], changed: str) -> None:
-    asked, trace = table
-    network = asked.network("SymmetricTable")
+def test_a_trace_that_the_program_does_not_do_is_noticed(
+    table: tuple[pipeline.ProofObligations, Trace], changed: str
+) -> None:
+    obligations, trace = table
+    network = obligations.network("SymmetricTable")
     assert network is not None
     first, second, *others = trace.steps
     steps = {
@@ -183,14 +185,14 @@ def test_refutations_of_random_programs_replay() -> None:
 
     def look(text: str) -> None:
         nonlocal replays
-        asked = pipeline.ask(SourceFile(name="random.csp", text=text), read)
-        question = asked.questions[0]
-        system = SystemCache(asked).of(question.process)
+        obligations = pipeline.proof_obligations(SourceFile(name="random.csp", text=text), read)
+        question = obligations.questions[0]
+        system = SystemCache(obligations).of(question.process)
         verdict = breadth_first.deadlock_free(system, Limits(0.2, 100_000_000))
         if system.abstractions or not isinstance(verdict, Refuted):
             return
         found = counterexample(system, verdict, "deadlock", question.process)
-        network = asked.network(question.process)
+        network = obligations.network(question.process)
         assert network is not None
         trace = _trace(found, question.process)
         replay = replayed(network, trace, read)
@@ -335,8 +337,8 @@ def test_steps_that_do_not_depend_on_each_other_may_come_in_another_order() -> N
     """
     program = POLLED.replace("told ! 1 ;", "").replace("; told ? value", "").replace("  polls.told -> keeps.told\n", "")
     program = program.replace("  out told : int\n", "").replace("  in  told : int\n", "")
-    asked = pipeline.ask(SourceFile(name="case.csp", text=program), read_source)
-    network = asked.network("Both")
+    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=program), read_source)
+    network = obligations.network("Both")
     assert network is not None
     wrote = TraceStep("communication", "Both.keeps.kept", None, (("Both.keeps", "Both.keeps"),))
     looked = TraceStep("internal", "", None, (("Both.polls", "Both.polls"),))

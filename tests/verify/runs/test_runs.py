@@ -41,10 +41,10 @@ def test_refuted_is_what_some_schedule_comes_to() -> None:
     seen = Counter[tuple[str, bool]]()
     for number in (*range(30), 412, 860):
         text = small_program(Random(number))
-        asked = pipeline.ask(SourceFile(name="case.csp", text=text), read)
-        network = asked.network("All")
+        obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=text), read)
+        network = obligations.network("All")
         assert network is not None
-        answer = Verifier(asked, read).answer(asked.questions[0], Limits(20.0))
+        answer = Verifier(obligations, read).answer(obligations.questions[0], Limits(20.0))
         try:
             reached = "deadlock" in endings(network, 1000)
         except TooManyError:

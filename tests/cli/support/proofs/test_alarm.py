@@ -107,21 +107,21 @@ def test_modules_are_loaded_to_their_end(tmp_path: Path, monkeypatch: pytest.Mon
 def test_at_whatever_moment_it_rings_the_answer_is_none_or_the_right_one(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = pipeline.ask(SourceFile(name="case.csp", text=STUCK), read)
-    (question,) = asked.questions
-    whole = Verifier(asked, read).answer(question, Limits())
+    obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
+    (question,) = obligations.questions
+    whole = Verifier(obligations, read).answer(question, Limits())
     assert whole.outcome == "refuted"
-    took = Verifier(asked, read).answer(question, Limits()).seconds
+    took = Verifier(obligations, read).answer(question, Limits()).seconds
     outcomes = set()
     for k in range(25):
         monkeypatch.setattr(alarm, "LATER", (k + 1) * took / 20)
-        verifier = Verifier(asked, read, enforced=lambda _: ended_by_alarm(Limits(seconds=0.0)))
+        verifier = Verifier(obligations, read, enforced=lambda _: ended_by_alarm(Limits(seconds=0.0)))
         answer = verifier.answer(question, Limits())
         assert answer.outcome == "refuted" or "the time limit of 0 s was reached" in answer.reason
         outcomes.add(answer.outcome)
     gc.collect()
     assert "unknown" in outcomes
-    assert Verifier(asked, read).answer(question, Limits()).counterexample == whole.counterexample
+    assert Verifier(obligations, read).answer(question, Limits()).counterexample == whole.counterexample
     assert capsys.readouterr().err == ""
 
 
