@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from random import Random
 from typing import Any
 
+from cspdiag.model.sampling import Sampling
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, Type
 from cspdiag.network.ir.network import Network
 from cspdiag.semantics.execute import execute
@@ -24,7 +25,7 @@ NUMBERS = (-1, 0, 1, 2, 3, 7)
 class Whim:
     """An environment that offers anything, or nothing any more."""
 
-    step = STEP
+    grid = Sampling(STEP)
 
     def __init__(self, network: Network, random: Random) -> None:
         self._random = random
