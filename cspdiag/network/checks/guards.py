@@ -94,10 +94,15 @@ def _check(placed: Placed, branch: Branch[CoreAction], report: Report) -> None:
     if is_open(placed, key):
         return
     found = _Beginnings(placed, key, 0).of(branch.body)
-    if isinstance(found, Reads):
-        return
-    if isinstance(found, Silent):
-        found = Other(branch.body.span, "the branch ends without reading it")
+    match found:
+        case Reads():
+            return
+        case Silent():
+            found = Other(branch.body.span, "the branch ends without reading it")
+        case Other():
+            pass
+        case _:
+            assert_never(found)
     report.add(GuardNotRead(span=branch.event.span, port=key, first=found.span, what=found.what, beside=found.beside))
 
 

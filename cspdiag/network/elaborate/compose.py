@@ -322,12 +322,17 @@ class _Composer:
         if isinstance(symbol, PortSymbol) or not isinstance(symbol, ast.Variable | EndLabelSymbol):
             return None
         place = self.places.channel(name, symbol, values)
-        if isinstance(place, ProcessPort):
-            label = name.name if isinstance(name, ast.Name) else name.name.text
-            self.report.add(LabelOfPortRead(span=name.span, name=label, port=place.key, declared=place.span))
-        if not isinstance(place, ChannelPlace):
-            return LiteralValue(type=UNKNOWN, value=0, span=name.span)
-        return VariableValue(type=place.channel.type, channel=place.channel.name, span=name.span)
+        match place:
+            case ChannelPlace():
+                return VariableValue(type=place.channel.type, channel=place.channel.name, span=name.span)
+            case ProcessPort():
+                label = name.name if isinstance(name, ast.Name) else name.name.text
+                self.report.add(LabelOfPortRead(span=name.span, name=label, port=place.key, declared=place.span))
+            case None:
+                pass
+            case _:
+                assert_never(place)
+        return LiteralValue(type=UNKNOWN, value=0, span=name.span)
 
     def _broken(self, span: Span) -> CoreAction:
         """Stands for something that was reported; checks that would follow from its absence are off."""

@@ -132,11 +132,15 @@ class _Connector:
         name = element_name(item.name.text, *prefix)
         known = self.sizes.type_of(item.type, self.program.types.get(item, UNKNOWN), values)
         channel = ChannelShape(name, item, known, item.name.span)
-        if isinstance(item, ast.Variable) and item.initial is not None:
-            channel.replicators = dict(_known(values))
-            channel.initial = lower_expression(self.program, item.initial, LoweringContext(values=channel.replicators))
-        if isinstance(item, ast.Channel) and item.kind is not None:
-            channel.requested = self._requested(item.kind, values)
+        match item:
+            case ast.Variable(initial=initial):
+                if initial is not None:
+                    known_here = channel.replicators = dict(_known(values))
+                    channel.initial = lower_expression(self.program, initial, LoweringContext(values=known_here))
+            case ast.Channel(kind=kind):
+                channel.requested = None if kind is None else self._requested(kind, values)
+            case _:
+                assert_never(item)
         self.shape.channels[name] = channel
 
     def _requested(self, kind: ast.Kind, values: Values) -> RequestedKind:
@@ -184,12 +188,15 @@ class _Connector:
         """What a relationship that was reported touches counts as connected."""
         self.shape.has_refused_relationship = True
         for end in ends:
-            if isinstance(end, InstancePort):
-                end.instance.attachments.setdefault(end.element, Attached(target=Unresolved(), span=end.span))
-            elif isinstance(end, ProcessPort):
-                self.shape.port_spans.setdefault(end.key, end.span)
-            else:
-                end.channel.excused = True
+            match end:
+                case InstancePort():
+                    end.instance.attachments.setdefault(end.element, Attached(target=Unresolved(), span=end.span))
+                case ProcessPort():
+                    self.shape.port_spans.setdefault(end.key, end.span)
+                case ChannelPlace():
+                    end.channel.excused = True
+                case _:
+                    assert_never(end)
 
     def _connect(self, item: ast.Connection, ends: list[Endpoint], values: Values, index: int | None) -> None:
         sorted_ends = _Ends(

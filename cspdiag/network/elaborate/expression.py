@@ -173,11 +173,15 @@ class _Lowering:
         if found is not None:
             return found
         meant = self.program.members.get(expression)
-        if isinstance(meant, EnumLiteralSymbol):
-            return LiteralValue(type=wanted, value=meant.index, span=expression.span)
-        if isinstance(meant, str):
-            return _field(self.lower(expression.value), meant, expression.span)
-        return _unknown(expression.span)
+        match meant:
+            case EnumLiteralSymbol():
+                return LiteralValue(type=wanted, value=meant.index, span=expression.span)
+            case str():
+                return _field(self.lower(expression.value), meant, expression.span)
+            case PortSymbol() | None:
+                return _unknown(expression.span)
+            case _:
+                assert_never(meant)
 
     def index(self, expression: ast.Index, wanted: Type) -> Expression:
         operand, index = self.lower(expression.value), self.lower(expression.index)

@@ -56,13 +56,15 @@ class Names:
 
 def agrees(one: Type, other: Type) -> bool:
     """Whether values of two types are represented alike; units are none of the network's business."""
-    if isinstance(one, RealType) and isinstance(other, RealType):
-        return one.bits == other.bits
-    if isinstance(one, ArrayType) and isinstance(other, ArrayType):
-        return one.size == other.size and agrees(one.element, other.element)
-    if isinstance(one, StructType) and isinstance(other, StructType):
-        return one.name == other.name
-    return one == other
+    match one, other:
+        case RealType(), RealType():
+            return one.bits == other.bits
+        case ArrayType(), ArrayType():
+            return one.size == other.size and agrees(one.element, other.element)
+        case StructType(), StructType():
+            return one.name == other.name
+        case _:  # Types without units and parts.
+            return one == other
 
 
 def wrong_in_expression(expression: Expression, names: Names, wanted: Type | None = None) -> Iterator[str]:

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import assert_never
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.model.types import DOUBLE, Type
 from cspdiag.network.ir import actions as ir
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import (
     ConstantEnd,
@@ -149,13 +151,18 @@ def _wrong_in_instance(instance: InstanceOf, entry: Class, around: CompositionCh
         yield f"the connections of `{instance.name}` are not the ports of `{entry.name}`"
     for connection in instance.connections:
         port, attached = ports.get(connection.port), connection.attachment
-        if isinstance(attached, ConstantEnd):
-            yield from wrong_in_expression(attached.value, around.names, port.type if port else None)
-        elif not isinstance(attached, DiscardEnd):
-            yield from around.end(attached, port.direction if port else None)
-            kind = around.type_of(attached)
-            if port is not None and kind is not None and not agrees(kind, port.type):
-                yield f"`{instance.name}.{port.name}` is {port.type} and connected to {kind}"
+        match attached:
+            case ConstantEnd():
+                yield from wrong_in_expression(attached.value, around.names, port.type if port else None)
+            case PortEnd() | ChannelEnd():
+                yield from around.end(attached, port.direction if port else None)
+                kind = around.type_of(attached)
+                if port is not None and kind is not None and not agrees(kind, port.type):
+                    yield f"`{instance.name}.{port.name}` is {port.type} and connected to {kind}"
+            case DiscardEnd():
+                pass
+            case _:
+                assert_never(attached)
 
 
 def _wrong_in_submodel(entry: SubmodelClass, has_time: bool = False) -> Iterator[str]:

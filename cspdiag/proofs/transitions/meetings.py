@@ -15,6 +15,8 @@ from cspdiag.proofs.transitions.ranges import text as range_text
 from cspdiag.proofs.transitions.systems import media
 from cspdiag.proofs.transitions.systems.labels import (
     Alarm,
+    Bind,
+    Bound,
     Delivered,
     Guarded,
     Label,
@@ -146,10 +148,15 @@ class Meetings:
         writing: dict[Known, list[tuple[Strand, Write | Guarded]]] = defaultdict(list)
         reading: dict[Known, list[tuple[Strand, Read]]] = defaultdict(list)
         for strand, label in uses:
-            if isinstance(label, Read):
-                reading[self._value(medium, label)].append((strand, label))
-            elif isinstance(label, Write | Guarded):
-                writing[self._value(medium, label)].append((strand, label))
+            match label:
+                case Read():
+                    reading[self._value(medium, label)].append((strand, label))
+                case Write() | Guarded():
+                    writing[self._value(medium, label)].append((strand, label))
+                case Bind() | Bound() | Delivered() | Withdrawn() | Load() | Store():
+                    pass
+                case _:
+                    assert_never(label)
         for value in dict.fromkeys([*writing, *reading]):
             self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
             met: set[Use] = set()
@@ -247,19 +254,22 @@ class Meetings:
         withdrawn: list[int] = []
         for strand, label in uses:
             parties = (strand.number, *latches)
-            if isinstance(label, Write):
-                value = self._value(medium, label)
-                roles = "!" + "." * len(latches)
-                event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type, roles=roles)
-                writes.setdefault(value, []).append(event)
-            elif isinstance(label, Delivered):
-                event = self._event(f"{medium.name} (taken by all)", (*parties, *absent), "delivered")
-                delivered.append(event)
-            elif isinstance(label, Withdrawn):
-                event = self._event(f"{medium.name} (taken back)", parties, "delivered")
-                withdrawn.append(event)
-            else:
-                continue
+            match label:
+                case Write():
+                    value = self._value(medium, label)
+                    roles = "!" + "." * len(latches)
+                    event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type, roles=roles)
+                    writes.setdefault(value, []).append(event)
+                case Delivered():
+                    event = self._event(f"{medium.name} (taken by all)", (*parties, *absent), "delivered")
+                    delivered.append(event)
+                case Withdrawn():
+                    event = self._event(f"{medium.name} (taken back)", parties, "delivered")
+                    withdrawn.append(event)
+                case Read() | Guarded() | Bind() | Bound() | Load() | Store():
+                    continue
+                case _:
+                    assert_never(label)
             self._for(strand, label, event)
         return writes, delivered, withdrawn
 

@@ -7,7 +7,7 @@ that is directly in it becomes a new line (Oppen, "Prettyprinting", 1980; Wadler
 from __future__ import annotations
 
 from enum import Enum, auto
-from typing import TypeAlias
+from typing import TypeAlias, assert_never
 
 WIDTH = 120
 _INDENT = 2
@@ -63,17 +63,24 @@ def flat_width(pieces: list[Piece]) -> int | None:
     """How wide the pieces are on one line; None if they cannot be on one line."""
     width = 0
     for piece in pieces:
-        if isinstance(piece, str):
-            if "\n" in piece:
-                return None
-            width += len(piece)
-        elif isinstance(piece, Break):
-            width += len(piece.flat)
-        elif isinstance(piece, Padding):
-            width += piece.width
-        elif piece in _BREAKING:
+        if piece in _BREAKING or (isinstance(piece, str) and "\n" in piece):
             return None
+        width += _width(piece)
     return width
+
+
+def _width(piece: Piece) -> int:
+    match piece:
+        case str():
+            return len(piece)
+        case Break():
+            return len(piece.flat)
+        case Padding():
+            return piece.width
+        case Mark():
+            return 0
+        case _:
+            assert_never(piece)
 
 
 def render(pieces: list[Piece]) -> str:
@@ -93,33 +100,34 @@ class _Renderer:
     def run(self) -> str:
         broken = [True]
         for position, piece in enumerate(self._pieces):
-            if isinstance(piece, str):
-                self._write(piece)
-            elif isinstance(piece, Padding):
-                self._write(" " * piece.width)
-            elif isinstance(piece, Break):
-                if broken[-1] and not (piece.fills and self._fits(self._widths[position])):
+            match piece:
+                case str():
+                    self._write(piece)
+                case Padding():
+                    self._write(" " * piece.width)
+                case Break():
+                    if broken[-1] and not (piece.fills and self._fits(self._widths[position])):
+                        self._end_line()
+                    else:
+                        self._write(piece.flat)
+                case Mark.OPEN:
+                    broken.append(broken[-1] and not self._fits(self._widths[position]))
+                case Mark.CLOSE:
+                    broken.pop()
+                case Mark.INDENT:
+                    self._indent += 1
+                case Mark.DEDENT:
+                    self._indent -= 1
+                case Mark.BROKEN:
+                    pass
+                case Mark.NEW_LINE:
                     self._end_line()
-                else:
-                    self._write(piece.flat)
-            else:
-                match piece:
-                    case Mark.OPEN:
-                        broken.append(broken[-1] and not self._fits(self._widths[position]))
-                    case Mark.CLOSE:
-                        broken.pop()
-                    case Mark.INDENT:
-                        self._indent += 1
-                    case Mark.DEDENT:
-                        self._indent -= 1
-                    case Mark.BROKEN:
-                        pass
-                    case Mark.NEW_LINE:
-                        self._end_line()
-                    case Mark.BLANK_LINE:
-                        self._end_line()
-                        if self._lines and self._lines[-1]:
-                            self._lines.append("")
+                case Mark.BLANK_LINE:
+                    self._end_line()
+                    if self._lines and self._lines[-1]:
+                        self._lines.append("")
+                case _:
+                    assert_never(piece)
         self._end_line()
         return "\n".join(self._lines) + "\n" if self._lines else ""
 
@@ -157,14 +165,7 @@ def _widths(pieces: list[Piece]) -> dict[int, int | None]:
     ends, unbreakable = _extents(pieces)
     totals = [0]
     for piece in pieces:
-        if isinstance(piece, str):
-            totals.append(totals[-1] + len(piece))
-        elif isinstance(piece, Break):
-            totals.append(totals[-1] + len(piece.flat))
-        elif isinstance(piece, Padding):
-            totals.append(totals[-1] + piece.width)
-        else:
-            totals.append(totals[-1])
+        totals.append(totals[-1] + _width(piece))
     widths: dict[int, int | None] = {}
     # Going backwards: the next break of any kind, and the next certain new line.
     break_after: dict[int, int] = {}

@@ -7,6 +7,7 @@ whole program gives every rank a fixed distance in levels from the parent's, in 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import assert_never
 
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import Action, ParallelSteps, RunInstance
@@ -35,10 +36,15 @@ class Levels:
                 continue
             inner = {instance.name: instance.class_name for instance in entry.instances}
             for step, below in _steps(entry.body, depth):
-                if isinstance(step, ParallelSteps) and step.prioritized:
-                    widths[below] = max(widths.get(below, 1), len(step.steps))
-                elif isinstance(step, RunInstance) and inner[step.instance] in self._classes:
-                    pending.append((inner[step.instance], below))
+                match step:
+                    case ParallelSteps(prioritized=True):
+                        widths[below] = max(widths.get(below, 1), len(step.steps))
+                    case RunInstance() if inner[step.instance] in self._classes:
+                        pending.append((inner[step.instance], below))
+                    case ParallelSteps() | RunInstance():
+                        pass
+                    case _:
+                        assert_never(step)
         self._sizes = [1]
         for depth in sorted(widths, reverse=True):
             self._sizes.insert(0, self._sizes[0] * widths[depth])
@@ -110,7 +116,7 @@ def _at_depth(
     return replaced(entry, name=name, instances=instances)
 
 
-def _steps(action: Action | None, depth: int) -> Iterator[tuple[Action, int]]:
+def _steps(action: Action | None, depth: int) -> Iterator[tuple[ParallelSteps | RunInstance, int]]:
     """The parallels and runs of instances in an action, with the number of prioritized parallels around each."""
     pending = [] if action is None else [(action, depth)]
     while pending:

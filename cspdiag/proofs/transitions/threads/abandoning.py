@@ -47,11 +47,14 @@ class Abandoning(Communications):
                 moves = self.guarded(outside, context, node.action.branch, node.children[1], value)
                 moves += self._lost_races(outside, context, node, value)
                 for label, target in moves:
-                    if isinstance(present, frames.Delivering):
-                        target = target.at((frames.Withdrawing(present.reference), target.stack))
-                    if isinstance(present, frames.Join):
-                        abandon = frames.Join(present.node, present.context, "abandon")
-                        target = target.at((abandon, target.stack))
+                    match present:
+                        case frames.Delivering():
+                            target = target.at((frames.Withdrawing(present.reference), target.stack))
+                        case frames.Join():
+                            abandon = frames.Join(present.node, present.context, "abandon")
+                            target = target.at((abandon, target.stack))
+                        case _:  # Anything else is left as it is.
+                            pass
                     found.append((label, target))
         return found
 

@@ -19,7 +19,16 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.network.dump.expression import expression_text
-from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, InterruptOn, OutputEvent, ReadyEvent, Target
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    Branch,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ReadyEvent,
+    SkipEvent,
+    Target,
+)
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
@@ -66,13 +75,17 @@ class Computing:
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
-            if isinstance(frame, frames.Catch) and frame.exception == exception:
-                handler = frames.Run(frame.handler, frame.context)
-                return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
-            if isinstance(frame, frames.Leave):
-                configuration = self.thread.closed(configuration, frame.context)
-            elif isinstance(frame, frames.Interrupt) and self.may_be_chosen(configuration, frame):
-                return configuration._replace(stack=(frames.Closing(frame, exception), stack), fetched=None, loaded=())
+            match frame:
+                case frames.Catch(exception=caught) if caught == exception:
+                    handled = (frames.Run(frame.handler, frame.context), stack)
+                    return configuration._replace(stack=handled, fetched=None, loaded=())
+                case frames.Leave():
+                    configuration = self.thread.closed(configuration, frame.context)
+                case frames.Interrupt() if self.may_be_chosen(configuration, frame):
+                    closing = (frames.Closing(frame, exception), stack)
+                    return configuration._replace(stack=closing, fetched=None, loaded=())
+                case _:  # Any other frame is what is left undone.
+                    pass
         end: frames.Frame = frames.Raised(exception)
         if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
             end = frames.Ended() if configuration.doomed else frames.Faulted()
@@ -261,14 +274,19 @@ class Computing:
         """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative
         begins.
         """
-        if isinstance(branch.event, AfterEvent):
-            self.compute_risk(c, context, branch.event.duration)
-            return self.takes_time(c, context, branch.event.duration)
-        if not isinstance(branch.event, OutputEvent):
-            return UNKNOWN
-        reference = context.reference(branch.event.sink)
-        value = self.communicated(c, context, reference, branch.event.value)
-        return value if len(self.thread.medium(reference).pieces(value)) == 1 else UNKNOWN
+        event = branch.event
+        match event:
+            case AfterEvent():
+                self.compute_risk(c, context, event.duration)
+                return self.takes_time(c, context, event.duration)
+            case OutputEvent():
+                reference = context.reference(event.sink)
+                value = self.communicated(c, context, reference, event.value)
+                return value if len(self.thread.medium(reference).pieces(value)) == 1 else UNKNOWN
+            case ReadyEvent() | InputEvent() | SkipEvent():
+                return UNKNOWN
+            case _:
+                assert_never(event)
 
     def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
         """The value of an expression that is written to a medium, if values of that medium are followed."""
