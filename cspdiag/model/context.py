@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from cspdiag.base import Diagnostic, Report
+from cspdiag.base import Diagnostic, Report, Span
 from cspdiag.base.record import node
 from cspdiag.base.spelling import Speller
-from cspdiag.model.program import Program, Scope
+from cspdiag.model.diagnostics.names import WrongKind
+from cspdiag.model.program import Program, Scope, Symbol
+from cspdiag.model.symbols import declared_at, described
 from cspdiag.syntax import ast
 
 Place: TypeAlias = Literal["constant", "process", "submodel", "environment"]
@@ -37,6 +39,13 @@ class Context:
         """Report, and silence later passes about the nodes."""
         self.report.add(diagnostic)
         self.program.poisoned.update(poisoned)
+
+    def refuse_kind(
+        self, span: Span, name: str, symbol: Symbol, wanted: str, advice: str | None, poisoned: ast.Node
+    ) -> None:
+        """Report that a name means another kind of thing than is wanted."""
+        kind, declared = described(symbol), declared_at(symbol)
+        self.refuse(WrongKind(span, name=name, kind=kind, wanted=wanted, advice=advice, declared=declared), poisoned)
 
     @property
     def excuses_unknown_names(self) -> bool:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING
 
-from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.diagnostics.names import UnknownName
 from cspdiag.model.expressions.arguments import matched, report_missing
 from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.functions import FUNCTIONS, conversion, function
 from cspdiag.model.program import BuiltinSymbol
-from cspdiag.model.symbols import CONVERSIONS, declared_at, described
+from cspdiag.model.symbols import CONVERSIONS
 from cspdiag.model.types import UNKNOWN, StructType, Type
 from cspdiag.syntax import ast
 
@@ -83,15 +83,7 @@ def _refuse_function(typer: ExpressionTyper, node: ast.Call, definition: ast.Def
             if isinstance(definition, ast.SubmodelDefinition | ast.ProcessDefinition)
             else None
         )
-        refused = WrongKind(
-            node.function.span,
-            name=name,
-            kind=described(definition),
-            wanted="a function",
-            advice=advice,
-            declared=declared_at(definition),
-        )
-        typer.context.refuse(refused, node)
+        typer.context.refuse_kind(node.function.span, name, definition, "a function", advice, node)
     elif not typer.context.excuses_unknown_names:
         structs = (
             found

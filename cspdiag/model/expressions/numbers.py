@@ -9,7 +9,7 @@ from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.diagnostics.availability import NotAvailableHere, NotConstant
 from cspdiag.model.diagnostics.constants import NumberTooLarge
-from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.diagnostics.names import UnknownName
 from cspdiag.model.diagnostics.types import NotCondition
 from cspdiag.model.expressions.calls import call
 from cspdiag.model.expressions.coercion import Purpose, require
@@ -290,17 +290,7 @@ class Typer:
             advice = f"write one of its literals: `{node.name}.{symbol.literals[0].text}`" if symbol.literals else None
         if isinstance(symbol, ast.Instance) and self.surroundings.place == "submodel":
             advice = f"write which of its outputs: `{node.name}.output`"
-        self.context.refuse(
-            WrongKind(
-                node.span,
-                name=node.name,
-                kind=described(symbol),
-                wanted="a value",
-                advice=advice,
-                declared=declared_at(symbol),
-            ),
-            node,
-        )
+        self.context.refuse_kind(node.span, node.name, symbol, "a value", advice, node)
 
     def _conditional(self, node: ast.Conditional) -> Type:
         self.condition(node.condition)

@@ -6,11 +6,11 @@ from itertools import chain
 
 from cspdiag.base import Span
 from cspdiag.model.context import Context
-from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.diagnostics.names import UnknownName
 from cspdiag.model.diagnostics.units import UnitNotAllowed, UnknownUnit
 from cspdiag.model.expressions.functions import integer_named, near_unit
 from cspdiag.model.program import Symbol
-from cspdiag.model.symbols import TYPE_NAMES, declared_at, described
+from cspdiag.model.symbols import TYPE_NAMES, declared_at
 from cspdiag.model.types import BOOL, DOUBLE, TEXT, TIME, UNKNOWN, ArrayType, RealType, Type
 from cspdiag.model.units import Unit, parse_unit
 from cspdiag.syntax import ast
@@ -111,15 +111,7 @@ def _refuse_kind(context: Context, name: ast.TypeName, symbol: Symbol) -> None:
     advice = None
     if isinstance(symbol, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):
         advice = "an instance is declared without `var`, and has a name of its own"
-    refused = WrongKind(
-        name.name.span,
-        name=name.name.text,
-        kind=described(symbol),
-        wanted="a type",
-        advice=advice,
-        declared=declared_at(symbol),
-    )
-    context.refuse(refused, name)
+    context.refuse_kind(name.name.span, name.name.text, symbol, "a type", advice, name)
 
 
 def in_dimensions(element: Type, sizes: list[int | None]) -> Type:

@@ -167,15 +167,7 @@ def bind_exception(typer: Typer, name: ast.Identifier) -> None:
     elif definition is None and name.text in BUILTIN_EXCEPTIONS:
         context.program.bindings[name] = BuiltinSymbol(name=name.text)
     elif definition is not None:
-        refused = WrongKind(
-            name.span,
-            name=name.text,
-            kind=described(definition),
-            wanted="an exception",
-            advice=None,
-            declared=declared_at(definition),
-        )
-        context.refuse(refused, name)
+        context.refuse_kind(name.span, name.text, definition, "an exception", None, name)
     elif context.excuses_unknown_names:
         context.program.poisoned.add(name)
     else:

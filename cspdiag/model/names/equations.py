@@ -7,14 +7,14 @@ from typing import assert_never
 from cspdiag.base import Report
 from cspdiag.base.graphs import is_circular, strong_components
 from cspdiag.model.context import Context, Surroundings
-from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.diagnostics.names import UnknownName
 from cspdiag.model.expressions.coercion import Purpose, agrees
 from cspdiag.model.expressions.declared_types import declared_type
 from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.names.instances import resolve_instance
 from cspdiag.model.names.references import end_of_channel
 from cspdiag.model.names.scopes import declare, definition_text
-from cspdiag.model.symbols import declared_at, described
+from cspdiag.model.symbols import declared_at
 from cspdiag.model.types import UNKNOWN, ArrayType, RealType, Type
 from cspdiag.model.units import DIMENSIONLESS, SECOND, divide
 from cspdiag.syntax import ast
@@ -94,15 +94,7 @@ def _bind_state(typer: Typer, name: ast.Identifier) -> ast.State | None:
         return symbol
     if symbol is not None:
         advice = f"declare it by `state {name.text} : double = 0`" if isinstance(symbol, ast.Let) else None
-        wrong = WrongKind(
-            name.span,
-            name=name.text,
-            kind=described(symbol),
-            wanted="a state",
-            advice=advice,
-            declared=declared_at(symbol),
-        )
-        context.refuse(wrong, name)
+        context.refuse_kind(name.span, name.text, symbol, "a state", advice, name)
     elif not context.excuses_unknown_names:
         suggestion = context.speller.nearest(
             name.text, (other for other, found in names.items() if isinstance(found, ast.State))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.diagnostics.names import UnknownName
 from cspdiag.model.expressions.arguments import matched, report_missing
 from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.declared_types import size_of
 from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.names.scopes import check_replicator
-from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN
 from cspdiag.syntax import ast
 
@@ -29,15 +28,7 @@ def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, want
             advice = "a variable is declared by `var name : type`"
         elif isinstance(definition, ast.DriverDefinition):
             advice = "drivers belong in environments"
-        refused = WrongKind(
-            name.span,
-            name=name.text,
-            kind=described(definition),
-            wanted=wanted,
-            advice=advice,
-            declared=declared_at(definition),
-        )
-        context.refuse(refused, name)
+        context.refuse_kind(name.span, name.text, definition, wanted, advice, name)
     elif not context.excuses_unknown_names:
         definitions = context.program.definitions
         suggestion = context.speller.nearest(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from cspdiag.model.diagnostics.names import UnknownMember, UnknownName, WrongKind
+from cspdiag.model.diagnostics.names import UnknownMember, UnknownName
 from cspdiag.model.diagnostics.types import NotIndexed
 from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.members import array_of_ports
 from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.names.fields import refuse_part
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
-from cspdiag.model.symbols import declared_at, described
+from cspdiag.model.symbols import declared_at
 from cspdiag.model.types import INT, UNKNOWN, ArrayType, Type
 from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
@@ -81,15 +81,9 @@ def refuse_kind(typer: Typer, reference: ast.Reference, symbol: Symbol, wanted: 
     """Report that a reference names another kind of thing than is wanted."""
     name = reference.name.text
     article = "an" if wanted[0] in "aeiou" else "a"
-    refused = WrongKind(
-        reference.span if reference.member is None else reference.name.span,
-        name=name,
-        kind=described(symbol),
-        wanted=f"{article} {wanted}",
-        advice=advice or _advice_on_kind(name, symbol, wanted),
-        declared=declared_at(symbol),
-    )
-    typer.context.refuse(refused, reference)
+    span = reference.span if reference.member is None else reference.name.span
+    advice = advice or _advice_on_kind(name, symbol, wanted)
+    typer.context.refuse_kind(span, name, symbol, f"{article} {wanted}", advice, reference)
 
 
 def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import assert_never
 
 from cspdiag.base import Report
 from cspdiag.base.record import node, record, replaced
@@ -18,7 +17,7 @@ from cspdiag.network.submodels.operators import PARAMETERS
 from cspdiag.network.submodels.signals import InlinedInto
 from cspdiag.network.submodels.system import complete, evaluation_order
 from cspdiag.syntax import ast
-from cspdiag.syntax.walk import declarations, declared_in, nodes
+from cspdiag.syntax.walk import instances_in, nodes
 
 
 @record
@@ -213,23 +212,9 @@ def _uses(program: Program) -> tuple[dict[ast.SubmodelDefinition, None], set[obj
     in_processes: dict[ast.SubmodelDefinition, None] = {}
     elsewhere: set[object] = set()
     for definition in program.definitions.values():
-        match definition:
-            case ast.ProcessDefinition():
-                for item in declared_in(definition):
-                    found = program.bindings.get(item.definition) if isinstance(item, ast.Instance) else None
-                    if isinstance(found, ast.SubmodelDefinition):
-                        in_processes[found] = None
-            case ast.EnvironmentDefinition():
-                inner = declarations(definition.declarations)
-                elsewhere.update(program.bindings.get(i.definition) for i in inner if isinstance(i, ast.Instance))
-            case ast.SubmodelDefinition():
-                items = (item for item in definition.items if isinstance(item, ast.Instance))
-                elsewhere.update(program.bindings.get(item.definition) for item in items)
-            case (
-                ast.Constant() | ast.TypeAliasDefinition() | ast.EnumDefinition() | ast.StructDefinition()
-                | ast.ExceptionDefinition() | ast.DriverDefinition()
-            ):  # fmt: skip
-                pass
-            case _:
-                assert_never(definition)
+        found = [program.bindings.get(instance.definition) for instance in instances_in(definition)]
+        if isinstance(definition, ast.ProcessDefinition):
+            in_processes.update(dict.fromkeys(each for each in found if isinstance(each, ast.SubmodelDefinition)))
+        else:
+            elsewhere.update(found)
     return in_processes, elsewhere
