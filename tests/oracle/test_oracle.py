@@ -101,6 +101,21 @@ def test_the_guard_of_an_interrupt_without_a_body_is_served_after_alternatives()
     assert (run.trace, run.ending) == ([(0, "c", 1), (2 * MS, "c", 3), (2 * MS, "c", 2)], "terminated")
 
 
+def test_interrupts_that_meet_cancel_both_bodies_and_the_first_without_one_chooses() -> None:
+    first = Interrupt(Stop(), Guarded(write("c", 1), write("o", 1)))
+    second = Interrupt(Stop(), Guarded(read("c"), write("o", 2)))
+    assert page_run(program(Par((first, second))), MS).trace == [(0, "c", 1), (0, "o", 1), (0, "o", 2)]
+
+
+def test_an_alternative_chooses_the_guard_of_an_interrupt_that_is_ready_at_once() -> None:
+    """The guard is ready for the writer that waits plainly; the alternative, which is more urgent, comes first."""
+    chooses = Alt((Guarded(write("c", 1), write("o", 1)), Guarded(After(3 * MS), Skip())))
+    reader = Interrupt(Seq((Wait(MS), write("o", 3))), Guarded(read("c"), write("o", 2)))
+    body = Par((chooses, Seq((Wait(0), write("c", 7))), Seq((Wait(MS), reader))), prioritized=True)
+    run = page_run(program(body, channels=(Channel("c", INT, "any"),)), 2 * MS)
+    assert run.trace == [(MS, "c", 1), (MS, "o", 1), (MS, "o", 2)]
+
+
 def test_an_exception_ends_the_other_branches_at_their_next_communication() -> None:
     body = Catch(Par((Seq((Wait(MS), Raise("Alarm"))), read("c"))), "Alarm", write("o", 4))
     assert page_run(program(body), 20 * MS).trace == [(MS, "o", 4)]

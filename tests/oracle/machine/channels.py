@@ -195,10 +195,17 @@ class Channels:
                 return bool(self.plain(st, offer.channel, OTHER[end]) or self._alternatives(st, offer, me))
 
     def listens(self, st: State, offer: Offer) -> None:
-        """A guard begins to wait: where it reads a broadcast, guards that write it may be ready now."""
+        """A guard begins to wait, and guards of the other side may be ready now.
+
+        On a rendezvous only that of an interrupt finds any: it waits beside its body also where it is ready at once.
+        """
         channel = self.linked.channels.get(offer.channel)
-        if channel is not None and channel.kind == "broadcast" and offer.kind == "read":
+        if channel is None or channel.kind in ("buffer", "overwrite"):
+            return
+        if offer.kind == "read":
             self.wake(st, offer.channel, "!")
+        elif offer.kind == "write" and channel.kind != "broadcast":
+            self.wake(st, offer.channel, "?")
 
     def _heard(self, st: State, channel: str) -> set[int]:
         """The ends of a broadcast at which a reader or a guard waits."""

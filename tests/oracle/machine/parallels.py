@@ -112,12 +112,11 @@ class Parallels(Guards):
         self._branch(st, thread, node, 0, rank=0)
         thread.stack += (Frame("intr", node.id, 0, offer, "armed"),)
         thread.wait = Branches(node.id, (0,), None, False)
+        self.channels.listens(st, offer)
         if self._is_ready(st, thread, offer):
             self.fire(st, thread, len(thread.stack) - 1)
         elif self._sampled(offer):
             self.clock.follow(st, thread, offer.channel, offer.book)
-        else:
-            self.channels.listens(st, offer)
         raise MustWaitError
 
     def fire(self, st: State, thread: Thread, depth: int) -> None:
