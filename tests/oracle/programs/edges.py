@@ -185,6 +185,13 @@ class Edges:
 
     # ---- loops ----
 
+    def spin(self, communication: Comp | None) -> Comp:
+        """Never ends, and waits for others at most."""
+        if communication is not None and self.rng.random() < 0.6:
+            return Mu(communication)
+        ref = self.fresh(INT, 0)
+        return Mu(Assign(Target(ref.name, INT), Lit(0, INT)), Bin(">", ref, Lit(0, INT), BOOL))
+
     def growth(self, kind: Int) -> tuple[Ref, list[Comp]]:
         """A variable, and steps after which it is much larger, or much less."""
         way = self.rng.randrange(7)
@@ -226,10 +233,13 @@ class Edges:
         if choice < 0.25 and (inner or "time" not in self.without):
             return [Mu(body if inner else Seq((*steps, Wait(MS))))]
         bound = self.scope.edge(kind)
+        compared: Expr = ref
+        if self.rng.random() < 0.25:
+            compared = Bin(self.rng.choice("+-"), ref, self.operand(kind), kind)
         if choice < 0.6:
-            return [While(Bin(self.rng.choice(("<", "<", ">", "!=")), ref, bound, BOOL), body)]
+            return [While(Bin(self.rng.choice(("<", "<", ">", "!=")), compared, bound, BOOL), body)]
         if choice < 0.8:
-            return [Mu(body, Bin(self.rng.choice((">", ">=", "<", "==")), ref, bound, BOOL))]
+            return [Mu(body, Bin(self.rng.choice((">", ">=", "<", "==")), compared, bound, BOOL))]
         counter = self.fresh(INT, 0)
         count = Assign(Target(counter.name, INT), Bin("+", counter, Lit(1, INT), INT))
         return [Mu(Seq((*body.parts, count)), Bin(">=", counter, Lit(self.rng.randint(1, 4), INT), BOOL))]

@@ -284,9 +284,11 @@ class Forms:
     # ---- arithmetic at the ends of the ranges ----
 
     def saved(self, steps: Sequence[Comp], instead: Comp | None = None) -> Comp:
-        """Steps that may fault, and what is done then: nothing, never anything, or a step; of the same or not."""
+        """Steps that may fault, and what is done then: nothing, never anything, a turn without end, or a step."""
         choice = self.rng.random()
-        handler: Comp = Skip() if choice < 0.2 else Stop() if choice < 0.55 else self.step(0)
+        handler: Comp = Skip() if choice < 0.2 else Stop() if choice < 0.5 else self.step(0)
+        if 0.5 < choice < 0.6:
+            handler = Edges(self.scope, self.without).spin(self.communication())
         if choice > 0.75:
             handler = instead or self.communication() or handler
         return Catch(self.sequence(steps), "Fault", handler)

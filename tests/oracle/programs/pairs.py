@@ -18,6 +18,7 @@ from tests.oracle.programs.tree import (
     Alt,
     Assign,
     Bin,
+    Catch,
     Channel,
     Comp,
     Expr,
@@ -35,6 +36,7 @@ from tests.oracle.programs.tree import (
     Run,
     Seq,
     Skip,
+    Stop,
     Target,
     Variable,
     Wait,
@@ -57,14 +59,17 @@ class Pair:
 
 def pair(seed: int) -> Pair:
     rng = Random(seed)
-    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=is_wide(seed))
+    wide = is_wide(seed)
+    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=wide)
     one, other = base, base
+    if wide:
+        other = _sure(rng, other)
     if rng.random() < 0.5:
         one = _narrower(rng, one)
     if rng.random() < 0.5:
         other = _looser(rng, other)
     one = _otherwise(rng, one)
-    holds: bool | None = True
+    holds: bool | None = None if wide else True
     if rng.random() < 0.5:
         world = forms.scope.world
         changed = _changed(rng, one, forms)
@@ -178,6 +183,19 @@ def _narrower(rng: Random, program: Program) -> Program:
         return left.body if isinstance(left.event, Skip) and left.when is None else part
 
     return replace(program, body=_everywhere(program.body, fewer, rng.choice(places)))
+
+
+def _sure(rng: Random, program: Program) -> Program:
+    """With something else done after a fault: it matters if the fault happens."""
+    places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Catch) and part.name == "Fault"]
+    if not places:
+        return program
+
+    def otherwise(part: Comp) -> Comp:
+        assert isinstance(part, Catch)
+        return replace(part, handler=rng.choice((Skip(), Stop())))
+
+    return replace(program, body=_everywhere(program.body, otherwise, rng.choice(places)))
 
 
 def _looser(rng: Random, program: Program) -> Program:
