@@ -67,6 +67,23 @@ def test_nodes_are_instances_ports_and_environments(jiwy: networkx.MultiDiGraph)
     assert jiwy.nodes["Bench"]["line"] == 162
 
 
+def test_an_offset_is_told_where_there_is_one() -> None:
+    text = """
+        process Main {
+          in  x : int @ 10 ms
+          out u : int @ 10 ms offset 2 ms
+          communication { var v : int = 0 }
+          composition { mu (x ? v ; u ! v) }
+        }
+        """
+    graph = cspdiag.parse(text).graph()
+    offsets = {name: facts.get("offset") for name, facts in graph.nodes(data=True)}
+    assert offsets == {"Main": None, "Main.x": None, "Main.u": 2_000_000}
+    ((_, _, facts),) = graph.in_edges("Main.u", data=True)
+    assert (facts["period"], facts["offset"]) == (10_000_000, 2_000_000)
+    assert "int @ 10 ms offset 2 ms" in graph_text(graph, "dot")
+
+
 def test_edges_are_channels_from_each_writer_to_each_reader(jiwy: networkx.MultiDiGraph) -> None:
     ((_, _, facts),) = jiwy.out_edges("Jiwy.joystick_vertical", data=True)
     assert facts == {

@@ -49,7 +49,8 @@ def _external(port: ExternalPort) -> str:
         shared = f" {port.kind}" if port.kind != "sync" else ""
         return f"event {port.direction}put{shared}"
     safe = " with safe value" if port.safe is not None else ""
-    return f"sampled {port.direction}put" + (" immediate" if port.immediate else "") + safe
+    offset = " with offset" if port.sampling.offset else ""
+    return f"sampled {port.direction}put{offset}" + (" immediate" if port.immediate else "") + safe
 
 
 def _process(network: Network, entry: ProcessClass) -> Iterator[str]:

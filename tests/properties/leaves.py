@@ -224,14 +224,19 @@ def interrupted(draw: st.DrawFn, part: Part, depth: int) -> str:
     return f"({body} interrupt {text} -> {f'({first} ; {handler})' if first else handler})"
 
 
+def _period(leaf: Leaf, port: str) -> str | None:
+    """That of a port, whatever its offset; None without one."""
+    return leaf.periods[port].partition(" offset")[0] if port in leaf.periods else None
+
+
 def add_law(draw: st.DrawFn, leaf: Leaf, free: list[str]) -> None:
     """A control law between inputs and outputs of one period, which it takes out of ``free``."""
     doubles = [p for p in free if leaf.ports[p] == ("in", "double")]
     if not doubles:
         return
-    period = leaf.periods.get(doubles[0])
-    inputs = [p for p in doubles if leaf.periods.get(p) == period]
-    outputs = [p for p in free if leaf.ports[p] == ("out", "double") and leaf.periods.get(p, period) == period]
+    period = _period(leaf, doubles[0])
+    inputs = [p for p in doubles if _period(leaf, p) == period]
+    outputs = [p for p in free if leaf.ports[p] == ("out", "double") and _period(leaf, p) in (None, period)]
     count = draw(st.sampled_from([1, 2, 2])) if len(inputs) > 1 else 1
     form = draw(st.sampled_from([f for f in LAWS if len(f.inputs) == count and (period is not None or not f.sampled)]))
     name = leaf.fresh("law")

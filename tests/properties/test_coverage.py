@@ -35,7 +35,8 @@ WANTED = {
     "array of submodel inputs", "array of submodel outputs", "integration rk4", "integration euler in steps",
     "continuous state of double", "discrete state of an enum", "discrete state of int8", "discrete state of bool",
     "discrete state of an array of int", "discrete state of a struct of double and int",
-    "sampled input", "sampled output with safe value", "sampled output immediate with safe value", "event input",
+    "sampled input", "sampled output with safe value", "sampled input with offset",
+    "sampled output with offset with safe value", "sampled output immediate with safe value", "event input",
     "event input any", "event input broadcast", "event output", "on miss count", "on miss timeout",
     "assignment to an element", "run of a process in a parallel", "run of a submodel in a parallel",
     *(f"channel of {kind}" for kind in (

@@ -32,6 +32,11 @@ class Generator:
             tokens += ([separator] if position else []) + make()
         return tokens
 
+    def time(self) -> list[str]:
+        """An expression that is no array: where a name may stand too, a bracket belongs to that."""
+        found = self.expression(1)
+        return ["5 ms"] if found[0] == "[" else found
+
     def expression(self, depth: int = 3) -> list[str]:
         r = self.random
         if depth == 0 or r.random() < 0.3:
@@ -97,7 +102,7 @@ class Generator:
             tokens += [r.choice(["in", "out"])]
             tokens += self.separated(",", lambda: [self.name(), *self.maybe("[", "N", "]")], 1, 3)
             tokens += [":", *self.type_name(), *self.maybe("=", self.expression(1))]
-            tokens += self.maybe("@", self.expression(1), self.maybe("immediate"))
+            tokens += self.maybe("@", self.expression(1), self.maybe("offset", self.time()), self.maybe("immediate"))
             tokens += self.maybe("safe", self.expression(1))
         return tokens
 

@@ -41,6 +41,7 @@ class Loops:
         self.environment = environment
         self.structure = Structure(network)
         self.plant = linearize(environment.system, {}, point=point)
+        _refuse_offsets(network, self.plant)
         self.classes = {
             instance.path: entry
             for instance in network.instances
@@ -170,6 +171,21 @@ def _numbered(name: str, index: int | None) -> str:
     return name if index is None or name.endswith("]") else f"{name}[{index}]"
 
 
+def _refuse_offsets(network: CoreNetwork, plant: LinearLaw) -> None:
+    """Raises NotLinearError where laws do not begin together, or discrete parts of the plant step beside its grid."""
+    for port in network.external_ports:
+        if port.sampling is None or not port.sampling.offset:
+            continue
+        if port.direction == "in":
+            raise NotLinearError(
+                f"the samples of `{port.name}` have an offset, which is followed of outputs", port.span
+            )
+        if plant.discrete:
+            raise NotLinearError(
+                f"`{port.name}` has an offset, which is followed only where the plant has no discrete parts", port.span
+            )
+
+
 class _Follower:
     """Follows every number as a combination of those at the beginning of a period and of the cut's value."""
 
@@ -250,9 +266,8 @@ class _Follower:
             raise NotLinearError(
                 f"a period has more than {LARGEST_NUMBER_OF_INSTANTS} instants of the environment", environment.span
             )
-        ticks = sorted(
-            {t for path in self.laws for t in range(0, self.period, self.loops.periods[path])} | self._grid()
-        )
+        runs = {t for path in self.laws for t in range(0, self.period, self.loops.periods[path])}
+        ticks = sorted(runs | self._handed_over() | self._grid())
         spans = [
             (following - instant, grid.is_tick(instant))
             for instant, following in zip(ticks, [*ticks[1:], self.period], strict=True)
@@ -286,12 +301,19 @@ class _Follower:
             return {0}
         return set(range(0, self.period, self.loops.environment.step))
 
+    def _latches(self) -> list[Sampling]:
+        ports = (self.loops.external.get(name) for name, _ in self.loops.plant.inputs)
+        return [port.sampling for port in ports if port is not None and port.sampling and not port.immediate]
+
+    def _handed_over(self) -> set[int]:
+        """The instants at which outputs with an offset change."""
+        shifted = [latch for latch in self._latches() if latch.offset and self.period % latch.period == 0]
+        return {t for latch in shifted for t in range(latch.offset, self.period, latch.period)}
+
     def _is_idle(self, instant: int) -> bool:
         """Whether nothing but the plant goes on at an instant."""
-        ports = (self.loops.external.get(name) for name, _ in self.loops.plant.inputs)
-        latches = (port.sampling for port in ports if port is not None and port.sampling and not port.immediate)
         laws = (Sampling(self.loops.periods[path]) for path in self.laws)
-        return not any(sampling.is_tick(instant) for sampling in (*latches, *laws))
+        return not any(sampling.is_tick(instant) for sampling in (*self._latches(), *laws))
 
     def _tick(self, instant: int) -> None:
         plant = self.loops.plant

@@ -42,6 +42,8 @@ def _resolve_ports(context: Context, typer: Typer, scope: Scope, ports: ast.Port
         typer.constant(ports.safe, found, _purpose("port", ports.names[0].name, ports.type))
     if ports.sampling is not None:
         typer.constant(ports.sampling.period, TIME, Purpose(what="a sample period"))
+        if ports.sampling.offset is not None:
+            typer.constant(ports.sampling.offset, TIME, Purpose(what="the offset of samples"))
     for port in ports.names:
         array_sizes(typer, port.dimensions)
         declare(context, scope, port.name, PortSymbol(declaration=ports, port=port, type=found), where)

@@ -158,6 +158,8 @@ def _port_expressions(definition: Instantiable) -> Iterator[ast.Expression]:
         yield from ports.type.dimensions
         if ports.sampling is not None:
             yield ports.sampling.period
+            if ports.sampling.offset is not None:
+                yield ports.sampling.offset
         for name in ports.names:
             yield from name.dimensions
 

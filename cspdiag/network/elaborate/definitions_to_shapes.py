@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from cspdiag.base import Report
+from cspdiag.base import Report, Span
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Value
 from cspdiag.model.sampling import Sampling
+from cspdiag.network.diagnostics.samples.periods import OffsetOutsidePeriod
 from cspdiag.network.elaborate.compose import compose
 from cspdiag.network.elaborate.connect import connect
 from cspdiag.network.elaborate.definitions import Definitions, Instantiable, arguments_of
@@ -35,6 +36,7 @@ class Elaboration:
         """Callers before callees, in the order of discovery."""
         self.refused_periods: dict[Shape, list[tuple[ast.Expression, int]]] = {}
         """The periods of ports that are not longer than zero, with their values in nanoseconds."""
+        self._refused_offsets: set[Span] = set()
         self._known: dict[object, Shape] = {}
         self._pending: list[Shape] = []
 
@@ -65,20 +67,32 @@ class Elaboration:
         return known
 
     def sampling(self, ports: ast.Ports, shape: Shape) -> Sampling | None:
-        """The sample instants of a declaration; a period that is refused is kept for the report and unknown."""
+        """The sample instants of a declaration; unknown where they are refused, a period to be reported later."""
         if ports.sampling is None:
             return None
-        expression = ports.sampling.period
+        period = self._time(ports.sampling.period, shape)
+        offset = 0 if ports.sampling.offset is None else self._time(ports.sampling.offset, shape)
+        if period is not None and period <= 0:
+            self.refused_periods.setdefault(shape, []).append((ports.sampling.period, period))
+        elif period is not None and offset is not None:
+            if 0 <= offset < period:
+                return Sampling(period, offset)
+            assert ports.sampling.offset is not None
+            self._refuse_offset(OffsetOutsidePeriod(ports.sampling.offset.span, offset=offset, period=period))
+        return UNKNOWN_SAMPLING
+
+    def _time(self, expression: ast.Expression, shape: Shape) -> int | None:
+        """A time in nanoseconds; None where it is not known."""
         if isinstance(expression, ast.Duration):
-            period: Value | None = expression.nanoseconds
-        else:
-            period = evaluate(self.program, expression, shape.values, self.report)
-        if not isinstance(period, int) or isinstance(period, bool):
-            return UNKNOWN_SAMPLING
-        if period <= 0:
-            self.refused_periods.setdefault(shape, []).append((expression, period))
-            return UNKNOWN_SAMPLING
-        return Sampling(period)
+            return expression.nanoseconds
+        value = evaluate(self.program, expression, shape.values, self.report)
+        return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+    def _refuse_offset(self, diagnostic: OffsetOutsidePeriod) -> None:
+        """Once at each place, in whatever shapes."""
+        if diagnostic.span not in self._refused_offsets:
+            self._refused_offsets.add(diagnostic.span)
+            self.report.add(diagnostic)
 
     def _ports(self, shape: Shape) -> None:
         scope = self.program.scopes.get(shape.definition)

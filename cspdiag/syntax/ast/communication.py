@@ -27,9 +27,10 @@ class PortName(Node):
 
 @node
 class Sampling(Node):
-    """``T`` after the ``@`` of a port."""
+    """``T [offset d]`` after the ``@`` of a port."""
 
     period: Expression
+    offset: Expression | None = None
 
 
 @node

@@ -66,9 +66,9 @@ class CommunicationBuilder(ExpressionBuilder):
         """``@ T immediate``."""
         return Timing(sampling, True)
 
-    def sampling(self, span: Span, period: ast.Expression) -> ast.Sampling:
-        """``T``."""
-        return ast.Sampling(span=span, period=period)
+    def sampling(self, span: Span, period: ast.Expression, offset: ast.Expression | None) -> ast.Sampling:
+        """``T [offset d]``."""
+        return ast.Sampling(span=span, period=period, offset=offset)
 
     communication_block = node(ast.Communication, "declarations")  # communication { ... }
     declarations = gathered  # What is in a communication block

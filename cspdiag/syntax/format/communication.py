@@ -47,6 +47,9 @@ class CommunicationFormatter(ExpressionFormatter):
 
     def _sampling(self, node: ast.Sampling) -> None:
         self.expression(node.period, " ")
+        if node.offset is not None:
+            self.token(" ")
+            self.expression(node.offset, " ")
 
     def _port_type(self, node: ast.TypeName) -> None:
         self.token(" ")

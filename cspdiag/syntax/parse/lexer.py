@@ -13,14 +13,19 @@ from cspdiag.syntax.parse.tables import END, Tables
 
 WORDS_OF_THEIR_PLACE = frozenset(
     [
-        *("step", "method", "wcet", "on", "miss", "stop", "at"),
+        *("step", "method", "wcet", "on", "miss", "stop", "at", "offset"),
         *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures", "hide"),
     ]
 )
 """Keywords where the grammar expects them, names everywhere else."""
 
-_AFTER_A_NAME = re.compile(r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*(?:[?!:;.\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)")
-"""What stands behind ``at`` in a composition where that is the name of a port, a variable or an instance."""
+_AFTER_A_NAME = re.compile(
+    r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*(?:[?!:;.=\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)"
+)
+"""What stands behind ``at`` in a composition, and behind ``offset`` after the ports of a submodel, where these are the
+names of a port, a variable or an instance.
+"""
+_MAY_BE_NAMES = frozenset({"at", "offset"})
 
 _LOOKALIKES = dict(
     zip(
@@ -131,7 +136,8 @@ class Lexer:
         text = self.text = match.group(kind)
         if kind == "NAME":
             word = self._words.get(text, "NAME")
-            if text in WORDS_OF_THEIR_PLACE and (word not in accepted or (text == "at" and self._is_used_as_name())):
+            is_name = word not in accepted or (text in _MAY_BE_NAMES and self._is_used_as_name())
+            if text in WORDS_OF_THEIR_PLACE and is_name:
                 word = "NAME"
             self.kind = word
         elif kind == "PUNCTUATION":

@@ -8,7 +8,7 @@ import re
 
 from cspdiag.base.span import Span
 from cspdiag.base.spelling import Speller, edits, is_slip
-from cspdiag.syntax.diagnostics.structure import UnexpectedText, WrongOperator
+from cspdiag.syntax.diagnostics.structure import UnexpectedText, WrongOperator, WrongPlace
 from cspdiag.syntax.diagnostics.tokens import MissingUnitBrackets
 from cspdiag.syntax.unexpected.expected import expected_words, found_words
 from cspdiag.syntax.unexpected.situation import Finding, Repair, Situation
@@ -42,6 +42,14 @@ _AFTER_NUMBER = re.compile(
 _SPACED_UNIT = re.compile(
     r"(?P<number>[0-9][0-9.]*(?:[eE][+-]?[0-9]+)?)(?P<unit><[A-Za-z0-9/*^. -]* [A-Za-z0-9/*^. -]*>)"
 )
+
+
+def offset_alone(situation: Situation) -> Finding | None:
+    """``in x : int offset 2 ms``: an offset from nothing."""
+    if situation.text != "offset" or situation.block() not in {"PROCESS", "DRIVER"}:
+        return None
+    rule = "an offset stands behind the period from which it counts: `@ 10 ms offset 2 ms`"
+    return WrongPlace(situation.span, "`offset`", rule), None
 
 
 def misspelled(situation: Situation) -> Finding | None:

@@ -54,7 +54,23 @@ def envelope(text: str, port: str, until: str, **values: object) -> tuple[float,
     return float(np.max(signal[quarter : 2 * quarter])), float(np.max(signal[-quarter:]))
 
 
-@pytest.mark.parametrize("latch", ["", "immediate"])
+def test_an_output_with_an_offset_costs_that() -> None:
+    """L = K ((T - d) z + d) / (z (z - 1)): z = -1 is a root of 1 + L at K = 2 / (T - 2 d), of modulus below 1."""
+    found = only_loop(program(INTEGRATOR, gain=10.0, latch="offset 2 ms")).margins
+    assert found.gain == pytest.approx(2 / (T - 2 * 0.002) / 10, rel=1e-3)
+    without = only_loop(program(INTEGRATOR, gain=10.0, latch="immediate")).margins
+    latched = only_loop(program(INTEGRATOR, gain=10.0, latch="")).margins
+    assert found.delay == pytest.approx(latched.delay + T - 0.002, rel=0.02)
+    assert found.delay == pytest.approx(without.delay - 0.002, rel=0.02)
+
+
+def test_offsets_of_inputs_are_refused() -> None:
+    text = INTEGRATOR.replace("in  y : double @ T", "in  y : double @ T offset 2 ms", 1)
+    with pytest.raises(NotLinearError, match="the samples of `y` have an offset"):
+        loops(program(text, gain=10.0, latch=""))
+
+
+@pytest.mark.parametrize("latch", ["", "immediate", "offset 2 ms", "offset 7 ms"])
 def test_the_program_itself_loses_stability_at_the_gain_margin(latch: str) -> None:
     margin = only_loop(program(INTEGRATOR, gain=10.0, latch=latch)).margins.gain
     early, late = envelope(INTEGRATOR, "y", "6 s", gain=9.9 * margin, latch=latch)

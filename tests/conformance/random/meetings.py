@@ -6,7 +6,7 @@ that fault, ends that nobody uses. A program is drawn from ``random.Random``: th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
@@ -65,6 +65,19 @@ EXTERNAL = {
     "u": ("out", "double", " @ 1 ms"),
     "count": ("out", "int", ""),
 }
+
+
+OFFSETS = (" offset 300 us", " offset 500 us", "")
+
+
+def _external(seed: int) -> dict[str, tuple[str, str, str]]:
+    """The external ports, in half of the programs some with an offset, which is drawn by itself."""
+    draw = Random(f"offsets {seed}")
+    if draw.random() < 0.5:
+        return EXTERNAL
+    return {
+        name: (way, kind, period and period + draw.choice(OFFSETS)) for name, (way, kind, period) in EXTERNAL.items()
+    }
 
 
 @dataclass
@@ -295,9 +308,9 @@ def _connected(draw: Random, leaves: Sequence[Leaf]) -> list[str]:
     return relations
 
 
-def _outside(draw: Random, leaves: Sequence[Leaf]) -> list[str]:
+def _outside(draw: Random, leaves: Sequence[Leaf], external: Mapping[str, tuple[str, str, str]]) -> list[str]:
     relations = []
-    for name, (way, kind, period) in EXTERNAL.items():
+    for name, (way, kind, period) in external.items():
         several = way == "in" and draw.random() < 0.5
         chosen = draw.sample(range(len(leaves)), draw.randint(1, 2) if several else 1)
         for index in chosen:
@@ -314,9 +327,9 @@ def _outside(draw: Random, leaves: Sequence[Leaf]) -> list[str]:
 
 def meetings(seed: int) -> Program:
     """The program of a seed."""
-    draw = Random(seed)
+    draw, external = Random(seed), _external(seed)
     leaves = [Leaf(f"Leaf{i}") for i in range(draw.randint(2, 4))]
-    relations = [*_connected(draw, leaves), *_outside(draw, leaves)]
+    relations = [*_connected(draw, leaves), *_outside(draw, leaves, external)]
     bodies = []
     for leaf in leaves:
         counter = leaf.fresh("k")
@@ -327,7 +340,7 @@ def meetings(seed: int) -> Program:
         bodies.append(Node(rounds, (inner,)))
     operator = draw.choice([" || ", " || ", " ||> "])
     top = Node("", tuple(Node(f"leaf{i}") for i in draw.sample(range(len(leaves)), len(leaves))), operator)
-    ports = [f"  {way} {name} : {kind}{period}" for name, (way, kind, period) in EXTERNAL.items()]
+    ports = [f"  {way} {name} : {kind}{period}" for name, (way, kind, period) in external.items()]
     after = [
         "process Top {", *ports, "  communication {",
         *(f"    leaf{i} : {leaf.name}" for i, leaf in enumerate(leaves)), *(f"    {r}" for r in relations), "  }",

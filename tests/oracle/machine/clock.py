@@ -16,21 +16,26 @@ class MissedSampleError(Exception):
     """A sample that was missed, at the next read."""
 
 
+def _is_tick(now: int, ticks: tuple[int, int] | None) -> bool:
+    """Whether an instant, later than 0, is an offset after a multiple of a period."""
+    return ticks is not None and now % ticks[0] == ticks[1]
+
+
 class Clock:
     def __init__(self, linked: Linked, policy: Policy, channels: Channels) -> None:
         self.linked = linked
         self.policy = policy
         self.channels = channels
         program = linked.program
-        self.periods = sorted({port.period for port in program.ports if port.period})
+        self.ticks = sorted({port.ticks for port in program.ports if port.ticks})
         events = any(port.input and not port.period for port in program.ports)
         self.made: list[
             tuple[str, Value]
         ] = []  # at external ports, since somebody cleared it: inputs as they are taken
         self.written: list[tuple[str, Value]] = []  # to external outputs, since somebody cleared it
         self.grid = program.step if events else None
-        self.cycle = [*self.periods, *([self.grid] if self.grid else [])]
-        self.whole = lcm(*self.cycle) if self.cycle else 1
+        self.cycle = [*self.ticks, *([(self.grid, 0)] if self.grid else [])]
+        self.whole = lcm(*(period for period, _ in self.cycle)) if self.cycle else 1
         self.named = last_instant(program)
         self.last = max((begin for port in program.ports for begin, _ in port.values), default=0)
 
@@ -56,7 +61,7 @@ class Clock:
 
     def next_instant(self, st: State) -> int | None:
         times = [due for due in self.dues(st) if due > st.now] + [
-            (st.now // period + 1) * period for period in self.cycle
+            ((st.now - offset) // period + 1) * period + offset for period, offset in self.cycle
         ]
         return min(times, default=None)
 
@@ -65,12 +70,12 @@ class Clock:
         st.variables[NOW] = st.now
         ports = self.linked.program.ports
         for port in ports:
-            if port.input and port.period and st.now % port.period == 0:
+            if port.input and _is_tick(st.now, port.ticks):
                 self._sample(st, port)
-            elif port.input and not port.period and any(st.now % period == 0 for period in self.cycle):
+            elif port.input and not port.period and self.grid is not None and st.now % self.grid == 0:
                 self._offer(st, port)
         for port in ports:
-            if not port.input and port.period and st.now % port.period == 0 and port.name in st.latches:
+            if not port.input and _is_tick(st.now, port.ticks) and port.name in st.latches:
                 self.policy.passed(port.name, st.latches.pop(port.name), external=True)
         self._due(st)
 
@@ -139,9 +144,11 @@ class Clock:
             st.books[key] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
 
     def _follows(self, st: State, me: Thread, name: str) -> bool:
-        """Whether the process has any book of the period of a port, in any part, opened before the latest tick."""
-        period = self.linked.ports[name].period
-        same = {port.name for port in self.linked.program.ports if port.input and port.period == period}
+        """Whether the process has any book of the period and offset of a port, in any part, opened before the latest
+        tick.
+        """
+        ticks = self.linked.ports[name].ticks
+        same = {port.name for port in self.linked.program.ports if port.input and port.ticks == ticks}
         return any(
             book.ticked and other in same and process == self._process(me.tid)
             for (process, other, _), book in st.books.items()

@@ -250,6 +250,7 @@ def _law(law: Law) -> str:
 
 def _port(port: Port, name: str, kept_period: bool = True) -> str:
     period = f" @ {duration(port.period)}" if port.period and kept_period else ""
+    period += f" offset {duration(port.offset)}" if period and port.offset else ""
     return (
         f"  {'in' if port.input else 'out'} {name} : {port.type.name}{period}{' immediate' if port.immediate else ''}"
     )

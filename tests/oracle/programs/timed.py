@@ -238,11 +238,17 @@ def timed(seed: int, *, outputs: bool = False) -> Program:
         body=Par(tuple(bodies), rng.random() < 0.4) if len(bodies) > 1 else bodies[0],
         channels=tuple(channels),
         variables=tuple(variable for part in parts for variable in [*part.variables, *part.counters]),
-        ports=tuple(ports),
+        ports=tuple(_shifted(Random(f"offsets {seed}"), ports)),
         laws=tuple(law for part in parts for law in part.laws),
         step=MS,
     )
     return tidy(made)
+
+
+def _shifted(rng: Random, ports: list[Port]) -> list[Port]:
+    """The ports, in half of the programs some with an offset."""
+    offsets = rng.choice([(0,), (0, 1, 2), (0, 1.5), (0.5, 2)]) if rng.random() < 0.5 else (0,)
+    return [replace(port, offset=int(rng.choice(offsets) * MS) if port.period else 0) for port in ports]
 
 
 def _values(rng: Random) -> tuple[tuple[int, int], ...]:

@@ -334,6 +334,12 @@ class Port:
     immediate: bool = False
     values: tuple[tuple[int, Value], ...] = ()  # from an instant on, what the environment offers
     domain: tuple[Value, ...] = ()  # values that stand for all, in a general environment
+    offset: int = 0  # nanoseconds, shorter than the period
+
+    @property
+    def ticks(self) -> tuple[int, int] | None:
+        """What has to be equal for instants to be: the period and the offset."""
+        return (self.period, self.offset) if self.period else None
 
 
 @dataclass(frozen=True)

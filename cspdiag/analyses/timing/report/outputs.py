@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import gcd
 
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork, ExternalPort
 
 
@@ -33,7 +34,7 @@ class Outputs:
         if not ports or response is None:
             return None
         latches = [_latch(port) for port in ports]
-        shortest = min(0 if ticks is None else gcd(period, ticks) for ticks in latches)
+        shortest = min(0 if ticks is None else _first(ticks, gcd(period, ticks.period), 1) for ticks in latches)
         return shortest, max(_latency(port, period, response)[0] for port in ports)
 
     def latency(self, net: str, period: int, response: int) -> tuple[int, int] | None:
@@ -51,15 +52,22 @@ def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
     ticks = _latch(port)
     if ticks is None:
         return response, response
-    grid = gcd(period, ticks)
-    delay = max(grid, -(-response // grid) * grid) + ticks - grid
+    grid = gcd(period, ticks.period)
+    delay = _first(ticks, grid, max(response, 1)) + ticks.period - grid
     # The last sample that has been written for certain began a response and not quite a period before the tick.
-    age = max(grid, -(-(response + period) // grid) * grid - grid)
+    age = max(_first(ticks, grid, 1), _first(ticks, grid, response + period) - grid)
     return min(age, delay), delay
 
 
-def _latch(port: ExternalPort) -> int | None:
-    return None if port.immediate or port.sampling is None else port.sampling.period
+def _first(ticks: Sampling, grid: int, least: int) -> int:
+    """The least time from a sample to a tick, of those of at least so many nanoseconds: samples come at the multiples
+    of their period, and so all such times differ by multiples of the grid.
+    """
+    return least + (ticks.offset - least) % grid
+
+
+def _latch(port: ExternalPort) -> Sampling | None:
+    return None if port.immediate else port.sampling
 
 
 def port_names(ports: Iterable[ExternalPort]) -> list[str]:

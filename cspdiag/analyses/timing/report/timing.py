@@ -28,6 +28,7 @@ from cspdiag.analyses.timing.threads.graph import Thread
 from cspdiag.analyses.timing.threads.threads import Threads
 from cspdiag.base import Span
 from cspdiag.base.record import replaced
+from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork
 
 LARGEST_NUMBER_OF_ROUNDS = 50
@@ -59,7 +60,8 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     """
     threads = Threads(network, measured or {})
     used = tuple(sorted(set(measured or {}) & set(threads.instances)))
-    refusals = list(threads.unseen)
+    shifted = list(_shifted_inputs(network))
+    refusals = [*shifted, *threads.unseen]
     every = list(threads.root.with_forks())
     levels = {priority: k for k, priority in enumerate(sorted({_level(thread) for thread in every}))}
     found = [behaviour(k, thread, levels[_level(thread)], refusals) for k, thread in enumerate(every)]
@@ -69,7 +71,7 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     order = {path: k for k, path in enumerate(threads.instances)}
     missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
     # What is unknown counts nothing: the rest of the figures would only mislead.
-    analysis = _analysis(network, every, behaviours, refusals, are_loops_known=not missing)
+    analysis = _analysis(network, every, behaviours, refusals, are_loops_known=not (missing or shifted))
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
     recurring = [task for task in tasks if task.period < ONCE]
@@ -90,9 +92,19 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
         _advice(network, every, behaviours, recurring) if is_late and not refusals else None,
         used,
         are_all_chains,
-        find_witness(every, behaviours, inputs) if is_late else None,
+        find_witness(every, behaviours, inputs) if is_late and not shifted else None,
         overloaded,
     )
+
+
+def _shifted_inputs(network: CoreNetwork) -> Iterator[Refusal]:
+    """Jobs are taken to begin together, at the multiples of their periods."""
+    for name, port in zip(port_names(network.external_ports), network.external_ports, strict=True):
+        if port.direction == "in" and port.sampling is not None and port.sampling.offset:
+            yield Refusal(
+                name, "its samples have an offset, which the timing analysis does not follow", port.span,
+                f"let it be sampled {Sampling(port.sampling.period).every}; an output may have an offset",
+            )  # fmt: skip
 
 
 def _analysis(

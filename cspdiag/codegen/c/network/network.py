@@ -236,6 +236,8 @@ class _NetworkFiles:
                 found.append(run(call("csp_direct_output_init", medium, number, driver)))
             case _:
                 assert_never(port.medium)
+        if port.sampling is not None and port.sampling.offset and port.medium != "direct":
+            found.append(store(_external(name).field("next"), duration(port.sampling.offset)))
         if port.direction == "out":
             name_of_port = quoted(f"{self.network.top}.{port.key}")
             found.append(store(_external(name).field("name"), name_of_port))

@@ -73,6 +73,8 @@ def _port(port: ExternalPort, network: Network, imports: Imports) -> Code:
 def _options(port: ExternalPort, imports: Imports) -> Iterable[Argument]:
     if port.sampling is not None:
         yield Argument(duration(port.sampling.period, imports), "period")
+        if port.sampling.offset:
+            yield Argument(duration(port.sampling.offset, imports), "offset")
     yield Argument(Name("drivers").at(Constant(quoted(port.key))), "driver")
     if port.direction == "out":
         if port.safe is not None:

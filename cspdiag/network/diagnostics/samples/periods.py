@@ -35,8 +35,7 @@ class PeriodNotPositive(Diagnostic):
 @record
 class PeriodsDisagree(Diagnostic):
     code = "E0702"
-    title = "two sample periods on one net"
-    help = "give both ends the same period; between two rates, a process must read at one and write at the other"
+    title = "two sample periods or offsets on one net"
 
     net: str
     one: Sampling
@@ -47,6 +46,14 @@ class PeriodsDisagree(Diagnostic):
     @property
     def message(self) -> str:
         return f"`{self.net}` is sampled {self.one.every} and connects a port sampled {self.other.every}"
+
+    @property
+    def help(self) -> str | None:
+        if self.one.period == self.other.period:
+            return (
+                "give both ends the same offset, or leave out the `@` of the inner one, which is sampled as its net is"
+            )
+        return "give both ends the same period; between two rates, a process must read at one and write at the other"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -94,6 +101,27 @@ class SampleUnknown(Diagnostic):
     @property
     def label(self) -> str:
         return f"`{self.definition}` has states or operators that depend on the period"
+
+
+@record
+class OffsetOutsidePeriod(Diagnostic):
+    code = "E0708"
+    title = "offset of samples outside the period"
+
+    offset: int
+    period: int
+
+    @property
+    def message(self) -> str:
+        wrong = "negative" if self.offset < 0 else "not shorter than the period"
+        return f"an offset of {duration(self.offset)} is {wrong}: samples every {duration(self.period)} cannot have it"
+
+    @property
+    def help(self) -> str | None:
+        rest = self.offset % self.period
+        if not rest:
+            return "leave it out: samples come at the multiples of the period"
+        return f"say where in the period the samples lie: with `offset {duration(rest)}` they come at the same instants"
 
 
 @record

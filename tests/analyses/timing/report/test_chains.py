@@ -213,16 +213,21 @@ def bounds_of(text: str, name: str) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize(
-    ("loop", "output", "reaction", "age"),
-    [(1, 1, 2, 1), (1, 5, 6, 1), (5, 1, 6, 1), (2, 5, 7, 2), (5, 2, 7, 2), (4, 6, 10, 4)],
+    ("loop", "output", "offset", "reaction", "age"),
+    [
+        *[(1, 1, 0, 2, 1), (1, 5, 0, 6, 1), (5, 1, 0, 6, 1), (2, 5, 0, 7, 2), (5, 2, 0, 7, 2), (4, 6, 0, 10, 4)],
+        *[(2, 2, 1, 3, 1), (1, 5, 2, 6, 1), (4, 6, 1, 9, 3), (6, 4, 3, 9, 3), (5, 5, 4, 9, 4)],
+    ],
 )
-def test_an_output_of_another_rate_has_the_last_value_written(loop: int, output: int, reaction: int, age: int) -> None:
+def test_an_output_of_another_rate_has_the_last_value_written(
+    loop: int, output: int, offset: int, reaction: int, age: int
+) -> None:
     """A sample is written at once and handed over at the next tick of the output, if no later one is written before."""
     text = f"""
         submodel Law wcet 1 us {{ in p : double  out y : double  y = p }}
         process Main {{
           in  x : double @ {loop} ms
-          out y : double @ {output} ms
+          out y : double @ {output} ms offset {offset} ms
           communication {{
             law : Law
             var taken  : double = 0
@@ -235,7 +240,7 @@ def test_an_output_of_another_rate_has_the_last_value_written(loop: int, output:
         """
     assert bounds_of(text, "x") == (reaction * MS, age * MS)
     (row,) = timing_report(network_of(text)).loops
-    assert row.latency == (gcd(loop, output) * MS, age * MS)
+    assert row.latency == ((offset % gcd(loop, output) or gcd(loop, output)) * MS, age * MS)
     network = with_bench(text, ["x"], ["y"], "1 ms")
     found = seen(network, wcets(network), None, 120 * MS)
     assert found[1] == age * MS

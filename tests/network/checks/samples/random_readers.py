@@ -4,6 +4,7 @@ W0707.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 from tests.oracle.programs.tree import (
@@ -165,7 +166,13 @@ def reader(seed: int) -> Program:
     return Program(
         body=body,
         variables=(Variable("n", INT, 0, 0), Variable("v", INT, 0, 0)),
-        ports=tuple(ports),
+        ports=tuple(_shifted(Random(f"offsets {rng.random()}"), ports)),
         exceptions=(RAISED,) if raising else (),
         step=MS,
     )
+
+
+def _shifted(rng: Random, ports: list[Port]) -> list[Port]:
+    """The ports, in half of the programs some with an offset."""
+    offsets = rng.choice([(0, 2), (1, 3), (0.5, 4)]) if rng.random() < 0.5 else (0,)
+    return [replace(port, offset=int(rng.choice(offsets) * MS)) if port.period else port for port in ports]
