@@ -16,17 +16,15 @@ from cspdiag.codegen.python.fast.places import Spelling, is_alternated, is_inlin
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.storage import run_again
 from cspdiag.codegen.python.fast.temporaries import Temporaries
+from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import Instances, path
 from cspdiag.codegen.python.plain.processes import all_readers
 from cspdiag.codegen.python.text.code import (
     FALSE,
-    NONE,
     SELF,
     TRUE,
-    Argument,
-    Call,
     Code,
     Constant,
     Items,
@@ -37,7 +35,6 @@ from cspdiag.codegen.python.text.code import (
     call,
     own,
     tuple_of,
-    typed,
 )
 from cspdiag.codegen.python.text.imports import Imports, member_order
 from cspdiag.codegen.python.text.layout import LINE_LENGTH
@@ -83,14 +80,6 @@ from cspdiag.network.ir.walk import parts
 _EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
 _DECLARED = LINE_LENGTH - 12
 """Room for a declaration in a function inside a method."""
-_CHANNEL_CLASSES = {
-    "var": "Variable",
-    "sync": "Channel",
-    "broadcast": "Broadcast",
-    "any": "AnyChannel",
-    "buffer": "Buffer",
-    "overwrite": "Overwriting",
-}
 
 
 def process_module(
@@ -129,7 +118,9 @@ def _declared(names: Sequence[str]) -> Statement:
     return Plain("nonlocal", Items("", tuple(map(Name, names))))
 
 
-class _ProcessWriter:
+class _ProcessWriter(ConstructorWriter):
+    initial: FastPrinter
+
     def __init__(
         self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, options: Options
     ) -> None:
@@ -167,9 +158,6 @@ class _ProcessWriter:
         for item in (*self.process.constants, *self.process.states):
             self.spelling.signal(item.name)
         self.spelling.bound.clear()
-
-    def _argument(self, name: str) -> Code:
-        return Name(self.members.arguments[name])
 
     def module(self) -> ClassModule:
         process = self.process
@@ -270,12 +258,6 @@ class _ProcessWriter:
         )
         return Function("__init__", self._parameters(), statements)
 
-    def _parameters(self) -> tuple[str, ...]:
-        arguments = self.members.arguments
-        keywords = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
-        keywords += [f"{arguments[p.name]}: {self._port_annotation(p)}" for p in self.process.ports]
-        return ("self", "name: str", *(["*", *keywords] if keywords else []))
-
     def _port_annotation(self, port: Port) -> str:
         kinds = {self._end_class(medium, port.direction) for medium in port.media}
         value = annotation(port.type, self.imports)
@@ -348,28 +330,9 @@ class _ProcessWriter:
         made = {channel.name: self._channel(channel) for channel in kept}
         yield from self._attributes(kept, made)
 
-    def _channel(self, channel: LocalChannel) -> Code:
+    def _channel_class(self, channel: LocalChannel) -> str:
         medium = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
-        name = self._end_class(medium, "in") if is_inline(medium) else _CHANNEL_CLASSES[channel.kind]
-        arguments = [Argument(path(channel.name))]
-        if channel.initial is not None:
-            arguments.append(Argument(self.initial.print(channel.initial)))
-        if channel.capacity is not None:
-            arguments.append(Argument(Whole(channel.capacity), "capacity"))
-        return Call(typed(self.imports.runtime(name), annotation(channel.type, self.imports)), tuple(arguments))
-
-    def _attributes(
-        self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: dict[str, Code]
-    ) -> Iterator[Statement]:
-        done: set[str] = set()
-        for item in items:
-            array = self.members.array_of(item.name)
-            if array is None:
-                yield assign(self.members.attribute(item.name), made[item.name])
-            elif array.name not in done:
-                done.add(array.name)
-                elements = [made.get(element, NONE) for element in array.elements]
-                yield assign(own(array.name), rolled_list(elements, self.members.index))
+        return self._end_class(medium, "in") if is_inline(medium) else super()._channel_class(channel)
 
     def _created(self) -> Iterator[Statement]:
         """Reading ends, instances and alternatives in the order in which they have to come to be."""

@@ -2,49 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import lru_cache
 
 from cspdiag.codegen.python.plain.composition.actions import Composition
+from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
-from cspdiag.codegen.python.plain.instances import Instances, path
+from cspdiag.codegen.python.plain.instances import Instances
 from cspdiag.codegen.python.plain.members import Members
 from cspdiag.codegen.python.text.code import (
     SELF,
-    Argument,
-    Call,
     Code,
     Comprehension,
     Constant,
     Name,
-    Whole,
     call,
     own,
-    typed,
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
-from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
+from cspdiag.codegen.python.text.modules import ClassModule
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.python.text.rolling import rolled_list
 from cspdiag.codegen.python.text.statements import Function, Statement, Statements, assign, lines, run
-from cspdiag.codegen.python.text.types import annotation
 from cspdiag.network.checks.unwritten import may_be_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import ParameterValue
-from cspdiag.network.ir.network import CoreClass, InstanceOf, LocalChannel, Network
+from cspdiag.network.ir.network import CoreClass, Network
 from cspdiag.network.ir.walk import parts
-
-_CHANNEL_CLASSES = {
-    "var": "Variable",
-    "sync": "Channel",
-    "broadcast": "Broadcast",
-    "any": "AnyChannel",
-    "buffer": "Buffer",
-    "overwrite": "Overwriting",
-}
 
 
 @lru_cache(maxsize=1)
@@ -57,7 +43,9 @@ def process_module(process: CoreClass, network: Network, names: PackageNames, mo
     return _ProcessWriter(process, network, names, modules).module()
 
 
-class _ProcessWriter:
+class _ProcessWriter(ConstructorWriter):
+    process: CoreClass
+
     def __init__(self, process: CoreClass, network: Network, names: PackageNames, modules: ExternalModules) -> None:
         self.process = process
         self.network = network
@@ -87,9 +75,6 @@ class _ProcessWriter:
             [lines([function], "    ") for function in functions],
         )
 
-    def _argument(self, name: str) -> Code:
-        return Name(self.members.arguments[name])
-
     def _parameter(self, name: str) -> Code:
         return own(self.members.arguments[name])
 
@@ -107,12 +92,6 @@ class _ProcessWriter:
             *self.composition.alternatives,
         )
         return Function("__init__", self._parameters(), statements)
-
-    def _parameters(self) -> tuple[str, ...]:
-        arguments = self.members.arguments
-        keywords = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
-        keywords += [f"{arguments[p.name]}: {port_annotation(p, self.imports)}" for p in self.process.ports]
-        return ("self", "name: str", *(["*", *keywords] if keywords else []))
 
     def _stored_arguments(self) -> Iterable[Statement]:
         """Parameters and output ports that ``run`` uses."""
@@ -151,28 +130,6 @@ class _ProcessWriter:
         yield from self._attributes(
             self.process.instances, {item.name: self.instances.made(item) for item in self.process.instances}
         )
-
-    def _attributes(
-        self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: dict[str, Code]
-    ) -> Iterable[Statement]:
-        done: set[str] = set()
-        for item in items:
-            array = self.members.array_of(item.name)
-            if array is None:
-                yield assign(self.members.attribute(item.name), made[item.name])
-            elif array.name not in done:
-                done.add(array.name)
-                elements = [made[element] for element in array.elements]
-                yield assign(own(array.name), rolled_list(elements, self.members.index))
-
-    def _channel(self, channel: LocalChannel) -> Code:
-        class_ = self.imports.runtime(_CHANNEL_CLASSES[channel.kind])
-        arguments = [Argument(path(channel.name))]
-        if channel.initial is not None:
-            arguments.append(Argument(self.initial.print(channel.initial)))
-        if channel.capacity is not None:
-            arguments.append(Argument(Whole(channel.capacity), "capacity"))
-        return Call(typed(class_, annotation(channel.type, self.imports)), tuple(arguments))
 
 
 def all_readers(port: str, owner: Code) -> Code:
