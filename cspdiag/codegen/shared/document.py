@@ -21,29 +21,30 @@ class Line:
     flat: str = " "
 
 
+class _Around:
+    """A node around one document."""
+
+    content: Document
+
+    @cached_property
+    def on_one_line(self) -> str:
+        """The text on one line."""
+        return flat(self.content)
+
+
 @record
-class Nest:
+class Nest(_Around):
     """Lines that begin inside stand ``by`` columns deeper."""
 
     by: int
     content: Document
 
-    @cached_property
-    def on_one_line(self) -> str:
-        """The text on one line."""
-        return flat(self.content)
-
 
 @record
-class Group:
+class Group(_Around):
     """On one line if that fits; else its own lines are all broken, those of groups inside each if they have to be."""
 
     content: Document
-
-    @cached_property
-    def on_one_line(self) -> str:
-        """The text on one line."""
-        return flat(self.content)
 
 
 @record
@@ -74,15 +75,10 @@ class FirstThatFits:
 
 
 @record
-class Flat:
+class Flat(_Around):
     """Never broken."""
 
     content: Document
-
-    @cached_property
-    def on_one_line(self) -> str:
-        """The text on one line."""
-        return flat(self.content)
 
 
 Document: TypeAlias = "str | tuple[Document, ...] | Line | Nest | Group | Fill | FirstThatFits | Flat"

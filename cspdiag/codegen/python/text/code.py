@@ -28,6 +28,14 @@ class _Node:
         """How tightly its operator binds."""
         return self._PRECEDENCE
 
+    @cached_property
+    def flat(self) -> str:
+        """The text on one line."""
+        return self._flat()
+
+    def _flat(self) -> str:
+        raise NotImplementedError
+
     def field(self, name: str) -> Attribute:
         """``x.name``."""
         return Attribute(at_least(cast("Code", self), PRIMARY), name)
@@ -57,9 +65,7 @@ class Name(Primary):
 
     text: str
 
-    @property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return self.text
 
 
@@ -69,9 +75,7 @@ class Constant(Primary):
 
     text: str
 
-    @property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return self.text
 
 
@@ -81,9 +85,7 @@ class Whole(Primary, Counted):
 
     value: int
 
-    @property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return str(self.value)
 
 
@@ -93,9 +95,7 @@ class Formatted(Primary):
 
     parts: tuple[str | Code, ...]
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         texts = (
             part if isinstance(part, str) else part.flat if isinstance(part, Whole) else f"{{{part.flat}}}"
             for part in self.parts
@@ -129,9 +129,7 @@ class Call(Primary):
     function: Code
     arguments: tuple[Argument, ...]
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.function.flat}({', '.join([argument.flat for argument in self.arguments])})"
 
 
@@ -142,9 +140,7 @@ class Attribute(Primary):
     operand: Code
     name: str
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.operand.flat}.{self.name}"
 
 
@@ -155,9 +151,7 @@ class Element(Primary):
     operand: Code
     index: Code
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.operand.flat}[{self.index.flat}]"
 
 
@@ -173,9 +167,7 @@ class Prefix(_Node):
         """How tightly the operator binds."""
         return {"-": SIGN, "not ": NOT, "await ": AWAIT, "yield from ": LOOSEST}[self.text]
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return self.text + self.operand.flat
 
 
@@ -192,9 +184,7 @@ class Chain(_Node):
         """That of the operators."""
         return self.level
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return self.first.flat + "".join([f" {operator} {operand.flat}" for operator, operand in self.rest])
 
 
@@ -208,9 +198,7 @@ class Conditional(_Node):
 
     _PRECEDENCE = CONDITIONAL
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.then.flat} if {self.condition.flat} else {self.otherwise.flat}"
 
 
@@ -220,9 +208,7 @@ class Parenthesized(Primary):
 
     operand: Code
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"({self.operand.flat})"
 
 
@@ -233,9 +219,7 @@ class Items(Primary):
     brackets: Literal["()", "[]", "{}", ""]
     items: tuple[Code, ...]
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         inside = ", ".join([item.flat for item in self.items])
         comma = "," if self.brackets == "()" and len(self.items) == 1 else ""
         return f"{self.brackets[:1]}{inside}{comma}{self.brackets[1:]}"
@@ -248,9 +232,7 @@ class Entry(Primary):
     key: str
     value: Code
 
-    @property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.key}: {self.value.flat}"
 
 
@@ -268,9 +250,7 @@ class Comprehension(Primary, Closed):
         """What stands behind the element."""
         return f"for {self.variable} in {self.items.flat}"
 
-    @cached_property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.brackets[0]}{self.element.flat} {self.clause}{self.brackets[1]}"
 
 
@@ -280,9 +260,7 @@ class Starred(Primary, Closed):
 
     value: Code
 
-    @property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"*{self.value.flat}"
 
 
@@ -295,9 +273,7 @@ class Named(_Node, Closed):
 
     _PRECEDENCE = LOOSEST
 
-    @property
-    def flat(self) -> str:
-        """The text on one line."""
+    def _flat(self) -> str:
         return f"{self.name} := {self.value.flat}"
 
 
