@@ -10,12 +10,7 @@ from cspdiag.analyses.analysis import Analysis
 from cspdiag.analyses.diagnostics.load import Overload
 from cspdiag.base import Report, Span
 from cspdiag.model.program import Program
-from cspdiag.network.ir.actions import (
-    CoreAction,
-    ParallelSteps,
-    RunInstance,
-    SequentialSteps,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import actions_inside
 from cspdiag.syntax import ast
@@ -65,23 +60,23 @@ class _Loads:
         self.laws.append((path, round(100 * share), law.span))
         return share
 
-    def _action(self, path: str, action: CoreAction) -> float:
+    def _action(self, path: str, action: ir.CoreAction) -> float:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 return self.of_instance(f"{path}.{action.instance}")
-            case SequentialSteps():
+            case ir.SequentialSteps():
                 return self._sequence(path, action.steps)
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 return sum(self._action(path, step) for step in action.steps)
             case _:  # Of the parts of anything else one runs at a time.
                 return max((self._action(path, inner) for inner in actions_inside(action)), default=0.0)
 
-    def _sequence(self, path: str, steps: tuple[CoreAction, ...]) -> float:
+    def _sequence(self, path: str, steps: tuple[ir.CoreAction, ...]) -> float:
         """A law that reads a sample begins a period; those after it that read none run in the same one."""
         largest = present = 0.0
         period: int | None = None
         for step in steps:
-            inner = f"{path}.{step.instance}" if isinstance(step, RunInstance) else ""
+            inner = f"{path}.{step.instance}" if isinstance(step, ir.RunInstance) else ""
             law = self.class_of.get(inner)
             if isinstance(law, SubmodelClass) and inner not in self.samplers:
                 present += self._law(inner, law, self.periods.get(inner, period))

@@ -12,21 +12,7 @@ from collections.abc import Mapping
 from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import replaced
-from cspdiag.network.ir.actions import (
-    Action,
-    AfterEvent,
-    Branch,
-    ChannelEnd,
-    Choice,
-    InputEvent,
-    OutputEvent,
-    PortEnd,
-    ReadValue,
-    ReadyEvent,
-    SkipEvent,
-    WaitStep,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import (
     Attachment,
     ConstantEnd,
@@ -62,37 +48,37 @@ def _prepared(entry: ProcessClass) -> ProcessClass:
     return entry if entry.body is None else replaced(entry, body=named_choices(rebuilt(entry.body, _without_choice)))
 
 
-def _without_choice(action: Action) -> Action:
+def _without_choice(action: ir.Action) -> ir.Action:
     """A guard that is waited for by itself is the communication that it stands for."""
     match action:
-        case Choice(branches=(Branch(condition=None) as branch,)) if not isinstance(branch.event, ReadyEvent):
+        case ir.Choice(branches=(ir.Branch(condition=None) as branch,)) if not isinstance(branch.event, ir.ReadyEvent):
             return in_sequence([*_alone(branch), branch.body], action)
         case _:  # Any other action stays as it is.
             return action
 
 
-def _alone(branch: Branch) -> list[Action]:
+def _alone(branch: ir.Branch) -> list[ir.Action]:
     event = branch.event
     match event:
-        case InputEvent():
-            return [ReadValue(span=event.span, source=event.source, target=event.target)]
-        case OutputEvent():
-            return [WriteValue(span=event.span, sink=event.sink, value=event.value)]
-        case AfterEvent():
-            return [WaitStep(span=event.span, duration=event.duration)]
-        case SkipEvent():
+        case ir.InputEvent():
+            return [ir.ReadValue(span=event.span, source=event.source, target=event.target)]
+        case ir.OutputEvent():
+            return [ir.WriteValue(span=event.span, sink=event.sink, value=event.value)]
+        case ir.AfterEvent():
+            return [ir.WaitStep(span=event.span, duration=event.duration)]
+        case ir.SkipEvent():
             return []
-        case ReadyEvent():
+        case ir.ReadyEvent():
             raise AssertionError("a ready guard needs an alternative")
 
 
-def named_choices(body: Action) -> Action:
+def named_choices(body: ir.Action) -> ir.Action:
     """The composition with its alternatives named in text order: ``choice``, ``choice_2``."""
     number = 0
 
-    def named(action: Action) -> Action:
+    def named(action: ir.Action) -> ir.Action:
         nonlocal number
-        if isinstance(action, Choice):
+        if isinstance(action, ir.Choice):
             number += 1
             action = replaced(action, name="choice" if number == 1 else f"choice_{number}")
         return with_inner_actions(action, named)
@@ -202,7 +188,7 @@ def _attached(attachment: Attachment, behind: Mapping[Place, Medium]) -> Medium:
             return _CONSTANT
         case DiscardEnd():
             return _DISCARD
-        case PortEnd() | ChannelEnd():
+        case ir.PortEnd() | ir.ChannelEnd():
             return behind[place_of(attachment)]
         case _:
             assert_never(attachment)

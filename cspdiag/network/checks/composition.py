@@ -14,22 +14,7 @@ from cspdiag.network.flow.effects import writes
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided_by_instance, overtaken
 from cspdiag.network.infer.waiting import MayWait, is_always_ready, is_one_instant, is_open, is_over_at_once
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Branch,
-    Choice,
-    CoreAction,
-    Event,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ReadyEvent,
-    Repeat,
-    RunInstance,
-    Target,
-    WaitStep,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, PresentTime
 from cspdiag.network.ir.walk import all_actions
@@ -49,7 +34,7 @@ def check_runs(shape: Shape, uses: UsesByKey, report: Report) -> None:
         if definition.composition is None and not shape.incomplete:
             report.add(NoComposition(span=definition.name.span, process=shape.name))
         return
-    run = {action.instance for action in all_actions(shape.body) if isinstance(action, RunInstance)}
+    run = {action.instance for action in all_actions(shape.body) if isinstance(action, ir.RunInstance)}
     for instance in shape.instances.values():
         use = uses.get(run_key(instance.name))
         if instance.name not in run and not shape.incomplete:
@@ -84,14 +69,14 @@ def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: 
         return
     flow = shape.flow
     for loop, inside in flow.decisions:
-        if isinstance(loop, Repeat | WhileLoop):
+        if isinstance(loop, ir.Repeat | ir.WhileLoop):
             _check_loop(placed, waiting, loop, flow.instructions[inside.start : inside.stop], report, agreement)
     for instruction in flow.instructions:
         match instruction:
             case Select(step=choice):
                 _check_branches(placed, choice, report, agreement)
                 _check_time_outs(placed, choice, agreement)
-            case Watch(step=InterruptOn(branch=branch)):
+            case Watch(step=ir.InterruptOn(branch=branch)):
                 _never_holds(branch, agreement)
             case _:  # Nothing else has guards.
                 pass
@@ -100,7 +85,7 @@ def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: 
 def _check_loop(
     placed: Placed,
     waiting: MayWait,
-    loop: Repeat[CoreAction] | WhileLoop[CoreAction],
+    loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction],
     inside: Sequence[Instruction],
     report: Report,
     agreement: Agreement,
@@ -109,7 +94,7 @@ def _check_loop(
 
     Where that follows from the values of parameters, it is refused only if all instances are given such values.
     """
-    condition = loop.until if isinstance(loop, Repeat) else loop.condition
+    condition = loop.until if isinstance(loop, ir.Repeat) else loop.condition
     once = [one for one in _delays(inside) if is_one_instant(one[1])]
     passes_once = bool(once) and condition is not None and _looks_at_time(condition)
     if waiting.action(placed, loop.body) or passes_once or _may_end(placed, loop, condition, inside):
@@ -120,7 +105,7 @@ def _check_loop(
         span=loop.span,
         conditional=condition is not None,
         may_end_first=(
-            isinstance(loop, Repeat) and condition is not None and decided_by_instance(placed, condition) != {False}
+            isinstance(loop, ir.Repeat) and condition is not None and decided_by_instance(placed, condition) != {False}
         ),
         delay=delays[0][0] if delays else None,
         is_instant=bool(once),
@@ -134,7 +119,7 @@ def _check_loop(
 
 def _may_end(
     placed: Placed,
-    loop: Repeat[CoreAction] | WhileLoop[CoreAction],
+    loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction],
     condition: Expression | None,
     inside: Sequence[Instruction],
 ) -> bool:
@@ -143,7 +128,7 @@ def _may_end(
     """
     if condition is None:
         return False
-    ends = isinstance(loop, Repeat)
+    ends = isinstance(loop, ir.Repeat)
     holds = decided_by_instance(placed, condition)
     if not holds or ends in holds or any(isinstance(part.type, UnknownType) for part in walk(condition)):
         return True
@@ -165,7 +150,7 @@ def _delays(inside: Sequence[Instruction]) -> Iterator[tuple[Span, Expression]]:
     """The delays and the time-outs among instructions, with their places."""
     for instruction in inside:
         match instruction:
-            case Delay(step=WaitStep() as timed) | Take(branch=Branch(event=AfterEvent() as timed)):
+            case Delay(step=ir.WaitStep() as timed) | Take(branch=ir.Branch(event=ir.AfterEvent() as timed)):
                 yield timed.span, timed.duration
             case _:  # Nothing else waits for time to pass.
                 pass
@@ -177,14 +162,14 @@ def _written_in(shape: Shape, inside: Sequence[Instruction]) -> set[Key]:
         if isinstance(instruction, Call):
             attached = shape.instances[instruction.step.instance].attachments.values()
             written.update(key for key in map(attached_key, attached) if key is not None)
-        written.update(place.channel for place in writes(instruction) if isinstance(place, Target))
+        written.update(place.channel for place in writes(instruction) if isinstance(place, ir.Target))
     return written
 
 
-def _check_branches(placed: Placed, choice: Choice[CoreAction], report: Report, agreement: Agreement) -> None:
+def _check_branches(placed: Placed, choice: ir.Choice[ir.CoreAction], report: Report, agreement: Agreement) -> None:
     """A prioritized alternative never goes past a guard that is always ready."""
-    always: Branch[CoreAction] | None = None
-    seen: dict[tuple[str, Key], Branch] = {}
+    always: ir.Branch[ir.CoreAction] | None = None
+    seen: dict[tuple[str, Key], ir.Branch] = {}
     for branch in choice.branches:
         if _never_holds(branch, agreement):
             continue
@@ -203,7 +188,7 @@ def _check_branches(placed: Placed, choice: Choice[CoreAction], report: Report, 
             always = branch
 
 
-def _check_time_outs(placed: Placed, choice: Choice[CoreAction], agreement: Agreement) -> None:
+def _check_time_outs(placed: Placed, choice: ir.Choice[ir.CoreAction], agreement: Agreement) -> None:
     """A time-out next to samples, a shorter one or a branch that is always ready must come before them to be chosen at
     all.
     """
@@ -226,7 +211,7 @@ def _check_time_outs(placed: Placed, choice: Choice[CoreAction], agreement: Agre
             )
 
 
-def _never_holds(branch: Branch[CoreAction], agreement: Agreement) -> bool:
+def _never_holds(branch: ir.Branch[ir.CoreAction], agreement: Agreement) -> bool:
     condition = branch.condition
     if condition is None or condition.span is None:
         return False
@@ -237,7 +222,7 @@ def _never_holds(branch: Branch[CoreAction], agreement: Agreement) -> bool:
     return False
 
 
-def _end_of(event: Event) -> tuple[str, Key] | None:
-    if isinstance(event, ReadyEvent | InputEvent):
+def _end_of(event: ir.Event) -> tuple[str, Key] | None:
+    if isinstance(event, ir.ReadyEvent | ir.InputEvent):
         return "?", end_key(event.source)
-    return ("!", end_key(event.sink)) if isinstance(event, OutputEvent) else None
+    return ("!", end_key(event.sink)) if isinstance(event, ir.OutputEvent) else None

@@ -18,34 +18,7 @@ from cspdiag.network.diagnostics.composition.alternatives import GuardNotRead
 from cspdiag.network.flow.code import Take
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.walk import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key, element_name
@@ -87,8 +60,8 @@ def check_guards(placed: Placed, report: Report) -> None:
             _check(placed, instruction.branch, report)
 
 
-def _check(placed: Placed, branch: Branch[CoreAction], report: Report) -> None:
-    if not isinstance(branch.event, ReadyEvent):
+def _check(placed: Placed, branch: ir.Branch[ir.CoreAction], report: Report) -> None:
+    if not isinstance(branch.event, ir.ReadyEvent):
         return
     key = end_key(branch.event.source)
     if is_open(placed, key):
@@ -114,59 +87,59 @@ class _Beginnings:
         self.key = key
         self.depth = depth
 
-    def of(self, action: CoreAction) -> Beginning:
+    def of(self, action: ir.CoreAction) -> Beginning:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 instance = self.placed.shape.instances[action.instance]
                 return (
                     self._law(instance, action.span) if instance.shape.is_submodel else self._process(instance, action)
                 )
-            case ReadValue():
+            case ir.ReadValue():
                 return self._read(end_key(action.source), action.span)
-            case WriteValue():
+            case ir.WriteValue():
                 key = end_key(action.sink)
                 waits = write_may_wait(self.placed, key) and not is_open(self.placed, key)
                 return Other(action.span, f"the branch writes `{key}` first") if waits else _SILENT
-            case AssignValue() | SkipStep() | ResetInstance():
+            case ir.AssignValue() | ir.SkipStep() | ir.ResetInstance():
                 return _SILENT
-            case WaitStep() if is_over_at_once(self.placed, action.duration):
+            case ir.WaitStep() if is_over_at_once(self.placed, action.duration):
                 return _SILENT
-            case WaitStep() | StopStep() | RaiseException():
+            case ir.WaitStep() | ir.StopStep() | ir.RaiseException():
                 return Other(action.span, "the branch does not begin by reading it")
-            case SequentialSteps():
+            case ir.SequentialSteps():
                 return self._first(action.steps)
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 return _of_parallel(map(self.of, action.steps))
-            case Choice():
+            case ir.Choice():
                 return _of_alternatives(map(self._branch, action.branches), action.span)
-            case Repeat() | CountedLoop() | Group():
+            case ir.Repeat() | ir.CountedLoop() | ir.Group():
                 return self.of(action.body)
-            case WhileLoop():
+            case ir.WhileLoop():
                 found = self.of(action.body)
                 return (
                     Other(action.span, "the branch may end without reading it") if isinstance(found, Reads) else found
                 )
-            case IfElse():
+            case ir.IfElse():
                 return _of_alternatives(map(self.of, (action.then, action.otherwise)), action.span)
-            case CatchException() | InterruptOn():
+            case ir.CatchException() | ir.InterruptOn():
                 return self.of(action.body)
             case _:
                 assert_never(action)
 
-    def _first(self, steps: tuple[CoreAction, ...]) -> Beginning:
+    def _first(self, steps: tuple[ir.CoreAction, ...]) -> Beginning:
         for step in steps:
             found = self.of(step)
             if not isinstance(found, Silent):
                 return found
         return _SILENT
 
-    def _branch(self, branch: Branch[CoreAction]) -> Beginning:
+    def _branch(self, branch: ir.Branch[ir.CoreAction]) -> Beginning:
         match branch.event:
-            case ReadyEvent() | InputEvent() as event if end_key(event.source) == self.key:
+            case ir.ReadyEvent() | ir.InputEvent() as event if end_key(event.source) == self.key:
                 return _READS
-            case SkipEvent():
+            case ir.SkipEvent():
                 return self.of(branch.body)
-            case ReadyEvent() | InputEvent() | OutputEvent() | AfterEvent():
+            case ir.ReadyEvent() | ir.InputEvent() | ir.OutputEvent() | ir.AfterEvent():
                 return Other(branch.span, "the branch may choose something else first")
             case _:
                 assert_never(branch.event)
@@ -212,9 +185,9 @@ class _Beginnings:
             if key in keys and not (instance.shape.is_submodel and self.key in keys):
                 return False
         assert shape.body is not None
-        return not any(isinstance(a, ReadValue) and end_key(a.source) == key for a in all_actions(shape.body))
+        return not any(isinstance(a, ir.ReadValue) and end_key(a.source) == key for a in all_actions(shape.body))
 
-    def _process(self, instance: InstanceShape, action: RunInstance) -> Beginning:
+    def _process(self, instance: InstanceShape, action: ir.RunInstance) -> Beginning:
         body = instance.shape.body
         if body is None or instance.shape.incomplete or self.depth >= _DEEPEST:
             return _READS

@@ -16,18 +16,7 @@ from cspdiag.network.diagnostics.samples.rates import FasterLawWaits
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.own_uses import own_uses
 from cspdiag.network.infer.waiting import sample_period
-from cspdiag.network.ir.actions import (
-    CatchException,
-    CoreAction,
-    CountedLoop,
-    Group,
-    InterruptOn,
-    ParallelSteps,
-    Repeat,
-    RunInstance,
-    SequentialSteps,
-    WhileLoop,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import Direction
 from cspdiag.network.ir.walk import instances_run
 from cspdiag.network.shapes import InstanceShape, Key, attached_key, element_name
@@ -165,20 +154,20 @@ def _inputs(instance: InstanceShape) -> Iterator[tuple[Key, Span]]:
             yield key, attached.span
 
 
-def _repeated(body: CoreAction) -> Iterator[str]:
+def _repeated(body: ir.CoreAction) -> Iterator[str]:
     """The instances that every iteration of a loop runs, whatever is chosen elsewhere."""
     pending = [(body, False)]
     while pending:
         action, is_repeated = pending.pop()
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 if is_repeated:
                     yield action.instance
-            case Repeat() | WhileLoop():
+            case ir.Repeat() | ir.WhileLoop():
                 pending.append((action.body, True))
-            case SequentialSteps() | ParallelSteps():
+            case ir.SequentialSteps() | ir.ParallelSteps():
                 pending.extend((step, is_repeated) for step in action.steps)
-            case CountedLoop() | Group() | CatchException() | InterruptOn():
+            case ir.CountedLoop() | ir.Group() | ir.CatchException() | ir.InterruptOn():
                 pending.append((action.body, is_repeated))
             case _:
                 # What is chosen, or follows an exception, does not run in every iteration.

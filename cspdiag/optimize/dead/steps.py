@@ -16,24 +16,7 @@ from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Compute, Instruction
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
-from cspdiag.network.ir.actions import (
-    Action,
-    CatchException,
-    ChannelEnd,
-    Choice,
-    InputEvent,
-    InputRead,
-    PortEnd,
-    ProcessScope,
-    ReadInputs,
-    ReadValue,
-    ReadyEvent,
-    ResetInstance,
-    RunInstance,
-    RunLaw,
-    SequentialSteps,
-    Target,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import ParameterValue, VariableValue
@@ -87,9 +70,9 @@ def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
     def change(item: Any) -> Any:
         nonlocal is_whole
         match item:
-            case SequentialSteps() if not is_whole:
+            case ir.SequentialSteps() if not is_whole:
                 return _until_the_last(item, waited_for)
-            case CatchException() if not raising.may(item.body, item.exception):
+            case ir.CatchException() if not raising.may(item.body, item.exception):
                 is_whole = False
                 return item if ends_of(item.handler, waited_for) else item.body
             case _:  # Any other part stays as it is.
@@ -98,11 +81,11 @@ def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
     return replaced(entry, body=rewritten(entry.body, change))
 
 
-def _until_the_last(sequence: SequentialSteps, waited_for: frozenset[str]) -> Action:
+def _until_the_last(sequence: ir.SequentialSteps, waited_for: frozenset[str]) -> ir.Action:
     for number, step in enumerate(sequence.steps[:-1], start=1):
         if not may_end(step):
             rest = sequence.steps[number:]
-            if any(isinstance(part, RunInstance) for part in parts(rest)) or ends_of(rest, waited_for):
+            if any(isinstance(part, ir.RunInstance) for part in parts(rest)) or ends_of(rest, waited_for):
                 break
             return in_sequence(sequence.steps[:number], sequence)
     return sequence
@@ -116,11 +99,11 @@ class _Raising:
         self._raised = raised
         self._sampled = {p.name for p in entry.ports if not p.media or any(m.kind == "sampled" for m in p.media)}
 
-    def by(self, body: Action) -> Exceptions:
+    def by(self, body: ir.Action) -> Exceptions:
         """The declared exceptions that may leave a composition, from what it runs as well."""
         return exceptions_of(flow_of(body), lambda instance: self._raised[self._classes[instance]], _from_outside)[0]
 
-    def may(self, body: Action, exception: str) -> bool:
+    def may(self, body: ir.Action, exception: str) -> bool:
         """Whether it may raise an exception; any step may fault."""
         if exception == "Fault" or (exception == "Timeout" and any(map(self._samples, parts(body)))):
             return True
@@ -130,10 +113,15 @@ class _Raising:
     def _samples(self, part: Any) -> bool:
         """Whether it may read a sampled input."""
         match part:
-            case RunInstance():
+            case ir.RunInstance():
                 return True
-            case ReadValue(source=end) | ReadyEvent(source=end) | InputEvent(source=end) | InputRead(source=end):
-                return isinstance(end, PortEnd) and end.port in self._sampled
+            case (
+                ir.ReadValue(source=end)
+                | ir.ReadyEvent(source=end)
+                | ir.InputEvent(source=end)
+                | ir.InputRead(source=end)
+            ):
+                return isinstance(end, ir.PortEnd) and end.port in self._sampled
             case _:  # Any other part of the composition.
                 return False
 
@@ -141,12 +129,12 @@ class _Raising:
 def _from_outside(instruction: Instruction) -> Exceptions:
     """A law in another language may raise anything."""
     law = instruction.step if isinstance(instruction, Compute) else None
-    is_external = isinstance(law, RunLaw) and any(isinstance(equation, ExternalCall) for equation in law.equations)
+    is_external = isinstance(law, ir.RunLaw) and any(isinstance(equation, ExternalCall) for equation in law.equations)
     return None if is_external else NO_EXCEPTIONS
 
 
 def _without_unused_instances(entry: ProcessClass, classes: Mapping[str, Class]) -> ProcessClass:
-    run = {part.instance for part in parts(entry.body) if isinstance(part, RunInstance | ResetInstance)}
+    run = {part.instance for part in parts(entry.body) if isinstance(part, ir.RunInstance | ir.ResetInstance)}
     kept = [item for item in entry.instances if item.name in run or _is_waited_for(classes[item.class_name])]
     return entry if len(kept) == len(entry.instances) else replaced(entry, instances=tuple(kept))
 
@@ -198,9 +186,9 @@ def _mentioned(entry: ProcessClass) -> _Mentioned:
     found = _Mentioned()
     for part in parts((entry.body, entry.constants, entry.states, entry.channels, entry.instances)):
         match part:
-            case PortEnd():
+            case ir.PortEnd():
                 found.ports.add(part.port)
-            case ChannelEnd() | Target() | VariableValue():
+            case ir.ChannelEnd() | ir.Target() | VariableValue():
                 found.channels.add(part.channel)
             case ParameterValue():
                 found.parameters.add(part.name)
@@ -220,13 +208,13 @@ def _creation(entry: ProcessClass) -> tuple[Any, ...]:
     choices: set[str] = set()
     for part in parts(entry.body):
         match part:
-            case ReadValue() | ReadyEvent() | InputEvent():
+            case ir.ReadValue() | ir.ReadyEvent() | ir.InputEvent():
                 ends.add(part.source)
-            case ReadInputs():
+            case ir.ReadInputs():
                 ends.update(read.source for read in part.reads)
-            case ProcessScope():
+            case ir.ProcessScope():
                 ends.update(part.ends)
-            case Choice():
+            case ir.Choice():
                 choices.add(part.name)
             case _:  # Any other part makes none.
                 pass

@@ -16,34 +16,7 @@ from cspdiag.analyses.timing.threads.places import Context, variables_in
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    Choice,
-    CoreAction,
-    CountedLoop,
-    Group,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipEvent,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import CoreClass, CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
@@ -103,49 +76,49 @@ class Threads(Communicating):
         context.thread.places[began].successors = [self._action(entry.body, inner, following)]
         return began
 
-    def _action(self, action: CoreAction, context: Context, following: int) -> int:
+    def _action(self, action: ir.CoreAction, context: Context, following: int) -> int:
         match action:
-            case RunInstance():
+            case ir.RunInstance():
                 return self._run(action, context, following)
-            case ReadValue():
+            case ir.ReadValue():
                 moved = self.copied(context, action, following)
                 return self.waiting(
                     context, action, self.ends.reading(context.path, action.source, moved, action), moved
                 )
-            case WriteValue():
+            case ir.WriteValue():
                 return self.written(context, action, following)
-            case WaitStep():
+            case ir.WaitStep():
                 return self.waiting(
                     context, action, self.ends.delay(context.path, action.duration, following, action.span), following
                 )
-            case AssignValue():
+            case ir.AssignValue():
                 target = frozenset([f"{context.path}.{action.target.channel}"])
                 move = Move(variables_in(context.path, action.value), target)
                 return self.place(context, action, successors=[following, *self.faults(context)], move=move)
-            case SkipStep() | ResetInstance():
+            case ir.SkipStep() | ir.ResetInstance():
                 return following
-            case StopStep():
+            case ir.StopStep():
                 stops = self.place(context, action, halts=True)
                 self.interruptible(context.thread.places[stops], context)
                 return stops
-            case RaiseException():
+            case ir.RaiseException():
                 handler = self.handler(context, action.exception)
                 return self.place(context, action, raises=True) if handler is None else handler
-            case SequentialSteps():
+            case ir.SequentialSteps():
                 found = cache(lambda: self.counting.before_each(context.path, action.steps, context.before()))
                 for k, step in reversed(list(enumerate(action.steps))):
                     before = partial(lambda k: found()[k], k)
                     following = self._action(step, replaced(context, before=before), following)
                 return following
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 return self._parallel(action, context, following)
-            case Choice():
+            case ir.Choice():
                 return self._choice(action, context, following)
-            case Repeat() | WhileLoop():
+            case ir.Repeat() | ir.WhileLoop():
                 return self._loop(action, context, following)
-            case CountedLoop():
+            case ir.CountedLoop():
                 return self._turns(action, context, following)
-            case IfElse():
+            case ir.IfElse():
                 known = self.ends.constant(context.path, action.condition)
                 if isinstance(known, bool):
                     return self._action(action.then if known else action.otherwise, context, following)
@@ -153,14 +126,14 @@ class Threads(Communicating):
                 sides = [self._action(side, context, following) for side in (action.then, action.otherwise)]
                 context.thread.places[decides].successors = [*sides, *self.faults(context)]
                 return decides
-            case CatchException():
+            case ir.CatchException():
                 handler = self._action(action.handler, context.changed(action.body), following)
                 inner = replaced(context, handlers=(*context.handlers, (action.exception, handler)))
                 begun = self._action(action.body, inner, following)
                 if action.exception != "Fault" or self._beginnings.waits_first(context.path, action.body):
                     return begun  # What is computed after each of its waits may fail there.
                 return self.place(context, action, successors=[begun, handler])
-            case InterruptOn():
+            case ir.InterruptOn():
                 if not self.may_hold(action.branch, context):
                     return self._action(action.body, context, following)
                 outside = context.changed(action.body)
@@ -171,12 +144,12 @@ class Threads(Communicating):
                 offers = [replaced(offer, is_certain=False) for offer in offers]
                 inner = replaced(context, interrupts=(*context.interrupts, *offers))
                 return self._action(action.body, inner, following)
-            case Group():
+            case ir.Group():
                 return self._action(action.body, context, following)
             case _:
                 assert_never(action)
 
-    def _run(self, action: RunInstance, context: Context, following: int) -> int:
+    def _run(self, action: ir.RunInstance, context: Context, following: int) -> int:
         path = f"{context.path}.{action.instance}"
         entry = self.classes[self.instances[path].class_name]
         if isinstance(entry, ProcessClass):
@@ -186,23 +159,25 @@ class Threads(Communicating):
         declared = next(instance for instance in owner.instances if instance.name == action.instance)
         return self.law(path, entry, declared.connections, context, following, action)
 
-    def _begun_by(self, action: RunInstance, context: Context) -> Context:
+    def _begun_by(self, action: ir.RunInstance, context: Context) -> Context:
         """Where a process begins: with its initial values only if nothing else of its owner runs it, too."""
         owner = self.instances[context.path].class_name
         if owner not in self._runs:
             self._runs[owner] = Counter(
-                part.instance for part in parts(self.classes[owner]) if isinstance(part, RunInstance)
+                part.instance for part in parts(self.classes[owner]) if isinstance(part, ir.RunInstance)
             )
         return context if self._runs[owner][action.instance] == 1 else replaced(context, is_first=False)
 
-    def _loop(self, action: Repeat[CoreAction] | WhileLoop[CoreAction], context: Context, following: int) -> int:
+    def _loop(
+        self, action: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction], context: Context, following: int
+    ) -> int:
         again = self.place(context, action)
         circles = replaced(context.changed(action.body), is_first=False)
         body = self._action(action.body, circles, again)
         ends = cache(partial(self.counting.ends, Loop(context.path, action, context.before)))
         context.thread.circles.append(Circle(again, len(context.thread.places), ends))
         after = [body, *self.faults(context)]
-        if isinstance(action, WhileLoop):
+        if isinstance(action, ir.WhileLoop):
             goes_on = self.ends.constant(context.path, action.condition)
         else:
             goes_on = True if action.until is None else _negated(self.ends.constant(context.path, action.until))
@@ -211,9 +186,9 @@ class Threads(Communicating):
         elif goes_on is not True:
             after.append(following)
         context.thread.places[again].successors = after
-        return again if isinstance(action, WhileLoop) else body
+        return again if isinstance(action, ir.WhileLoop) else body
 
-    def _turns(self, action: CountedLoop[CoreAction], context: Context, following: int) -> int:
+    def _turns(self, action: ir.CountedLoop[ir.CoreAction], context: Context, following: int) -> int:
         """Turn by turn, so that it is known what all of them take; very many as a loop that ends some day."""
         if action.turns > MOST_ROUNDS:
             again = self.place(context, action)
@@ -222,10 +197,10 @@ class Threads(Communicating):
             context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True, action.turns))
             context.thread.places[again].successors = [body, following]
             return body
-        turns = SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        turns = ir.SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
         return self._action(turns, replaced(context, is_first=False), following)
 
-    def _choice(self, action: Choice[CoreAction], context: Context, following: int) -> int:
+    def _choice(self, action: ir.Choice[ir.CoreAction], context: Context, following: int) -> int:
         branches = [branch for branch in action.branches if self.may_hold(branch, context)]
         offers = [offer for branch in branches for offer in self._guard(branch, context, following)]
         always = [branch for branch in branches if not self._guard_waits(branch, context)]
@@ -241,46 +216,46 @@ class Threads(Communicating):
             return waits
         return self.place(context, action, successors=[*ready, waits])
 
-    def _guarded(self, branch: Branch[CoreAction], context: Context, following: int) -> int:
+    def _guarded(self, branch: ir.Branch[ir.CoreAction], context: Context, following: int) -> int:
         """What comes after a guard, with what the guard itself hands on."""
         body = self._action(branch.body, context.changed(branch.event), following)
         match branch.event:
-            case InputEvent():
+            case ir.InputEvent():
                 return self.copied(context, branch.event, body)
-            case OutputEvent():
+            case ir.OutputEvent():
                 return self.handed_over(context, branch.event, body)
-            case ReadyEvent() | AfterEvent() | SkipEvent():
+            case ir.ReadyEvent() | ir.AfterEvent() | ir.SkipEvent():
                 return body
             case _:
                 assert_never(branch.event)
 
-    def _guard_waits(self, branch: Branch[CoreAction], context: Context) -> bool:
+    def _guard_waits(self, branch: ir.Branch[ir.CoreAction], context: Context) -> bool:
         return bool(self._offers(branch, context, 0))
 
-    def _guard(self, branch: Branch[CoreAction], context: Context, following: int) -> list[Offer]:
+    def _guard(self, branch: ir.Branch[ir.CoreAction], context: Context, following: int) -> list[Offer]:
         if not self._offers(branch, context, 0):
             return []
         offers = self._offers(branch, context, self._guarded(branch, context, following))
         certain = self.must_hold(branch, context)
         return [replaced(offer, is_certain=certain) for offer in offers]
 
-    def _offers(self, branch: Branch[CoreAction], context: Context, target: int) -> list[Offer]:
+    def _offers(self, branch: ir.Branch[ir.CoreAction], context: Context, target: int) -> list[Offer]:
         event = branch.event
         match event:
-            case ReadyEvent():
+            case ir.ReadyEvent():
                 return self.ends.reading(context.path, event.source, target, event, takes=False)
-            case InputEvent():
+            case ir.InputEvent():
                 return self.ends.reading(context.path, event.source, target, event)
-            case OutputEvent():
+            case ir.OutputEvent():
                 return self.ends.writing(context.path, event.sink, target, event)
-            case AfterEvent():
+            case ir.AfterEvent():
                 return self.ends.delay(context.path, event.duration, target, event.span)
-            case SkipEvent():
+            case ir.SkipEvent():
                 return []
             case _:
                 assert_never(event)
 
-    def _parallel(self, action: ParallelSteps[CoreAction], context: Context, following: int) -> int:
+    def _parallel(self, action: ir.ParallelSteps[ir.CoreAction], context: Context, following: int) -> int:
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
         if not any(self._looping.has_loop(step, context.path) for step in action.steps):
             known = len(context.thread.places)
@@ -311,7 +286,7 @@ class Threads(Communicating):
         context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
         return joins
 
-    def _abandoned_by_others(self, action: ParallelSteps[CoreAction], context: Context) -> Context:
+    def _abandoned_by_others(self, action: ir.ParallelSteps[ir.CoreAction], context: Context) -> Context:
         """Within parallel parts, which come one after another here: an exception of one abandons what another waits
         for, at once.
         """
@@ -320,7 +295,7 @@ class Threads(Communicating):
         abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]
         return replaced(context, interrupts=(*context.interrupts, *abandons))
 
-    def _raised_in(self, action: CoreAction, path: str) -> frozenset[str]:
+    def _raised_in(self, action: ir.CoreAction, path: str) -> frozenset[str]:
         """The declared exceptions that may leave an action."""
 
         def of_instance(name: str) -> Exceptions:
@@ -332,14 +307,14 @@ class Threads(Communicating):
         assert raised is not None
         return raised
 
-    def _named(self, step: CoreAction, path: str) -> str:
+    def _named(self, step: ir.CoreAction, path: str) -> str:
         match step:
-            case RunInstance():
+            case ir.RunInstance():
                 return f"{path}.{step.instance}"
-            case Group():
+            case ir.Group():
                 return f"{path}.{step.label}"
             case _:  # Anything else is called after the first instance in it.
-                runs = [part for part in parts(step) if isinstance(part, RunInstance)]
+                runs = [part for part in parts(step) if isinstance(part, ir.RunInstance)]
                 return f"{path}.{runs[0].instance}" if runs else path
 
 

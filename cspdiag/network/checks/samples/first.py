@@ -16,18 +16,7 @@ from cspdiag.model.sampling import Sampling
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.possible import decided
 from cspdiag.network.infer.waiting import known_duration, samples_of
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    CoreAction,
-    CountedLoop,
-    Group,
-    InterruptOn,
-    ReadValue,
-    Repeat,
-    SequentialSteps,
-    SkipStep,
-    WaitStep,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key
 
@@ -72,7 +61,7 @@ class _MissedError(Exception):
         self.late = late
 
 
-def first_late(placed: Placed, body: CoreAction) -> Late | None:
+def first_late(placed: Placed, body: ir.CoreAction) -> Late | None:
     """The first sample that every run of an outermost process misses, as far as that is known without data."""
     try:
         _Beginning(placed).do(body)
@@ -96,28 +85,28 @@ class _Beginning:
         """Of each input the tick of the sample that was taken last, when, where, and how many steps there were."""
         self.steps: list[_Step] = []
 
-    def do(self, action: CoreAction) -> None:
+    def do(self, action: ir.CoreAction) -> None:
         self.left -= 1
         if not self.left:
             raise _LeftOpenError
         match action:
-            case ReadValue():
+            case ir.ReadValue():
                 self._read(end_key(action.source), action.span)
-            case WaitStep():
+            case ir.WaitStep():
                 waits = known_duration(self.placed, action.duration)
                 if not waits:
                     raise _LeftOpenError
                 self._pass(waits, action.span, None)
-            case SkipStep():
+            case ir.SkipStep():
                 pass
-            case SequentialSteps():
+            case ir.SequentialSteps():
                 self._all(action.steps)
-            case Group():
+            case ir.Group():
                 self.do(action.body)
-            case CountedLoop():
+            case ir.CountedLoop():
                 for _ in range(action.turns):
                     self.do(action.body)
-            case Repeat():
+            case ir.Repeat():
                 while True:
                     self.do(action.body)
                     if action.until is None:
@@ -127,18 +116,18 @@ class _Beginning:
                         raise _LeftOpenError
                     if ends:
                         return
-            case InterruptOn():
+            case ir.InterruptOn():
                 self._interrupt(action)
             case _:
                 raise _LeftOpenError
 
-    def _all(self, steps: Sequence[CoreAction]) -> None:
+    def _all(self, steps: Sequence[ir.CoreAction]) -> None:
         for step in steps:
             self.do(step)
 
-    def _interrupt(self, action: InterruptOn[CoreAction]) -> None:
+    def _interrupt(self, action: ir.InterruptOn[ir.CoreAction]) -> None:
         event = action.branch.event
-        waits = known_duration(self.placed, event.duration) if isinstance(event, AfterEvent) else 0
+        waits = known_duration(self.placed, event.duration) if isinstance(event, ir.AfterEvent) else 0
         if not waits or not decided(self.placed, action.branch.condition) or self.ends:
             raise _LeftOpenError
         self.ends = (self.now + waits,)

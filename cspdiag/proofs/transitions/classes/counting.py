@@ -13,18 +13,7 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType, Type
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    ChannelEnd,
-    End,
-    InputEvent,
-    OutputEvent,
-    PortEnd,
-    ReadValue,
-    WaitStep,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import (
     BinaryOperation,
@@ -213,11 +202,11 @@ def _origins_in(entry: CoreClass) -> Iterator[tuple[_Place, _Origin | None]]:
             yield (entry.name, channel.name), _Value(channel.initial, entry.name)
     for part in parts(entry.body):
         match part:
-            case AssignValue(target=target, value=value):
+            case ir.AssignValue(target=target, value=value):
                 yield (entry.name, target.channel), _Value(value, entry.name)
-            case ReadValue(source=source, target=target) | InputEvent(source=source, target=target):
+            case ir.ReadValue(source=source, target=target) | ir.InputEvent(source=source, target=target):
                 yield (entry.name, target.channel), _origin_of(source, entry.name)
-            case WriteValue(sink=sink, value=value) | OutputEvent(sink=sink, value=value):
+            case ir.WriteValue(sink=sink, value=value) | ir.OutputEvent(sink=sink, value=value):
                 yield _place_of(sink, entry.name), _Value(value, entry.name)
             case _:  # Nothing else gives a variable a value.
                 pass
@@ -230,13 +219,13 @@ def _connected(entry: CoreClass, inputs: set[tuple[str, str]]) -> Iterator[tuple
             inner: _Place = (instance.class_name, connection.port)
             if (instance.class_name, connection.port) in inputs:
                 yield inner, _origin_of(connection.attachment, entry.name)
-            elif isinstance(connection.attachment, PortEnd | ChannelEnd):
+            elif isinstance(connection.attachment, ir.PortEnd | ir.ChannelEnd):
                 yield _place_of(connection.attachment, entry.name), inner
 
 
 def _origin_of(end: Attachment, class_name: str) -> _Origin | None:
     match end:
-        case PortEnd() | ChannelEnd():
+        case ir.PortEnd() | ir.ChannelEnd():
             return _place_of(end, class_name)
         case ConstantEnd(value=value):
             return _Value(value, class_name)
@@ -246,15 +235,15 @@ def _origin_of(end: Attachment, class_name: str) -> _Origin | None:
             assert_never(end)
 
 
-def _place_of(end: End, class_name: str) -> _Place:
-    return (class_name, end.port) if isinstance(end, PortEnd) else (class_name, end.channel)
+def _place_of(end: ir.End, class_name: str) -> _Place:
+    return (class_name, end.port) if isinstance(end, ir.PortEnd) else (class_name, end.channel)
 
 
 def _delays(network: CoreNetwork) -> Iterator[_Value]:
     for entry in network.classes:
         if isinstance(entry, ProcessClass):
             for part in parts(entry.body):
-                if isinstance(part, WaitStep | AfterEvent):
+                if isinstance(part, ir.WaitStep | ir.AfterEvent):
                     yield _Value(part.duration, entry.name)
 
 

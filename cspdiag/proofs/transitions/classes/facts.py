@@ -37,25 +37,7 @@ from cspdiag.network.flow.code import (
     Watch,
 )
 from cspdiag.network.flow.raised import exceptions_of
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    AssignValue,
-    Branch,
-    CatchException,
-    End,
-    IfElse,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    PortEnd,
-    ReadValue,
-    ReadyEvent,
-    Repeat,
-    Target,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.durations import Durations
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
@@ -96,7 +78,7 @@ class Facts:
         self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
         self.catches_faults = any(
-            isinstance(part, CatchException) and part.exception == FAULT
+            isinstance(part, ir.CatchException) and part.exception == FAULT
             for one in program.classes.values()
             if isinstance(one.definition, ProcessClass)
             for part in parts(one.definition.body)
@@ -133,11 +115,18 @@ class Facts:
 
     def _of_step(self, instruction: Instruction, one: Class) -> frozenset[str]:
         match instruction:
-            case Take(branch=Branch(event=ReadyEvent(source=end) | InputEvent(source=end))):
+            case Take(branch=ir.Branch(event=ir.ReadyEvent(source=end) | ir.InputEvent(source=end))):
                 return self._of_read(end, one)
-            case Communicate(step=ReadValue(source=end)):
+            case Communicate(step=ir.ReadValue(source=end)):
                 return self._of_read(end, one) | self._fault
-            case Compute(step=AssignValue()) | Communicate() | Delay() | Test() | Select() | Watch(step=InterruptOn()):
+            case (
+                Compute(step=ir.AssignValue())
+                | Communicate()
+                | Delay()
+                | Test()
+                | Select()
+                | Watch(step=ir.InterruptOn())
+            ):
                 return self._fault
             case (
                 Compute() | Call() | Take() | Loop() | Turn() | Fork() | Join() | Meet() | Watch() | Unwatch()
@@ -160,8 +149,8 @@ class Facts:
             return self._fault | (frozenset({TIMEOUT}) if sampled else frozenset())
         return frozenset() if inner.body is None else self.escaping(inner.body, inner)
 
-    def _of_read(self, end: End, one: Class) -> frozenset[str]:
-        sampled = isinstance(end, PortEnd) and (one.name, end.port) in self.sampled
+    def _of_read(self, end: ir.End, one: Class) -> frozenset[str]:
+        sampled = isinstance(end, ir.PortEnd) and (one.name, end.port) in self.sampled
         return frozenset({TIMEOUT}) if sampled else frozenset()
 
 
@@ -173,7 +162,7 @@ def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):
             for part in parts(one.definition.body):
-                if isinstance(part, WaitStep | AfterEvent):
+                if isinstance(part, ir.WaitStep | ir.AfterEvent):
                     seeds |= items_in(part.duration, one)
     return _relevant(program, set(), seeds)
 
@@ -188,7 +177,7 @@ def _deciding_faults(program: Program) -> set[Item]:
             for part in parts(made.body):
                 if isinstance(part, Expression) and faults.of_part(part, one.name):
                     seeds |= items_in(part, one)
-                elif isinstance(part, Target):
+                elif isinstance(part, ir.Target):
                     seeds |= all_items_in(part.indexes, one)
         elif any(isinstance(part, Expression) and faults.of_part(part, one.name) for part in parts(made)):
             seeds |= {("channel", one.name, state.name) for state in made.states}
@@ -203,7 +192,7 @@ def _parameters_of_delays(program: Program, durations: Durations) -> set[Item]:
         for one in program.classes.values()
         if isinstance(one.definition, ProcessClass)
         for part in parts(one.definition.body)
-        if isinstance(part, WaitStep | AfterEvent)
+        if isinstance(part, ir.WaitStep | ir.AfterEvent)
         and not durations.surely_takes_time(one.name, part.duration)
         and not durations.is_over_at_once(one.name, part.duration)
         for item in items_in(part.duration, one)
@@ -221,7 +210,7 @@ def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:
         for instance in one.instances.values():
             for connection in instance.connections:
                 end = connection.attachment
-                if isinstance(end, PortEnd) and (one.name, end.port) in found:
+                if isinstance(end, ir.PortEnd) and (one.name, end.port) in found:
                     found.add((instance.class_name, connection.port))
     return frozenset(found)
 
@@ -257,8 +246,8 @@ def _relevant(program: Program, told_apart: set[str], others: Iterable[Item] = (
 def _conditions(definition: ProcessClass) -> Iterator[Expression]:
     for part in parts(definition.body):
         match part:
-            case Branch() | Repeat() | WhileLoop() | IfElse():
-                condition = part.until if isinstance(part, Repeat) else part.condition
+            case ir.Branch() | ir.Repeat() | ir.WhileLoop() | ir.IfElse():
+                condition = part.until if isinstance(part, ir.Repeat) else part.condition
                 if condition is not None:
                     yield condition
             case _:  # Any other part has no condition.
@@ -274,12 +263,12 @@ def _flows(one: Class) -> Iterator[tuple[Item, set[Item]]]:
             yield ("channel", one.name, channel.name), items_in(channel.initial, one)
     for part in parts(definition.body):
         match part:
-            case AssignValue():
+            case ir.AssignValue():
                 yield ("channel", one.name, part.target.channel), all_items_in((part.value, *part.target.indexes), one)
-            case ReadValue() | InputEvent():
+            case ir.ReadValue() | ir.InputEvent():
                 sources = all_items_in(part.target.indexes, one) | items_of(part.source, one)
                 yield ("channel", one.name, part.target.channel), sources
-            case WriteValue() | OutputEvent():
+            case ir.WriteValue() | ir.OutputEvent():
                 for sink in items_of(part.sink, one):
                     yield sink, items_in(part.value, one)
             case _:  # Any other part sets and writes nothing.

@@ -6,16 +6,7 @@ from typing import assert_never
 
 from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.dump.expression import expression_text
-from cspdiag.network.ir.actions import (
-    ChannelEnd,
-    Choice,
-    InterruptOn,
-    ParallelSteps,
-    PortEnd,
-    ReadValue,
-    StopStep,
-    WaitStep,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
@@ -90,7 +81,7 @@ class Offers(Abandoning):
             case frames.Join():
                 return join_edges(self.thread, self.follower, c, frame, rest)
             case frames.GuardOnly():
-                assert isinstance(frame.node.action, InterruptOn)
+                assert isinstance(frame.node.action, ir.InterruptOn)
                 branch = frame.node.action.branch
                 return self.guarded(c.at(rest), frame.context, branch, frame.node.children[1], frame.value)
             case frames.Closing():
@@ -154,7 +145,7 @@ class Offers(Abandoning):
         action = node.action
         after = c.at(rest)
         match action:
-            case ReadValue():
+            case ir.ReadValue():
                 found: list[Move] = []
                 for label, value, given in self.reads(c, context, action.source):
                     if isinstance(value, Missed):
@@ -162,20 +153,20 @@ class Offers(Abandoning):
                     else:
                         found.append((label, assigning(given.at(rest), context, action.target, value)))
                 return found
-            case WaitStep():
+            case ir.WaitStep():
                 takes_time = self.follower.takes_time(c, context, action.duration)
                 label = self.follower.delay(delay_text(action), takes_time)
                 return [(label, after._replace(loaded=()))]
-            case StopStep():
+            case ir.StopStep():
                 return []
-            case ParallelSteps():
+            case ir.ParallelSteps():
                 return fork_edges(self.thread, self.follower, c, node, context, rest)
             case _:
                 raise AssertionError(f"{type(action).__name__} is done in silence")
 
     def _choice(self, c: Configuration, frame: frames.Choosing, rest: Stack) -> list[Move]:
         node, context = frame.node, frame.context
-        assert isinstance(node.action, Choice)
+        assert isinstance(node.action, ir.Choice)
         found: list[Move] = []
         held = c.at(rest)
         decided = self._as_far_as_taken(context, node.action, frame.decided)
@@ -185,7 +176,7 @@ class Offers(Abandoning):
                 found += self.guarded(self.watched(held, context, others), context, branch, body, enabled[0])
         return found
 
-    def _as_far_as_taken(self, context: Context, choice: Choice, decided: frames.Decided) -> frames.Decided:
+    def _as_far_as_taken(self, context: Context, choice: ir.Choice, decided: frames.Decided) -> frames.Decided:
         """The guards without those that are never taken, because another one is always ready: time-outs, and with
         priority all that come after it.
         """
@@ -208,7 +199,7 @@ class Offers(Abandoning):
         be told apart.
         """
         node, context, decided = frame.node, frame.context, frame.decided
-        assert isinstance(node.action, Choice)
+        assert isinstance(node.action, ir.Choice)
         may = [number for number, entry in enumerate(decided) if entry is not None and entry[1]]
         found: list[Move] = []
         for chosen in (None, *may):
@@ -237,7 +228,7 @@ class Offers(Abandoning):
         for position in (*chain[:1], *free):
             left = (frames.Reading(context, instance, node, tuple(i for i in remaining if i != position)), rest)
             end = inputs[position][0].attachment
-            assert isinstance(end, PortEnd | ChannelEnd)
+            assert isinstance(end, ir.PortEnd | ir.ChannelEnd)
             for label, value, given in self.reads(c, context, end):
                 if isinstance(value, Missed):
                     found.append((label, self.follower.thrown(given, TIMEOUT)))
@@ -337,6 +328,6 @@ class Offers(Abandoning):
         if ports[name].direction == "out":
             return [(self.written(reference, UNKNOWN), self.delivering(reference, node, back))]
         found: list[Move] = []
-        for label, value, given in self.reads(back, context, PortEnd(name, index)):
+        for label, value, given in self.reads(back, context, ir.PortEnd(name, index)):
             found.append((label, self.follower.thrown(given, TIMEOUT) if isinstance(value, Missed) else given))
         return found

@@ -19,16 +19,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.network.dump.expression import expression_text
-from cspdiag.network.ir.actions import (
-    AfterEvent,
-    Branch,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ReadyEvent,
-    SkipEvent,
-    Target,
-)
+from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
@@ -95,11 +86,11 @@ class Computing:
         """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to
         end by itself.
         """
-        assert isinstance(interrupt.node.action, InterruptOn)
+        assert isinstance(interrupt.node.action, ir.InterruptOn)
         event = interrupt.node.action.branch.event
-        if configuration.doomed or not isinstance(event, InputEvent | OutputEvent | ReadyEvent):
+        if configuration.doomed or not isinstance(event, ir.InputEvent | ir.OutputEvent | ir.ReadyEvent):
             return False
-        reference = interrupt.context.reference(event.sink if isinstance(event, OutputEvent) else event.source)
+        reference = interrupt.context.reference(event.sink if isinstance(event, ir.OutputEvent) else event.source)
         return self.thread.medium(reference).kind in ("sync", "any", "broadcast")
 
     def passing(self, c: Configuration, following: frames.Stack, node: Node) -> Configuration:
@@ -192,7 +183,9 @@ class Computing:
             found[reference] = values
         return list(found.items())
 
-    def assigned(self, configuration: Configuration, context: Context, target: Target, value: Known) -> Configuration:
+    def assigned(
+        self, configuration: Configuration, context: Context, target: ir.Target, value: Known
+    ) -> Configuration:
         """A variable, or an element of it, is given a value."""
         if target.channel == "":
             return configuration
@@ -270,20 +263,20 @@ class Computing:
         """The label of the end of a delay."""
         return Time(words, instant=takes_time is not True)
 
-    def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
+    def offered(self, c: Configuration, context: Context, branch: ir.Branch) -> Known:
         """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative
         begins.
         """
         event = branch.event
         match event:
-            case AfterEvent():
+            case ir.AfterEvent():
                 self.compute_risk(c, context, event.duration)
                 return self.takes_time(c, context, event.duration)
-            case OutputEvent():
+            case ir.OutputEvent():
                 reference = context.reference(event.sink)
                 value = self.communicated(c, context, reference, event.value)
                 return value if len(self.thread.medium(reference).pieces(value)) == 1 else UNKNOWN
-            case ReadyEvent() | InputEvent() | SkipEvent():
+            case ir.ReadyEvent() | ir.InputEvent() | ir.SkipEvent():
                 return UNKNOWN
             case _:
                 assert_never(event)
@@ -313,7 +306,7 @@ def _as_written(expression: Expression) -> str:
     return expression_text(expression)
 
 
-def _check_indexes(target: Target, kind: Type | None) -> None:
+def _check_indexes(target: ir.Target, kind: Type | None) -> None:
     """Raises EvaluationFault where an element is certainly none of an array."""
     for index in target.indexes:
         assert isinstance(kind, ArrayType)
