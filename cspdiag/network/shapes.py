@@ -140,7 +140,8 @@ class RequestedKind:
 class ChannelShape:
     """A channel that a process owns: declared, a variable, or the object of a relationship.
 
-    ``kind`` is inferred later; ``requested`` is the kind of the text.
+    ``kind`` is inferred later; ``requested`` is the kind of the text. A variable whose declaration is a replicator
+    counts the turns of a loop.
     """
 
     __slots__ = (
@@ -156,7 +157,13 @@ class ChannelShape:
         "type",
     )
 
-    def __init__(self, name: str, declaration: ast.Variable | ast.Channel | ast.Connection, type_: Type, span: Span):
+    def __init__(
+        self,
+        name: str,
+        declaration: ast.Variable | ast.Channel | ast.Connection | ast.Replicator,
+        type_: Type,
+        span: Span,
+    ) -> None:
         self.name = name
         self.declaration = declaration
         self.type = type_
@@ -172,9 +179,9 @@ class ChannelShape:
 
     @property
     def is_variable(self) -> bool:
-        """Whether the text made it a variable: ``var``, or a label that ends an arrow."""
+        """Whether the text made it a variable: ``var``, a label that ends an arrow, or the index of a loop."""
         declaration = self.declaration
-        return isinstance(declaration, ast.Variable) or (
+        return isinstance(declaration, ast.Variable | ast.Replicator) or (
             isinstance(declaration, ast.Connection) and not declaration.sinks
         )
 

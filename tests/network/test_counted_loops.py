@@ -1,17 +1,27 @@
-"""A replicated ``seq`` whose turns are all the same is a loop, however many there are; others are unrolled."""
+"""A replicated ``seq`` of many turns is a loop, which counts where they differ by values; others are unrolled."""
 
 from __future__ import annotations
 
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.network.elaborate.compose import MOST_UNROLLED
-from cspdiag.network.ir.actions import Action, CountedLoop, ParallelSteps, SequentialSteps, SkipStep
+from cspdiag.network.elaborate.turns import MOST_ALIKE_UNROLLED, MOST_UNROLLED
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    CountedLoop,
+    IfElse,
+    ParallelSteps,
+    SequentialSteps,
+    SkipStep,
+)
 from cspdiag.network.ir.walk import parts
 from tests.network.programs import network, process
 
-SOME = MOST_UNROLLED + 1
+SOME = MOST_ALIKE_UNROLLED + 1
+MANY = MOST_UNROLLED + 1
 MAIN = """
 process Main {{
   out y : int
@@ -19,6 +29,12 @@ process Main {{
   composition {{ {body} ; y ! n }}
 }}
 """
+
+
+def codes(text: str) -> list[str]:
+    """What the checks say."""
+    checked = pipeline.check(SourceFile(name="main.csp", text=text), read_source)
+    return [diagnostic.code for diagnostic in checked.report.diagnostics]
 
 
 def first_step(body: str) -> Action:
@@ -35,20 +51,116 @@ def test_turns_that_are_all_the_same_are_a_loop() -> None:
 
 
 def test_a_few_turns_are_written_down() -> None:
-    found = first_step(f"(seq i < {MOST_UNROLLED} : y ! 1)")
+    found = first_step(f"(seq i < {MOST_ALIKE_UNROLLED} : y ! 1)")
     assert isinstance(found, SequentialSteps)
-    assert len(found.steps) == MOST_UNROLLED
+    assert len(found.steps) == MOST_ALIKE_UNROLLED
 
 
 def test_no_turn_does_nothing() -> None:
     assert isinstance(first_step("(seq i < 0 : y ! 1)"), SkipStep)
 
 
-@pytest.mark.parametrize("body", ["y ! i", "(y ! 1 ; n := i)", "(if i > 2 then y ! 1)", "(seq k < i + 1 : y ! 1)"])
-def test_turns_that_differ_are_unrolled(body: str) -> None:
-    found = first_step(f"(seq i < {SOME} : {body})")
+VALUES = ["y ! i", "(y ! 1 ; n := i)", "(if i > 2 then y ! 1)", "wait i * 1 us", "(skip -> y ! i)"]
+
+
+@pytest.mark.parametrize("body", VALUES)
+def test_some_turns_with_different_values_are_written_down(body: str) -> None:
+    found = first_step(f"(seq i < {MOST_UNROLLED} : {body})")
     assert isinstance(found, SequentialSteps)
-    assert len(found.steps) == SOME
+    assert len(found.steps) == MOST_UNROLLED
+
+
+@pytest.mark.parametrize("body", VALUES)
+def test_many_turns_with_different_values_are_a_loop_that_counts(body: str) -> None:
+    found = first_step(f"(seq i < {MANY} : {body})")
+    assert isinstance(found, SequentialSteps)
+    begin, loop = found.steps
+    assert isinstance(begin, AssignValue)
+    assert isinstance(loop, CountedLoop)
+    assert (begin.target.channel, loop.turns) == ("i", MANY)
+
+
+def test_a_count_by_the_index_around_it_unrolls_a_sequence() -> None:
+    found = first_step(f"(seq i < {MANY} : (seq k < i + 1 : y ! 1))")
+    assert isinstance(found, SequentialSteps)
+    assert len(found.steps) == MANY
+
+
+def test_indexes_of_the_same_name_have_variables_of_their_own() -> None:
+    body = f"((seq i < {MANY} : y ! i) ; (seq i < {MANY} : y ! i) ; (seq i_2 < {MANY} : y ! i_2))"
+    main = process(network(MAIN.format(body=body)), "Main")
+    assert [channel.name for channel in main.channels] == ["n", "i", "i_2", "i_2_2"]
+
+
+def test_an_index_that_counts_in_another_loop_is_a_value_there() -> None:
+    main = process(network(MAIN.format(body=f"(seq i < {MANY} : (seq k < {MANY} : y ! i + k))")), "Main")
+    assert [part.turns for part in parts(main) if isinstance(part, CountedLoop)] == [MANY, MANY]
+
+
+def test_a_condition_that_holds_in_every_turn_decides_nothing_in_the_run() -> None:
+    same, different = (
+        process(network(MAIN.format(body=f"(seq i < {MANY} : (if i < {limit} then y ! i else y ! 0))")), "Main")
+        for limit in (MANY, MANY - 1)
+    )
+    assert not any(isinstance(part, IfElse) for part in parts(same))
+    assert any(isinstance(part, IfElse) for part in parts(different))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "(when i > 2 & skip -> y ! 1 []> after 1 ms -> skip)",
+        "((if i % 2 == 0 then n := 1) || (if i % 2 == 1 then n := 2))",
+        "(par k < 2 : if k == i % 2 then n := 1)",
+        "((wait 1 ms) interrupt after 1 us -> (if i > 2 then y ! 1))",
+    ],
+)
+def test_conditions_by_which_turns_have_parts_that_exclude_each_other_unroll_them(body: str) -> None:
+    found = first_step(f"(seq i < {MANY} : {body})")
+    assert isinstance(found, SequentialSteps)
+    assert len(found.steps) == MANY
+
+
+def test_a_condition_on_the_turn_can_give_a_variable_its_first_value() -> None:
+    assert (
+        codes(MAIN.replace("int = 0", "int").format(body=f"(seq i < {MANY} : (if i == 0 then n := 1) ; y ! n)")) == []
+    )
+
+
+def test_what_counts_after_a_turn_that_never_ends_is_no_unreachable_part_of_the_text() -> None:
+    text = MAIN.format(body=f"(seq i < {MANY} : (y ! i ; mu (y ! i ; wait 1 ms)))")
+    (found,) = pipeline.check(SourceFile(name="main.csp", text=text), read_source).report.diagnostics
+    assert (found.code, found.span.text) == ("W0611", "y ! n")
+
+
+def test_turns_of_loops_in_loops_are_counted_together() -> None:
+    assert codes(MAIN.format(body="(seq i < 400 : (seq k < 400 : y ! i + k))")) == ["E0506"]
+
+
+STRUCTURE = """
+process Cell {{
+  out y : int
+  composition {{ y ! 1 }}
+}}
+process Main {{
+  out array[{turns}] : int
+  communication {{
+    cell[{turns}] : Cell
+    for k < {turns} {{ cell[k].y -> array[k] }}
+  }}
+  composition {{ ({body}) ; (seq k < {turns} : cell[k]) }}
+}}
+"""
+
+
+@pytest.mark.parametrize("body", ["cell[i]", "array[i] ! 1", "(array[1] ! i ; cell[{turns} - 1 - i])"])
+def test_turns_that_choose_parts_of_the_network_are_unrolled(body: str) -> None:
+    text = STRUCTURE.format(turns=MANY, body=f"seq i < {MANY} : {body.format(turns=MANY)}")
+    main = process(network(text), "Main").body
+    assert isinstance(main, SequentialSteps)
+    found = main.steps[0]
+    assert isinstance(found, SequentialSteps)
+    assert len(found.steps) == MANY
 
 
 def test_the_index_of_a_sequence_around_it_does_not_unroll_a_loop() -> None:
@@ -61,6 +173,45 @@ def test_a_replicated_parallel_is_unrolled() -> None:
     found = first_step(f"(par i < {SOME} : wait 1 ms)")
     assert isinstance(found, ParallelSteps)
     assert len(found.steps) == SOME
+
+
+COUNTING = """
+process Main {{
+  out y : int
+  communication {{ var last : int = 0 }}
+  composition {{ (seq i < {turns} : (last := i ; (skip -> y ! last [] after 1 ms -> wait i * 1 us))) }}
+}}
+environment Bench for Main {{ y -> _ }}
+"""
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("target", ["python", "c"])
+def test_code_for_many_turns_that_count_is_that_for_some(target: str, level: int) -> None:
+    some, many = (
+        pipeline.generate(network(COUNTING.format(turns=turns), environment="Bench"), read_source, target, level)
+        for turns in (MANY, 60_013)
+    )
+    assert {name: text.replace("60013", str(MANY)) for name, text in many.items()} == some
+
+
+TABLE = """
+process Main {{
+  out y : int
+  communication {{ var table : int[{size}] = [{zeros}] }}
+  composition {{ (seq i < {turns} : (table[i] := i + 1 ; y ! table[i])) }}
+}}
+environment Bench for Main {{ y -> _ }}
+"""
+
+
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("missing", [0, 1])
+def test_an_index_that_counts_is_tested_where_it_can_leave_an_array(level: int, missing: int) -> None:
+    size = MANY - missing
+    text = TABLE.format(turns=MANY, size=size, zeros=", ".join(["0"] * size))
+    code = pipeline.generate(network(text, environment="Bench"), read_source, "c", level)["main_.c"]
+    assert ("csp_index" in code, "csp_add" in code) == (missing == 1, False)
 
 
 LAW = """

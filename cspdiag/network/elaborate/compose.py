@@ -11,11 +11,11 @@ from cspdiag.model.types import TIME, UNKNOWN
 from cspdiag.network.diagnostics.channels import LabelOfPortRead
 from cspdiag.network.diagnostics.composition.alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.elaborate.array_sizes import check_sizes
-from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.elaborate.finite import assured
 from cspdiag.network.elaborate.places import ChannelPlace, Places, ProcessPort
 from cspdiag.network.elaborate.sizes import Sizes
+from cspdiag.network.elaborate.turns import Indexes, IndexUse, counted_loop
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -53,12 +53,9 @@ from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValu
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Shape
 from cspdiag.syntax import ast
-from cspdiag.syntax.walk import names, nodes
+from cspdiag.syntax.walk import names
 
 Values: TypeAlias = Mapping[ast.Node, Value]
-
-MOST_UNROLLED = 16
-"""Turns of a replicated ``seq`` that are written down one by one; more of them that are all the same are a loop."""
 
 
 def compose(sizes: Sizes, shape: Shape, places: Places, composition: ast.Composition) -> CoreAction:
@@ -79,6 +76,7 @@ class _Composer:
         self.report = sizes.report
         self.shape = shape
         self.places = places
+        self.indexes = Indexes(self.program, shape, places.loops)
 
     def action(self, part: ast.Composition, values: Values) -> CoreAction:
         span = part.span
@@ -164,8 +162,7 @@ class _Composer:
         """
         if not any(isinstance(self.program.bindings.get(name), ast.Replicator) for name in names((condition,))):
             return None
-        value = constant_value(lowered, lambda _: None)
-        return value if isinstance(value, bool) else None
+        return self.indexes.in_every_turn(lowered)
 
     def _interrupt(self, part: ast.Interrupt, values: Values) -> CoreAction:
         body = self.action(part.process, values)
@@ -180,12 +177,15 @@ class _Composer:
                 return StopStep(span=part.span)
             return Choice(span=part.span, branches=branches, prioritized=prioritized)
         repetitions = self._repeated(part.replicator, values)
-        if (
-            part.operator == "seq"
-            and len(repetitions) > MOST_UNROLLED
-            and not self._is_used(part.replicator, part.process)
-        ):
-            return CountedLoop(span=part.span, body=self.action(part.process, repetitions[0]), turns=len(repetitions))
+        match self.indexes.use_in_loop(part, len(repetitions)):
+            case IndexUse.NOTHING:
+                body = self.action(part.process, repetitions[0])
+                return CountedLoop(span=part.span, body=body, turns=len(repetitions))
+            case IndexUse.VALUES:
+                with self.indexes.counting(part.replicator, len(repetitions)) as turns:
+                    return counted_loop(part, turns, self.action(part.process, values))
+            case IndexUse.STRUCTURE | None:
+                pass
         steps = tuple(self.action(part.process, inner) for inner in repetitions)
         if not steps:
             return SkipStep(span=part.span)
@@ -193,13 +193,9 @@ class _Composer:
             return SequentialSteps(span=part.span, steps=steps)
         return ParallelSteps(span=part.span, steps=steps, prioritized=part.operator == "pripar")
 
-    def _is_used(self, replicator: ast.Replicator, process: ast.Composition) -> bool:
-        """Whether the index makes a difference between the repetitions of a process."""
-        return any(self.program.bindings.get(node) is replicator for node in nodes(process))
-
     def _repeated(self, replicator: ast.Replicator, values: Values) -> list[dict[ast.Node, Value]]:
         what = f"the replicator `{replicator.name.text}`"
-        repetitions = self.sizes.repeated(replicator, what, values)
+        repetitions = self.sizes.repeated(replicator, what, values, self.indexes.turns_around())
         self.shape.incomplete = self.shape.incomplete or repetitions is None
         return repetitions or []
 
@@ -312,7 +308,7 @@ class _Composer:
 
     def _expression(self, expression: ast.Expression, values: Values) -> Expression:
         def lower_name(node: ast.Name | ast.Member | ast.Reference) -> Expression | None:
-            return None if isinstance(node, ast.Member) else self._value_of(node, values)
+            return None if isinstance(node, ast.Member) else self.indexes.value(node) or self._value_of(node, values)
 
         known: dict[ast.Node, Value] = {key: value for key, value in values.items() if isinstance(key, ast.Replicator)}
         return assured(lower_expression(self.program, expression, LoweringContext(values=known, lower_name=lower_name)))

@@ -37,9 +37,11 @@ class Sizes:
         value = evaluate(self.program, expression, values, self.report)
         return value if isinstance(value, int) and not isinstance(value, bool) else None
 
-    def size(self, expression: ast.Expression, what: str, values: Values, *, least: int = 1) -> int | None:
+    def size(
+        self, expression: ast.Expression, what: str, values: Values, *, least: int = 1, times: int = 1
+    ) -> int | None:
         """Like ``integer`` for a number of elements, which is ``least`` or more and, times those of all ``for`` around
-        it, not absurd.
+        it and ``times``, not absurd.
         """
         size = self.integer(expression, values)
         if size is None:
@@ -47,7 +49,7 @@ class Sizes:
         if size < least:
             self.report.add(SizeNotPositive(span=expression.span, what=what, size=size, least=least))
             return None
-        total = size
+        total = size * times
         for outer in [key for key in values if isinstance(key, ast.Replicator)]:
             total *= self.integer(outer.count, values) or 0
         if total > LARGEST_PROCESS:
@@ -55,9 +57,13 @@ class Sizes:
             return None
         return size
 
-    def repeated(self, replicator: ast.Replicator, what: str, values: Values) -> list[dict[ast.Node, Value]] | None:
-        """The values inside each repetition; None where their number is unknown or was reported."""
-        count = self.size(replicator.count, what, values, least=0)
+    def repeated(
+        self, replicator: ast.Replicator, what: str, values: Values, times: int = 1
+    ) -> list[dict[ast.Node, Value]] | None:
+        """The values inside each repetition; None where their number is unknown or was reported. ``times`` is how often
+        the present place is gone through by loops around it that are not among the values.
+        """
+        count = self.size(replicator.count, what, values, least=0, times=times)
         return None if count is None else [{**values, replicator: index} for index in range(count)]
 
     def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:

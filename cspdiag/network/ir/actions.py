@@ -1,4 +1,4 @@
-"""What a process does: the composition, resolved, and unrolled but for long sequences of turns that are all the same.
+"""What a process does: the composition, resolved, and unrolled but for long sequences of turns, which are loops.
 
 ``CoreAction`` is what a text can say; the passes of ``cspdiag.optimize`` make more, and what they give is an
 ``Action``. What consists of actions is generic in which of the two, ``Action`` where nothing is said: a type checker
@@ -218,7 +218,11 @@ class WhileLoop(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class CountedLoop(Step, Generic[A_co]):
-    """A replicated ``seq`` whose turns are all the same: runs the body ``turns`` times, which is at least twice."""
+    """A replicated ``seq`` of many turns: runs the body ``turns`` times, which is at least twice.
+
+    Where turns differ by their number, a variable has it, which is set to 0 before the loop and counts at the end of
+    the body.
+    """
 
     body: A_co
     turns: int

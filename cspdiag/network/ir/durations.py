@@ -42,7 +42,9 @@ class Durations:
         """The values that an expression may have. ``assumed`` are variables that are taken to be greater than zero."""
 
         def known(part: Given) -> Range | None:
-            return self._of_variable(name, part, assumed) if isinstance(part, VariableValue) else of_instances(part)
+            if isinstance(part, VariableValue) and part.range is None:
+                return self._of_variable(name, part, assumed)
+            return of_instances(part)
 
         return value_range(expression, known)
 

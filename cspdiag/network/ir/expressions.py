@@ -49,9 +49,15 @@ class ParameterValue(Typed):
 
 @record(kw_only=True)
 class VariableValue(Typed):
-    """The present value of a channel of kind ``var`` of the enclosing process class; no communication."""
+    """The present value of a channel of kind ``var`` of the enclosing process class; no communication.
+
+    ``range``: the least and the greatest value that it can have here, where the compiler counts in it.
+    """
 
     channel: str
+    range: tuple[int, int] | None = None
+
+    uncompared: ClassVar[frozenset[str]] = frozenset({"span", "range"})
 
 
 @record(kw_only=True)

@@ -52,8 +52,10 @@ _WORD = IntType()
 
 
 def of_instances(name: Given) -> Range | None:
-    """What the instances of a class give a parameter, once all are known; of the rest nothing is known."""
-    return name.range if isinstance(name, ParameterValue) else None
+    """What the instances of a class give a parameter, once all are known, and what a variable counts; of the rest
+    nothing is known.
+    """
+    return name.range if isinstance(name, ParameterValue | VariableValue) else None
 
 
 def needs_check(expression: Expression, known: Lookup = of_instances) -> bool:

@@ -185,7 +185,7 @@ class _Sketch:
             ends = reading_ends(self.classes, self.shape, channel.name)
         return LocalChannel(
             name=channel.name,
-            doc=channel.declaration.doc,
+            doc=None if isinstance(channel.declaration, ast.Replicator) else channel.declaration.doc,
             span=channel.span,
             type=channel.type,
             kind=channel.kind,

@@ -11,6 +11,7 @@ from cspdiag.codegen.c.text.statements import Block, Plain, Statement, Wait, cho
 from cspdiag.model.types import ArrayType, Type
 from cspdiag.network.ir.actions import ReadValue, Step, StopStep, Target, WaitStep, WriteValue
 from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
+from cspdiag.network.ir.faults import is_index_of
 
 READS = {
     "channel": "csp_channel_read", "any": "csp_any_read", "broadcast": "csp_broadcast_read",
@@ -149,13 +150,16 @@ def put(writer: Writer, target: Target, value: Code, type_: Type, where: str) ->
     for number, index in enumerate(target.indexes, 1):
         assert isinstance(kind, ArrayType)
         lvalue = lvalue.field("at")
-        if isinstance(index, LiteralValue) and isinstance(index.value, int) and 0 <= index.value < (kind.size or 0):
-            lvalue = lvalue.at(index.value)
+        if isinstance(index, LiteralValue) and isinstance(index.value, int) and is_index_of(index, kind):
+            lvalue, kind = lvalue.at(index.value), kind.element
+            continue
+        name = "index" if len(target.indexes) == 1 else f"index_{number}"
+        computed, found = writer.operand(index, where, name, "place")  # beside the value, which is there already
+        setup += computed
+        if is_index_of(index, kind):
+            lvalue = lvalue.at(found)
         else:
-            name = "index" if len(target.indexes) == 1 else f"index_{number}"
-            computed, found = writer.operand(index, where, name, "place")  # beside the value, which is there already
-            setup += [*computed, define("const size_t", name, call("csp_index", found, str(kind.size)))]
-            setup.append(writer.fault(where))
+            setup += [define("const size_t", name, call("csp_index", found, str(kind.size))), writer.fault(where)]
             lvalue = lvalue.at(code(name))
         kind = kind.element
     return [Block((*setup, store(lvalue, value)))] if setup else [store(lvalue, value)]

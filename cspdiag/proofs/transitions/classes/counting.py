@@ -94,6 +94,8 @@ class Counting:
             match part:
                 case ParameterValue():
                     return of_instances(part)
+                case VariableValue(range=(_, _)):
+                    return of_instances(part)
                 case PresentTime():
                     return _PRESENT if _NOW in self._counting else None
                 case VariableValue(channel=name) | SignalValue(name=name):
