@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 class Program(NamedTuple):
-    """What there is to run: ``ports`` are the external ports for which an environment has drivers."""
+    """What is to be run; ``ports`` are the external ports for which an environment has drivers."""
 
     build: Callable[[Mapping[str, Driver]], Network]
     environments: Mapping[str, Callable[[], Any]]
@@ -42,9 +42,9 @@ class _RefusedError(Exception):
 
 
 def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None = None) -> int:
-    """Run a network in one of its environments and print how that went; the exit code.
+    """Runs a network in one of its environments and prints how it ended. Returns the exit code.
 
-    ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs
+    ``load`` imports the program. Without a time limit a run lasts until the program ends or a signal arrives; outputs
     are released however it ends.
     """
     _occupy_standard_streams()
@@ -83,7 +83,9 @@ def _prepared(
 
 
 def _attempt(name: str, make: Callable[[], T]) -> T:
-    """What ``make`` makes. Raises _RefusedError with whatever it raises: it runs modules that were written by hand."""
+    """Returns what ``make`` makes, which runs modules that were written by hand. Raises _RefusedError for any
+    exception.
+    """
     try:
         return make()
     except BaseException as error:
@@ -107,8 +109,8 @@ def _say_line(text: str) -> None:
 
 
 def _occupy_standard_streams() -> None:
-    """Where the process was started with a closed one, the next file that is opened would get its number: a device, of
-    which what is printed is no part.
+    """If the process was started with one of them closed, the next file that is opened, such as a device, would get its
+    number, and what is printed would go there.
     """
     for number in range(3):
         try:
@@ -118,8 +120,8 @@ def _occupy_standard_streams() -> None:
 
 
 def _tell(text: str, code: int, what: str = "account of the run") -> int:
-    """Prints what there is to say. Where that cannot be written, the code says so, unless it says more important things
-    already.
+    """Prints ``text`` and returns the exit code. If the text cannot be written, the code says so, unless it already
+    says something more important.
     """
     try:
         print(text, file=standard_output(), flush=True)
@@ -133,7 +135,7 @@ def _tell(text: str, code: int, what: str = "account of the run") -> int:
 
 
 def _drop_standard_output() -> None:
-    """The interpreter flushes it once more when it ends."""
+    """Keeps the interpreter from flushing it once more at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), standard_output().fileno())
 
 
@@ -150,14 +152,14 @@ def duration(text: str) -> int:
 
 class _Parser(argparse.ArgumentParser):
     def print_help(self, file: object = None) -> None:
-        # That of the base class keeps it to itself where this cannot be written.
+        # The method of the base class is silent about a help text that cannot be written.
         code = _tell(self.format_help().rstrip("\n"), 0, "help")
         if code:
             sys.exit(code)
 
 
 def _limit(text: str) -> int:
-    """A duration, or what is wrong with it in words: argparse keeps those of a ValueError to itself."""
+    """A duration. Raises ArgumentTypeError with what is wrong: argparse does not show the text of a ValueError."""
     try:
         return duration(text)
     except ValueError as error:

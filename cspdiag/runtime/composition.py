@@ -25,15 +25,15 @@ from .process import Process
 T = TypeVar("T")
 
 Body: TypeAlias = "Awaitable[object] | Branch | Callable[[], Awaitable[object]]"
-"""What can run beside others; a method that makes a coroutine is called where that begins, so that none is left behind
-if something fails before.
+"""What can run in parallel with others. A method that makes a coroutine is called only when the branch begins, so no
+coroutine is left over if something fails earlier.
 """
 
 
 class Branches:
     """The branches of a parallel, and the parent that waits for their end.
 
-    ``cancelled`` tells whether a branch was ended by a cancellation.
+    ``cancelled`` is whether a branch was ended by a cancellation.
     """
 
     __slots__ = ("_abandoned", "_error", "_parent", "cancelled", "pending", "tasks")
@@ -104,8 +104,8 @@ class Branches:
 class Rounds(Branches):
     """A parallel of optimized code that is run again and again: its tasks are made once.
 
-    The code of each branch calls ``done`` where the branch ends, and begins anew when it is resumed. ``failed``:
-    whether ``conclude`` is to be called by the parent, once it goes on.
+    The code of each branch calls ``done`` where the branch ends, and begins again when it is resumed. ``failed``:
+    whether the parent has to call ``conclude`` when it continues.
     """
 
     __slots__ = ("_bodies", "failed")
@@ -126,14 +126,14 @@ class Rounds(Branches):
         self._parent.waiting = self
 
     def done(self, branch: Task) -> None:
-        """A branch has come to its end; it will wait to be resumed."""
+        """A branch has ended; it now waits to be resumed."""
         branch.ended = True
         self.pending -= 1
         if not self.pending:
             self._parent.ready_queue.append(self._parent)
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
-        """See ``Branches.branch_ended``: this branch will not begin anew."""
+        """See ``Branches.branch_ended``: this branch will not begin again."""
         self.failed = True
         super().branch_ended(branch, error)
 
@@ -157,7 +157,7 @@ def end_all(task: Task) -> None:
             tasks += [branch for branch in parent.waiting.tasks if not branch.ended]
     for ending in reversed(tasks):
         ending.ended = True
-        # Code that goes on communicating in a ``finally`` makes close() raise; nothing is left to communicate with.
+        # close() raises if code continues to communicate in a ``finally``; there is nothing left to communicate with.
         with suppress(Exception, Cancelled):
             ending.coroutine.close()
 
@@ -205,10 +205,10 @@ def parallel(*bodies: Body) -> Generator[None, None, None]:
 
 @coroutine
 def prioritized_parallel(*bodies: Body) -> Generator[None, None, None]:
-    """As ``parallel``; each branch has a higher priority than those after it.
+    """Like ``parallel``; each branch has a higher priority than those after it.
 
-    The first keeps the priority of the parent. A branch of rank r comes after all branches of lower rank, and their
-    inner branches, and before those of higher rank.
+    The first keeps the priority of the parent. A branch of rank r runs only when no branch of a lower rank, nor any of
+    its inner branches, is ready.
     """
     task = _parent_of(bodies)
     branches = Branches(task)
@@ -270,7 +270,7 @@ def now() -> int:
 
 @coroutine
 def wait(duration: int) -> Generator[None, None, None]:
-    """A delay in nanoseconds; none or a negative one ends at once."""
+    """A delay in nanoseconds; one of zero or less ends at once."""
     scheduler = present()
     policy = scheduler.policy
     over = None if policy is None else (yield from hold(policy, Option("wait", duration=duration)))
@@ -285,7 +285,7 @@ def wait(duration: int) -> Generator[None, None, None]:
 
 
 def begin_delay(task: Task, duration: int) -> None:
-    """``task`` will be readied when ``duration``, which is positive, has passed."""
+    """Readies ``task`` when ``duration``, which is positive, has passed."""
     scheduler = task.scheduler
     instant = scheduler.now + duration
     delay = _Delay(task, instant)

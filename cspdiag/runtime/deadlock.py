@@ -1,8 +1,8 @@
 """The report of a deadlock: who waits for whom.
 
-Channels do not know their users. When nothing goes on any more, they are found where they are written down: in the
-local variables of the coroutines that wait, and in the attributes of their processes. A waiting process is the partner
-of another if it can still come to use the channel at which that waits.
+Channels do not know their users. When nothing can continue, they are found where they are referred to: in the local
+variables of the coroutines that wait, and in the attributes of their processes. A waiting process is the partner of
+another one if it can still reach a use of the channel at which that one waits.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ _OPERATIONS = {"read": ("read", "read_all", "take"), "write": ("write", "write_a
 
 @dataclass(frozen=True)
 class WaitingProcess:
-    """A process that can never go on.
+    """A process that can never continue.
 
     ``path`` and ``source`` are those of the process (file and line of its definition), ``place`` is the file and line
     at which it waits, ``waits`` says for what, ``channels`` are the channels' names, ``partners`` the paths of the
-    processes that could still come there, ``ended`` those of the readers of its broadcast that have ended without what
-    it writes.
+    processes that could still communicate with it, ``ended`` those of the readers of its broadcast that have ended
+    without reading what it writes.
     """
 
     path: str
@@ -59,18 +59,18 @@ class DeadlockReport:
     """All processes that wait, and those among them that wait for each other, each for the next and the last for the
     first.
 
-    ``cycle`` is empty when no such ring was found: then somebody waits for what nobody does any more.
+    ``cycle`` is empty when no such ring was found: then some process waits for what no process does any more.
     """
 
     time: int
     waiting: tuple[WaitingProcess, ...]
     cycle: tuple[WaitingProcess, ...]
     others: tuple[WaitingProcess, ...] = ()
-    """Processes that do go on: it is no deadlock then, but those that wait do so for ever."""
+    """Processes that do continue: then it is not a deadlock, but those that wait do so forever."""
 
     @property
     def text(self) -> str:
-        """For people, a line a process."""
+        """The report for people, one line per process."""
         return "\n".join([self._stuck, *self._going_on])
 
     @property
@@ -98,7 +98,7 @@ class DeadlockReport:
 
 
 def _nobody_comes(process: WaitingProcess) -> str:
-    """``; no other process that still runs writes to it``; "" where somebody may, and where it waits for no channel."""
+    """``; no other process that still runs writes to it``; "" if one may, or if it does not wait for a channel."""
     if process.partners or not process.channels:
         return ""
     several = len(process.channels) > 1
@@ -116,7 +116,7 @@ def _many(count: int) -> str:
 
 
 def _who_has_ended(process: WaitingProcess, before: str) -> str:
-    """``, for Main.r, which has ended``; "" where nobody has."""
+    """``, for Main.r, which has ended``; "" if no reader has ended."""
     if not process.ended:
         return ""
     return f"{before} {', '.join(process.ended)}, which {'has' if len(process.ended) == 1 else 'have'} ended"
@@ -129,8 +129,8 @@ def _path(task: Task) -> str:
 def report_deadlock(
     root: Task, now: int, stuck: Container[Task] | None = None, called: Callable[[Task], str] = _path
 ) -> DeadlockReport:
-    """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``; ``called``
-    names tasks.
+    """Why nothing below ``root`` can continue or, if ``stuck`` is given, why those tasks cannot; ``called`` names
+    tasks.
     """
     tasks = list(leaves(root))
     waits = [task.waits() for task in tasks]
@@ -184,8 +184,8 @@ def words_of(waits: Waits) -> str:
 
 
 def _opposite_ends(waits: Waits) -> list[tuple[int, str]]:
-    """Where partners come, by the identity of the end and the side: of a broadcast the ends that are missing, or the
-    other side of what is read or written.
+    """Where partners would communicate, by the identity of the end and the side: the missing ends of a broadcast, or
+    the other side of what is read or written.
     """
     opposite = [
         (channel_identity(end), "write" if words == "to read" else "read")
@@ -200,12 +200,12 @@ def _missing_ends(waits: Waits) -> list[BroadcastEnd[Any]]:
 
 
 def channel_identity(end: Any) -> int:
-    """The two sides of a broadcast are different objects."""
+    """The identity of a channel, the same for both sides of a broadcast, which are different objects."""
     return id(getattr(end, "channel", end))
 
 
 def frames_of(task: Task) -> Iterator[FrameType]:
-    """The frames of what the task executes, outermost first, but for those of the runtime."""
+    """The frames of what the task executes, outermost first, without those of the runtime."""
     awaited: Any = task.coroutine
     while awaited is not None:
         frame = getattr(awaited, "cr_frame", None) or getattr(awaited, "gi_frame", None)
@@ -215,7 +215,7 @@ def frames_of(task: Task) -> Iterator[FrameType]:
 
 
 def _wrapped(awaited: Any) -> Any:
-    """The coroutine inside what ``__await__`` of a coroutine gives, which does not tell."""
+    """The coroutine inside the object that its ``__await__`` returns, which has no attribute for it."""
     is_wrapper = type(awaited).__name__ == "coroutine_wrapper"
     return next((item for item in get_referents(awaited) if iscoroutine(item)), None) if is_wrapper else None
 
@@ -234,8 +234,8 @@ def _source(task: Task) -> str | None:
 
 
 def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None) -> set[int]:
-    """Identities of the channels that the task can reach from where it waits; ``names_in`` tells which names of a
-    function count, otherwise all do.
+    """Identities of the channels that the task can reach from where it waits; ``names_in`` gives the names of a
+    function that count; without it, all do.
     """
     return {channel_identity(end) for end, _ in _ends_used_by(task, names_in).values()}
 
@@ -260,8 +260,8 @@ def _ends_used_by(
 
 
 def _sides(process: object, name: str, names: Container[str]) -> frozenset[str]:
-    """The sides of a channel at which code uses it that a process knows by a name: that of its port, or those that the
-    code names at all.
+    """The sides at which a process uses the channel that it knows by ``name``: the side of its port, or else every side
+    that occurs in its code.
     """
     annotation = str(getattr(type(process).__init__, "__annotations__", {}).get(name, ""))
     said = frozenset(side for side, kind in (("read", "In["), ("write", "Out[")) if kind in annotation)
@@ -270,7 +270,7 @@ def _sides(process: object, name: str, names: Container[str]) -> frozenset[str]:
 
 
 def _with_callees(names: set[str], frame: FrameType) -> set[str]:
-    """The names, and those in the functions of the program that they name, and so on: parts of a process have methods
+    """The names, those in the functions of the program that they refer to, and so on: parts of a process have methods
     of their own.
     """
     kinds = {type(value) for value in frame.f_locals.values() if isinstance(value, Process)}
@@ -287,7 +287,7 @@ def _with_callees(names: set[str], frame: FrameType) -> set[str]:
 
 
 def names_in_code(code: CodeType) -> set[str]:
-    """The attributes that a function names, inner functions included."""
+    """The attributes that a function uses, inner functions included."""
     names = set(code.co_names)
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
@@ -314,7 +314,8 @@ def _collect(
         elif isinstance(value, dict):
             pending += [(part, sides) for part in value.values()]
         elif isinstance(value, In | Out):
-            # Several may only use an `any` channel at the same side: of others who comes at all is the partner.
+            # Only an `any` channel may have several users at one side. At other channels, any user at all is the
+            # partner.
             used = sides if isinstance(value, AnyChannel) else _BOTH_SIDES
             found.setdefault(id(value), (value, set()))[1].update(used)
         else:
@@ -323,7 +324,7 @@ def _collect(
 
 
 def find_cycle(partners: list[list[int]]) -> list[int]:
-    """A cycle of the graph, or nothing; depth first without recursion."""
+    """A cycle of the graph, empty if it has none; depth first, without recursion."""
     state = [0] * len(partners)  # 0: not seen, 1: on the path, 2: leads to no cycle
     for start in range(len(partners)):
         path: list[int] = []

@@ -60,10 +60,10 @@ class Network:
     ) -> Outcome:
         """Runs the program to its end, or to ``until`` (an instant in nanoseconds).
 
-        In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the
-        program raises and signals (``stopping``) are part of the outcome. A ``policy`` decides what is left open, in
-        virtual time and in readable code: ValueError otherwise. Other networks may run at the same time, in other
-        threads or inside a process of this one; RuntimeError if this network runs already.
+        In virtual time only delays and ticks take time; with ``real_time`` it runs against the clock. Exceptions that
+        the program raises, and signals (``stopping``), are part of the outcome. A ``policy`` decides what the language
+        leaves open. Other networks may run at the same time, in other threads or inside a process of this one. Raises
+        ValueError for a policy in real time or for optimized code, and RuntimeError if this network is already running.
         """
         if policy is not None and (real_time or isinstance(self.process, Routine)):
             raise ValueError("a policy leads runs in virtual time, of code without optimization (-O0)")
@@ -129,12 +129,12 @@ class _Run:
             outcome = self._how_it_ends()
         except HandlerFailed as end:
             if stopping.say is None:
-                raise end.cause from None  # It is the caller's, who is not a command.
+                raise end.cause from None  # The caller, which is not a command, handles it.
             outcome = Outcome("failed", self._scheduler.now, error=end.error)
         finally:
             errors = self._release()
-        told = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
-        outcome.release_errors = [error for error in errors if text_of(error) != told]
+        failure = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
+        outcome.release_errors = [error for error in errors if text_of(error) != failure]
         outcome.wall_time = time.perf_counter() - began
         outcome.missed = {port.name: port.missed for port in self._network.ports if isinstance(port, SampledInput)}
         outcome.jitter = self._jitter
@@ -196,9 +196,9 @@ class _Run:
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
 
-        What passes while instants are met has to wait for the next turn: processes run in between, however slow drivers
-        are. All instants that have passed are met before the next steps of processes, so that who computes too long
-        finds its samples overwritten.
+        Instants that pass while others are met wait for the next iteration: processes run in between, however slow
+        drivers are. All instants that have passed are met before the next steps of processes, so a process that
+        computes for too long finds its samples overwritten.
         """
         run_ready = self._scheduler.run_ready if self._tracked else self._scheduler.run_ready_routines
         watch = self._devices.watch
@@ -228,7 +228,7 @@ class _Run:
         return self._scheduler.timers.next_instant() is not None or self._instants.port_can_come()
 
     def _limited(self, instant: int | None) -> int | None:
-        """The instant, or the time limit if that comes first."""
+        """The instant, or the time limit if that is earlier."""
         if self._until is None or (instant is not None and instant <= self._until):
             return instant
         return self._until
@@ -239,7 +239,9 @@ class _Run:
         return Outcome("time limit", self._until)
 
     def _reached(self, instant: int | None, ready: bool) -> bool:
-        """Whether the clock has reached the instant; waits for it, or for news, only while no process is ready."""
+        """Whether the clock has reached the instant; waits for it, or for something from outside, only while no process
+        is ready.
+        """
         if ready:
             return instant is not None and self._clock.now() >= instant
         self._devices.watch.limits_steps = False
@@ -289,7 +291,7 @@ class _Run:
         self._scheduler.watcher = observer
 
     def _take_over(self, instant: int | None) -> None:
-        """Takes over what came from outside before ``instant``."""
+        """Takes over what arrived from outside before ``instant``."""
         now = self._clock.now()
         self._scheduler.now = max(self._scheduler.now, now if instant is None else min(now, instant - 1))
         self._devices.take_over()
@@ -310,13 +312,13 @@ class _Run:
         self._scheduler.timers.fall_due(instant)
 
     def _release(self) -> Sequence[BaseException]:
-        """Hands safe values over, closes the drivers, and ends what still runs."""
+        """Hands over safe values, closes the drivers, and ends what is still running."""
         try:
             stopping.hold()
         except (HandlerFailed, KeyboardInterrupt):
             return self._release()  # A handler was faster; from now on none is called.
         if os.getpid() != self._process:
-            # A child that a library has forked behind Python's back comes back: outputs are none of its business.
+            # A child that a library has forked without Python's knowledge returns here: it does not own the outputs.
             os._exit(1)
         self._devices.watch.limits_steps = False
         self._scheduler.end()

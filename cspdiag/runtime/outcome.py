@@ -16,7 +16,7 @@ Ending = Literal["terminated", "deadlock", "time limit", "stopped", "failed"]
 
 @dataclass
 class Jitter:
-    """By how much the ticks of a period came late in a real-time run, in nanoseconds."""
+    """How late the ticks of a period were in a real-time run, in nanoseconds."""
 
     count: int = 0
     worst: int = 0
@@ -48,8 +48,9 @@ class Jitter:
 class Outcome:
     """How a run ended.
 
-    ``time`` is the instant in nanoseconds, ``wall_time`` the seconds it took. ``missed`` counts for every sampled input
-    the samples that were overwritten untaken, ``jitter`` has the lateness of the ticks of each period (real time only).
+    ``time`` is the instant in nanoseconds, ``wall_time`` the seconds it took. ``missed`` counts, for every sampled
+    input, the samples that were overwritten before they were taken; ``jitter`` has the lateness of the ticks of each
+    period (real time only).
     """
 
     ended: Ending
@@ -64,12 +65,12 @@ class Outcome:
     real_time: bool = False
     """Whether it ran against the clock."""
     release_errors: list[BaseException] = field(default_factory=list)
-    """Drivers that failed while their outputs were released or they were closed."""
+    """The errors of drivers that failed during the release of their outputs or while they were closed."""
 
     @property
     def exit_code(self) -> int:
-        """For a command that consists of the run: 0, 128 and the signal that stopped it, or 1: above all where an
-        output was not released.
+        """For a command that consists of the run: 0, 1 or, for a run stopped by a signal, 128 plus its number. 1 takes
+        precedence if an output was not released.
         """
         if self.release_errors:
             return 1
@@ -84,7 +85,7 @@ class Outcome:
                 assert_never(self.ended)
 
     def raise_if_unsuccessful(self) -> None:
-        """Raises what a run failed with, or Deadlock with the report."""
+        """Raises the error of a run that failed, or Deadlock with the report."""
         if self.error is not None:
             raise self.error
         if self.deadlock is not None:

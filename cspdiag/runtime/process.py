@@ -37,7 +37,7 @@ class Process(Executed):
         raise NotImplementedError(f"{type(self).__name__}.run")
 
     def owns(self, end: E) -> E:
-        """Makes ``end`` one that is closed when this process ends."""
+        """Registers ``end`` to be closed when this process ends."""
         self.ends.append(end)
         return end
 
@@ -45,7 +45,7 @@ class Process(Executed):
         return self.execute().__await__()
 
     async def execute(self) -> None:
-        """Runs the process once, with its books: who runs, since when, and what it had open."""
+        """Runs the process once, and keeps account of the current process, its start and end, and its open ends."""
         if self.runs_now:
             raise Fault(
                 f"{self.name} is already running; a process never runs twice at the same time",
@@ -103,9 +103,9 @@ class Submodel(Process):
         """Puts the states back to their initial values."""
 
     def started(self, scheduler: Scheduler) -> None:
-        """Observers are not told: submodels run once a sample."""
+        """Observers are not notified: submodels run once a sample."""
         if scheduler.policy is not None:
             self.has_computed = False
 
     def ended(self, scheduler: Scheduler) -> None:
-        """Observers are not told: submodels run once a sample."""
+        """Observers are not notified: submodels run once a sample."""

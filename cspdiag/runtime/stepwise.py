@@ -15,8 +15,8 @@ Observe = Callable[[str, Any, Party | None, Party | None], None]
 
 
 class StepwiseRun:
-    """A run of a network in which nobody goes on and no time passes but as it is told; nothing comes from outside but
-    what is brought to the ports. ``root`` executes the outermost process, ``error`` is what that has ended with.
+    """A run of a network in which processes continue and time passes only on request, and only what is brought to the
+    ports arrives from outside. ``root`` executes the outermost process; ``error`` is what that has ended with.
     """
 
     def __init__(self, network: Network, policy: Policy, observe: Observe) -> None:
@@ -47,7 +47,7 @@ class StepwiseRun:
 
     @property
     def has_ready(self) -> bool:
-        """Whether anybody is ready on the highest level."""
+        """Whether a party is ready on the highest level."""
         return bool(self._scheduler.queue)
 
     @property
@@ -56,23 +56,23 @@ class StepwiseRun:
         return self._scheduler.has_levels
 
     def next_timer(self) -> int | None:
-        """When the next delay or time-out ends."""
+        """The instant at which the next delay or time-out ends."""
         return self._scheduler.timers.next_instant()
 
     def instants_of_timers(self) -> Iterator[int]:
-        """When each of them ends."""
+        """The instant at which each delay or time-out ends."""
         return self._scheduler.timers.instants()
 
     def timers_fall_due(self) -> None:
-        """Those end that end now."""
+        """Ends the delays and time-outs that are due now."""
         self._scheduler.timers.fall_due(self._scheduler.now)
 
     def ready(self, party: Party) -> None:
-        """Lets one go on that has halted, when it is its turn."""
+        """Readies a party that has halted."""
         party.ready_queue.append(party)
 
     def run_ready(self, most: int) -> bool:
-        """Lets up to ``most`` go on that are ready, first come, first served; False if none is ready any more."""
+        """Runs up to ``most`` ready parties, first come, first served; False if none is left."""
         with self._scheduler as scheduler:
             return scheduler.run_ready(most)
 
@@ -81,12 +81,12 @@ class StepwiseRun:
         return self._scheduler.take_ready()
 
     def run_one(self, party: Party) -> None:
-        """Lets one go on until it has to wait."""
+        """Runs a party until it has to wait."""
         with self._scheduler as scheduler:
             scheduler.run_one(party)
 
     def close(self) -> None:
-        """Ends what still runs."""
+        """Ends what is still running."""
         with self._scheduler as scheduler:
             scheduler.end()
             end_all(self.root)

@@ -354,7 +354,7 @@ WAYS = (
         "a body hangs for good", 1, "Main.law (main.csp:11), at law.py:", "body hangs for good", real_time_only=True,
     ),
     WayOut(
-        "a program spins", 1, "Main (spinning.csp:28) has not come to the end of its step within 2 s", "program spins",
+        "a program spins", 1, "Main (spinning.csp:28) has not finished its step within 2 s", "program spins",
         real_time_only=True,
     ),
     WayOut(

@@ -24,7 +24,7 @@ class Alternating(Protocol):
         ...
 
     def resolve(self, index: int, value: Any) -> None:
-        """The other side has chosen guard ``index``, and made the communication."""
+        """The other side has chosen guard ``index`` and has communicated."""
         ...
 
     def pledge(self, index: int) -> Party:

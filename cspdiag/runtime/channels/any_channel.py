@@ -1,4 +1,4 @@
-"""The rendezvous channel with many writers and many readers: one of each meet.
+"""The rendezvous channel with many writers and many readers: each communication is between one of each.
 
 Invariants: at most one of the two queues of waiting parties is not empty; parties are served first come, first served.
 """
@@ -100,8 +100,8 @@ class AnyChannel(In[T], Out[T]):
             scheduler.observe(self.name, value, scheduler.current, reader)
 
     def settle_input(self) -> None:
-        """An alternative that would write here has to keep to it, and parks with its value, or hands it to a reader
-        that waits already.
+        """An alternative with an output guard here is now committed to it: it parks with its value, or hands it to a
+        reader that waits already.
         """
         if self._writers:
             return

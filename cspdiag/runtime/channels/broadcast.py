@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Broadcast(In[T], Out[T]):
-    """One writer, and as many readers as ``reader`` has made ends; the writer goes on when all have taken the value."""
+    """One writer, and a reader for each end made by ``reader``; the writer continues when all have taken the value."""
 
     __slots__ = ("_ends", "_outputs", "_value", "_writer", "name")
 
@@ -31,7 +31,7 @@ class Broadcast(In[T], Out[T]):
         self._outputs: Watchers = ()
 
     def reader(self, owner: Owner | None = None) -> BroadcastEnd[T]:
-        """A reading end of its own."""
+        """A new reading end."""
         end = BroadcastEnd(self, "" if owner is None else owner.name)
         self._ends.append(end)
         self.readers_changed()
@@ -69,7 +69,7 @@ class Broadcast(In[T], Out[T]):
         return self.offer(party, value)
 
     def withdraw(self, party: Party) -> bool:
-        """See ``Out.withdraw``: who has not taken the value yet does not get it."""
+        """See ``Out.withdraw``: a reader that has not taken the value yet does not get it."""
         if self._writer is not party:
             return False
         self._writer = None
@@ -84,14 +84,14 @@ class Broadcast(In[T], Out[T]):
     @property
     def missing(self) -> list[BroadcastEnd[T]]:
         """The ends that its writer waits for: those that have not taken the value, or, before an output guard is
-        chosen, those at which nobody waits to read.
+        chosen, those at which no reader waits.
         """
         if self._writer is None:
             return [end for end in self._ends if not end.awaited]
         return [end for end in self._ends if end.fresh]
 
     def taken(self, end: BroadcastEnd[T], reader: Party) -> T:
-        """The value of an end, which is not fresh any longer; the last one readies the writer."""
+        """Takes the value of an end, which is then no longer fresh; the last one readies the writer."""
         writer = self._writer
         assert writer is not None
         scheduler = present()
@@ -129,10 +129,10 @@ class Broadcast(In[T], Out[T]):
 
 
 class BroadcastEnd(In[T]):
-    """A reading end of a broadcast; ``fresh`` while it has a value that was not taken.
+    """A reading end of a broadcast; ``fresh`` while it has a value that has not been taken.
 
-    ``owner`` is the path of the process that reads from it, "" where that is not known, and ``closed`` says whether
-    that has ended, at least once.
+    ``owner`` is the path of the process that reads from it, "" if unknown; ``closed`` is whether that process has ended
+    at least once.
     """
 
     __slots__ = ("_inputs", "_reader", "channel", "closed", "fresh", "name", "owner", "resolved", "waiting_choice")
@@ -150,7 +150,7 @@ class BroadcastEnd(In[T]):
 
     @property
     def awaited(self) -> bool:
-        """Whether its reader waits."""
+        """Whether its reader is waiting."""
         return self._reader is not None or self.waiting_choice is not None
 
     def close(self) -> None:
@@ -174,7 +174,7 @@ class BroadcastEnd(In[T]):
             raise_bits(self._inputs)
 
     def recall(self) -> None:
-        """The value is not to be had any longer."""
+        """The value is withdrawn."""
         self.fresh = False
         lower_bits(self._inputs)
 
@@ -210,7 +210,7 @@ class BroadcastEnd(In[T]):
             selector.attend |= bit
 
     def attend(self) -> None:
-        """An output guard wants to know when alternatives wait here."""
+        """From now on, output guards are notified when alternatives wait here."""
         attend(self._inputs)
 
     def unwatch_input(self, selector: Selector) -> None:

@@ -3,12 +3,12 @@
 Invariants:
 
 - At most one of ``_reader`` and ``_writer`` is set: the party that arrived first and waits. The second party copies the
-  value, readies the first and goes on.
+  value, readies the first and continues.
 - The value of a waiting writer is in ``_offered``; the value for a readied reader is in its own ``received``, so a
   further write cannot overwrite it before the reader runs.
 - ``scheduler.push`` or ``ready`` comes before any change: in a cancelled task it raises.
-- While a party waits, ``_scheduler`` is that of its run. Before, it is that of the run that used the channel last,
-  which is ``careful`` when it is over: whoever is to wait then looks for the present one.
+- While a party waits, ``_scheduler`` is that of its run. Before, it is that of the run that used the channel last; when
+  that run is over it is ``careful``, so a party that has to wait looks up the present one.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Channel(In[T], Out[T]):
-    """A rendezvous: the writer goes on only when the reader has taken the value."""
+    """A rendezvous: the writer continues only when the reader has taken the value."""
 
     __slots__ = ("_meeting", "_offered", "_reader", "_scheduler", "_writer", "name")
 
@@ -74,7 +74,7 @@ class Channel(In[T], Out[T]):
 
     @coroutine
     def write(self, value: T, /) -> Generator[None, None, None]:
-        """One communication: goes on when the value has been taken."""
+        """One communication: continues when the value has been taken."""
         reader = self._reader
         scheduler = self._scheduler
         if reader is not None:
@@ -201,7 +201,7 @@ class Channel(In[T], Out[T]):
             scheduler.observe(self.name, value, scheduler.current, reader)
 
     def settle_input(self) -> None:
-        """An alternative that would write here has to keep to it, and parks with its value."""
+        """An alternative with an output guard here is now committed to it, and parks with its value."""
         if self._writer is None:
             choice, index = self._alternatives().writing[0]
             value = choice.value_offered(index)

@@ -14,7 +14,7 @@ from .selector import Selector, Watchers, lower_bits, without
 class LatchedEnd(In[T]):
     """An end that keeps the latest value until it is taken: *fresh* until then.
 
-    ``inputs`` are the alternatives that have the end as a guard.
+    ``inputs`` are the alternatives that have a guard on this end.
     """
 
     __slots__ = ("fresh", "inputs", "name", "value")
@@ -35,7 +35,7 @@ class LatchedEnd(In[T]):
         return self.taken(present().current)
 
     def taken(self, reader: Party) -> T:
-        """The value, which ``reader`` takes."""
+        """Takes the value on behalf of ``reader``."""
         return self._communicated(reader)
 
     def _communicated(self, reader: Party) -> T:
@@ -58,7 +58,7 @@ class LatchedEnd(In[T]):
         self.inputs = without(self.inputs, selector)
 
     def alternative_waits(self) -> bool:
-        """Whether an alternative waits for the end to become ready."""
+        """Whether an alternative is waiting for the end to become ready."""
         for selector, bit in self.inputs:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
             if selector.armed & bit:
                 return True
@@ -66,6 +66,6 @@ class LatchedEnd(In[T]):
 
 
 def refuse_cancelled() -> None:
-    """A reader that was readied, and then cancelled before it ran, has not communicated: it ends here."""
+    """Ends a reader that was readied and then cancelled before it ran: it has not communicated."""
     if present().current.cancelled:
         raise Cancelled

@@ -1,11 +1,12 @@
-"""What a rendezvous channel knows of the alternatives at its two ends.
+"""What a rendezvous channel knows about the alternatives at its two ends.
 
-Made when the first alternative watches the channel; channels without have none and do not pay for it.
+Created when the first alternative watches the channel; channels without alternatives have none and do not pay for it.
 
 Invariants:
 
-- A guard is ready while somebody waits at the other end: a plain party, or an alternative that has enrolled.
-- An alternative is enrolled with a channel exactly while it waits with an enabled guard on it and has not chosen.
+- A guard is ready while a party waits at the other end: a plain one, or an alternative that has enrolled.
+- An alternative is enrolled with a channel exactly while it waits with an enabled guard on that channel and has not
+  chosen yet.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ class Meeting:
 
     @staticmethod
     def enter(waiting: list[tuple[Alternating, int]], choice: Alternating, index: int) -> None:
-        """Enrols an alternative in the order in which they began to wait; it enrols late where the other side begins to
-        alternate after that.
+        """Enrols an alternative, in the order in which alternatives began to wait: it may enrol late, if the other side
+        begins to alternate after it began to wait.
         """
         position = len(waiting)
         while position > 0 and waiting[position - 1][0].began > choice.began:
@@ -44,7 +45,7 @@ class Meeting:
         raise_bits(self.inputs)
 
     def writer_left(self) -> None:
-        """No writer waits any longer."""
+        """The last waiting writer has left."""
         lower_bits(self.inputs)
 
     def reader_came(self) -> None:
@@ -52,11 +53,11 @@ class Meeting:
         raise_bits(self.outputs)
 
     def reader_left(self) -> None:
-        """No reader waits any longer."""
+        """The last waiting reader has left."""
         lower_bits(self.outputs)
 
     def watch_input(self, selector: Selector, bit: int, writer_waits: bool) -> None:
-        """An alternative has an input guard on the channel."""
+        """Registers an alternative with an input guard on the channel."""
         self.inputs = (*self.inputs, (selector, bit))
         if writer_waits:
             selector.ready |= bit
@@ -65,7 +66,7 @@ class Meeting:
             attend(self.outputs)
 
     def watch_output(self, selector: Selector, bit: int, reader_waits: bool) -> None:
-        """An alternative has an output guard on the channel."""
+        """Registers an alternative with an output guard on the channel."""
         self.outputs = (*self.outputs, (selector, bit))
         if reader_waits:
             selector.ready |= bit
@@ -74,6 +75,6 @@ class Meeting:
             attend(self.inputs)
 
     def unwatch(self, selector: Selector) -> None:
-        """An alternative is given up."""
+        """Forgets an alternative."""
         self.inputs = without(self.inputs, selector)
         self.outputs = without(self.outputs, selector)

@@ -1,7 +1,7 @@
 """What processes see of channels: the end to read from and the end to write to.
 
-``read`` and ``write`` are for processes. The other operations are the runtime's: alternatives, submodels and interrupts
-work with ends of every kind through them.
+``read`` and ``write`` are for processes. The other operations belong to the runtime: through them alternatives,
+submodels and interrupts work with ends of every kind.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ T_contra = TypeVar("T_contra", contravariant=True)
 
 
 class Owner(Protocol):
-    """A process, as its reading ends know it."""
+    """What reading ends need from their process."""
 
     name: str
 
@@ -36,7 +36,7 @@ class Owner(Protocol):
         ...
 
     def owns(self, end: E) -> E:
-        """Makes ``end`` one that is closed when this process ends."""
+        """Registers ``end`` to be closed when this process ends."""
         ...
 
 
@@ -49,7 +49,7 @@ class In(Generic[T_co]):
 
     @property
     def collectable(self) -> bool:
-        """Whether a waiting party would find something, of which it has not yet been told."""
+        """Whether there is something for a waiting party of which it has not been notified yet."""
         return False
 
     @coroutine
@@ -76,7 +76,7 @@ class In(Generic[T_co]):
     def reader(self, owner: Owner | None = None) -> In[T_co]:
         """The end that ``owner`` reads from; it is closed when ``owner`` ends.
 
-        Ends of broadcasts and of external ports keep books for their reader, so every process makes its own.
+        Ends of broadcasts and of external ports keep state for their reader, so every process makes its own.
         """
         return self
 
@@ -92,7 +92,7 @@ class In(Generic[T_co]):
         return True
 
     def withdraw(self, party: Party) -> bool:
-        """Takes a waiting party back; False if it does not wait here any longer."""
+        """Removes a waiting party; False if it no longer waits here."""
         raise NotImplementedError
 
     def waits_for(self, party: Party) -> Waits:
@@ -118,7 +118,7 @@ class In(Generic[T_co]):
         """An alternative begins to wait with a guard on this end."""
 
     def dismiss_input(self, choice: Alternating) -> None:
-        """The alternative does not wait any longer."""
+        """The alternative no longer waits."""
 
 
 class Out(Generic[T_contra]):
@@ -130,7 +130,7 @@ class Out(Generic[T_contra]):
 
     @coroutine
     def write(self, value: T_contra, /) -> Generator[None, None, None]:
-        """One communication: goes on when the value has been taken."""
+        """One communication: continues when the value has been taken."""
         scheduler = present()
         policy = scheduler.policy
         if policy is not None:
@@ -146,11 +146,11 @@ class Out(Generic[T_contra]):
             policy.did(task, Option("write", self.name, value=value))
 
     def offer(self, party: Party, value: T_contra, /) -> bool:
-        """A plain write: True if the writer may go on; False if the party waits."""
+        """A plain write: True if the writer may continue; False if the party waits."""
         raise NotImplementedError
 
     def withdraw(self, party: Party) -> bool:
-        """Takes a waiting party back; False if it does not wait here any longer."""
+        """Removes a waiting party; False if it no longer waits here."""
         raise NotImplementedError
 
     def waits_for(self, party: Party) -> Waits:
@@ -166,14 +166,14 @@ class Out(Generic[T_contra]):
         raise NotImplementedError
 
     def choose_output(self, party: Party, value: T_contra, /) -> bool:
-        """An output guard was chosen: as ``offer``, but may also meet an alternative on the other side."""
+        """An output guard was chosen: like ``offer``, but the partner may also be an alternative."""
         return self.offer(party, value)
 
     def enroll_output(self, choice: Alternating, index: int) -> None:
         """An alternative begins to wait with an output guard on this end."""
 
     def dismiss_output(self, choice: Alternating) -> None:
-        """The alternative does not wait any longer."""
+        """The alternative no longer waits."""
 
 
 AnyIn = In[Any]

@@ -1,9 +1,9 @@
 """Which guards of an alternative are ready: a bit for each guard.
 
-Whatever makes a guard ready sets its bit, whatever makes it unready clears it, so a selection is arithmetic on integers
-and costs the same for ten guards as for a thousand.
+What makes a guard ready sets its bit, and what makes it unready clears it. A selection is therefore arithmetic on
+integers, and costs the same for ten guards as for a thousand.
 
-Invariant: bit k is set exactly while guard k is ready, whether or not the alternative waits at present.
+Invariant: bit k is set exactly while guard k is ready, whether or not the alternative is waiting.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ class Waker(Protocol):
         ...
 
     def enroll_late(self, bit: int) -> None:
-        """The end of a guard wants to know that the alternative waits."""
+        """The end of a guard now needs to know that the alternative is waiting."""
         ...
 
 
 class Selector:
-    """The part of an alternative that its channels know.
+    """The part of an alternative that is known to its channels.
 
     ``armed`` are the guards that may wake the alternative; 0 when it does not wait or was woken already. ``attend`` are
-    the guards whose ends want to be told when the alternative begins and ends to wait. ``waiting`` is the alternative
-    while it waits: the channels know only the selector, so that an alternative that nobody uses any more goes away.
+    the guards whose ends are notified when the alternative begins and stops waiting. ``waiting`` is the alternative
+    while it waits: the channels know only the selector, so an alternative that is no longer used is freed.
     """
 
     __slots__ = ("armed", "attend", "ready", "waiting")
@@ -59,13 +59,13 @@ def raise_bits(watchers: Watchers) -> None:
 
 
 def lower_bits(watchers: Iterable[tuple[Selector, int]]) -> None:
-    """A guard is not ready any longer."""
+    """A guard is no longer ready."""
     for selector, bit in watchers:
         selector.ready &= ~bit
 
 
 def attend(watchers: Watchers) -> None:
-    """From now on the end wants to know which alternatives wait."""
+    """From now on the end is notified which alternatives wait."""
     for selector, bit in watchers:
         selector.attend |= bit
         if selector.waiting is not None:

@@ -1,7 +1,7 @@
 """Ends that never wait: variables, constants, and the sink that takes everything.
 
-Their accesses are no communications: they are in no trace, and no process is cancelled there. A control law that writes
-is, whatever it writes to.
+Accessing them is not a communication: it is in no trace, and no process is cancelled there. A control law, however, is
+cancelled where it writes, even if it writes to one of these.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ def _end_cancelled_law() -> None:
 
 
 class Variable(In[T], Out[T]):
-    """The channel between processes in sequence: one place, the last value wins, reading does not take it away.
+    """The channel between processes in sequence: it holds one value, the last one written, and reading does not remove
+    it.
 
-    ``value`` is for conditions and assignments. Reading before anything was written is a ``Fault``.
+    ``value`` is for conditions and assignments. Reading it before the first write is a ``Fault``.
     """
 
     __slots__ = ("name", "value")
@@ -94,7 +95,7 @@ class Variable(In[T], Out[T]):
 
 
 class Constant(In[T_co]):
-    """An input that was left to its default."""
+    """An input that has its default value."""
 
     __slots__ = ("name", "value")
 
@@ -130,7 +131,7 @@ class Constant(In[T_co]):
 
 
 class Discard(Out[T_contra]):
-    """Takes everything at once, and forgets it."""
+    """Accepts every value at once, and forgets it."""
 
     __slots__ = ("name",)
 
@@ -139,7 +140,7 @@ class Discard(Out[T_contra]):
 
     @coroutine
     def write(self, value: T_contra, /) -> Generator[None, None, None]:
-        """Goes on at once."""
+        """Continues at once."""
         _end_cancelled_law()
         return
         yield

@@ -1,7 +1,7 @@
 """The alternative: waits until a guard is ready, and chooses.
 
 It chooses at once if a guard is ready. Otherwise it waits, is readied by the first guard that becomes ready, and
-chooses when it runs, among the guards that are ready then; if none is any more it waits again.
+chooses when it runs, among the guards that are ready then; if none is ready any longer, it waits again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Alternative(Choice):
     """Chooses among guards; made once, selected often.
 
     ``prioritized`` takes the first ready guard in text order. Otherwise the choice is fair: the first ready guard after
-    the one that was chosen last, beginning again at the front.
+    the one that was chosen last, wrapping around at the end.
     """
 
     def __init__(self, *guards: Guard, prioritized: bool = False) -> None:
@@ -43,9 +43,9 @@ class Alternative(Choice):
         values: Mapping[int, Any] = _NOTHING,
         delays: Mapping[int, int] = _NOTHING,
     ) -> Generator[None, None, int]:
-        """Waits for a guard and makes its communication; its index.
+        """Waits for a guard and communicates by it; returns its index.
 
-        ``enabled`` has a pre-condition for every guard. ``values`` are what output guards write, ``delays`` the
+        ``enabled`` has a pre-condition for every guard. ``values`` are what output guards write and ``delays`` the
         durations of time-outs, by index of the guard, where they differ from the guard's own.
         """
         scheduler = present()
@@ -79,7 +79,7 @@ class Alternative(Choice):
         values: Mapping[int, Any] = _NOTHING,
         delays: Mapping[int, int] = _NOTHING,
     ) -> Generator[None, None, int]:
-        """As ``select``, where a policy says when that goes on, and with what."""
+        """Like ``select``, in a run in which a policy decides when it continues, and with which guard."""
         options = {
             index: option_of(guard, index, values, delays)
             for index, guard in enumerate(self.guards)
@@ -110,7 +110,7 @@ class Alternative(Choice):
     def wait(
         self, mask: int, values: Mapping[int, Any] = _NOTHING, delays: Mapping[int, int] = _NOTHING
     ) -> Generator[None, None, int]:
-        """Waits while none of the guards of ``mask`` is ready: those that are then, or 0 if the other side
+        """Waits while none of the guards of ``mask`` is ready. The guards that are ready then, or 0 if the other side
         has chosen.
         """
         scheduler = present()
@@ -139,8 +139,8 @@ class Alternative(Choice):
         return 0
 
     def park(self, me: Task, mask: int) -> None:
-        """From now on the first guard of ``mask`` that becomes ready readies ``me``, optimized code; no guard is a
-        time-out.
+        """From now on the first guard of ``mask`` that becomes ready readies ``me``, a task with optimized code. None
+        of the guards is a time-out.
         """
         self.task = me
         self.mask = mask
@@ -152,7 +152,7 @@ class Alternative(Choice):
         me.waiting = self
 
     def withdraw(self, party: Party) -> bool:
-        """See ``Waiting.withdraw``. False also if the task is ready; it will then find out by itself."""
+        """See ``Waiting.withdraw``. False also if the task is ready: it then notices the cancellation itself."""
         if self.pledged is not None:
             if not self.pledged.end.withdraw(self.pledged):
                 return False

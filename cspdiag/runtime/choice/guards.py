@@ -1,7 +1,7 @@
 """Guards, and waiting for one of several to become ready.
 
-``Choice`` is what alternatives and interrupts have in common: it waits with its guards at their ends, and it makes the
-communication of the guard that is chosen, by itself or by an alternative on the other side of a channel.
+``Choice`` is what alternatives and interrupts have in common: it registers its guards at their ends, waits, and
+communicates by the guard that is chosen, either by itself or by an alternative on the other side of a channel.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _BEGUN = count(1)
 
 
 class Ready:
-    """Ready when the end has something to read; the guarded process begins by reading it."""
+    """Ready when the end has something to read, which the guarded process then begins by reading."""
 
     __slots__ = ("end",)
 
@@ -36,7 +36,9 @@ class Ready:
 
 
 class Input:
-    """Reads the end; the value is then the alternative's ``value``, or this guard's when it interrupted something."""
+    """Reads the end; the value is then the ``value`` of the alternative, or of this guard if it is that of an
+    interrupt.
+    """
 
     __slots__ = ("end", "value")
 
@@ -49,7 +51,7 @@ class Input:
 
 
 class Output:
-    """Writes the value that ``select`` is given for this guard, or else ``value``."""
+    """Writes the value that ``select`` was given for this guard, or else ``value``."""
 
     __slots__ = ("end", "value")
 
@@ -99,7 +101,7 @@ def waits_of_guard(guard: Guard) -> tuple[str, Any]:
 
 
 def option_of(guard: Guard, index: int, values: Mapping[int, Any], delays: Mapping[int, int]) -> Option:
-    """A guard for a policy, with what ``select`` was given; at ends that never wait nobody else takes part."""
+    """A guard as policies see it, with what ``select`` was given; at ends that never wait there is no partner."""
     match guard:
         case Input(end=Variable() | Constant()) | Ready(end=Variable() | Constant()) | Skip():
             return Option("skip", index=index)
@@ -130,7 +132,9 @@ class _TimeOut:
 
 
 class _Pledge:
-    """A writing alternative that was chosen by a ``Ready`` guard: its choice is made, its value not yet taken."""
+    """A writing alternative that was chosen by a ``Ready`` guard: its choice is made, but its value has not been taken
+    yet.
+    """
 
     __slots__ = ("_choice", "end", "received")
 
@@ -156,8 +160,7 @@ class Choice:
     """Guards that wait together.
 
     Bits and indexes number the guards in text order. ``chosen`` is the index of the guard that the other side has
-    chosen for this one, -1 while there is none; ``mask`` are the guards that it waits with; ``value`` is what the last
-    input guard read.
+    chosen, or -1; ``mask`` are the guards that it waits with; ``value`` is what the last input guard read.
     """
 
     value: Any
@@ -208,18 +211,18 @@ class Choice:
         self.give_up()
 
     def give_up(self) -> None:
-        """Lets go of the ends; the choice cannot be used again."""
+        """Releases the ends; the choice cannot be used again."""
         for guard in self.guards:
             match guard:
                 case Input(end=end) | Ready(end=end):
                     end.unwatch_input(self.selector)
                 case Output(end=end):
                     end.unwatch_output(self.selector)
-                case _:  # Nobody else is told of the others.
+                case _:  # The ends of the others are not notified.
                     pass
 
     def time_outs_passed(self, mask: int, delays: Mapping[int, int]) -> int:
-        """The enabled time-outs that are over before they begin."""
+        """The enabled time-outs that have passed before they begin."""
         passed = 0
         for index, guard in self.after_guards:
             if delays.get(index, guard.duration) <= 0:
@@ -249,7 +252,7 @@ class Choice:
             self._enroll(bit.bit_length() - 1)
 
     def enroll_late(self, bit: int) -> None:
-        """Somebody at the other side of a guard begins to alternate while this choice waits already."""
+        """The process at the other side of a guard begins to alternate while this choice already waits."""
         if self.mask & bit & ~self._enrolled:
             self._enrolled |= bit
             self._enroll(bit.bit_length() - 1)
@@ -260,11 +263,11 @@ class Choice:
                 end.enroll_input(self, index)
             case Output(end=end):
                 end.enroll_output(self, index)
-            case _:  # Nobody else is told of the others.
+            case _:  # The ends of the others are not notified.
                 pass
 
     def end_waiting(self) -> None:
-        """Takes the choice back from all its ends."""
+        """Removes the choice from all its ends."""
         selector = self.selector
         selector.waiting = None
         selector.armed = 0
@@ -283,7 +286,7 @@ class Choice:
                     end.dismiss_input(self)
                 case Output(end=end):
                     end.dismiss_output(self)
-                case _:  # Nobody else is told of the others.
+                case _:  # The ends of the others are not notified.
                     pass
 
     def wake(self) -> None:
@@ -293,7 +296,7 @@ class Choice:
             self.task.ready_queue.append(self.task)
 
     def communicate(self, index: int, values: Mapping[int, Any]) -> bool:
-        """Makes the communication of a guard that is ready; False if the task still has to wait in the channel."""
+        """Communicates by a guard that is ready; False if the task still has to wait in the channel."""
         guard = self.guards[index]
         if isinstance(guard, Output):
             task = present().current
@@ -315,14 +318,14 @@ class Choice:
         return isinstance(self.guards[index], Ready)
 
     def resolve(self, index: int, value: Any) -> None:
-        """The other side has chosen guard ``index``, and made the communication."""
+        """The other side has chosen guard ``index`` and has communicated."""
         self.end_waiting()
         self.chosen = index
         self.value = value
         self.wake()
 
     def redeem(self) -> None:
-        """The value that was promised has been read: the task goes on."""
+        """The value that was promised has been read: the task continues."""
         self.task.scheduler.current = self.task
         self.task.resume(None)
 

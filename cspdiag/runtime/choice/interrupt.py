@@ -18,7 +18,7 @@ from .guards import Choice, Guard, Input, Output, Ready, option_of, waits_of_gua
 
 
 class _Interruption(Choice):
-    """The guard of an interrupt: it does not wake a task that waits, it cancels the body."""
+    """The guard of an interrupt: instead of waking a task that waits, it cancels the body."""
 
     body: Task
     body_has_ended = False
@@ -29,18 +29,18 @@ class _Interruption(Choice):
         self.body.cancel()
 
     def pledge(self, index: int) -> Party:
-        """See ``Choice.pledge``; the body goes on to its next communication while the value waits to be read."""
+        """See ``Choice.pledge``; the body runs on to its next communication while the value waits to be read."""
         party = super().pledge(index)
         self.wake()
         return party
 
     def redeem(self) -> None:
-        """See ``Choice.redeem``: before the body has ended, nobody waits for it."""
+        """See ``Choice.redeem``: before the body has ended, no task waits for it."""
         if self.body_has_ended:
             super().redeem()
 
     def retract(self) -> None:
-        """Offers the guard no longer, and what was promised is not kept."""
+        """Withdraws the guard, even if it was promised to a reader."""
         if self.selector.waiting is not None:
             self.end_waiting()
         if self.pledged is not None and self.pledged.end.withdraw(self.pledged):
@@ -58,14 +58,14 @@ class _Interruption(Choice):
 
 
 class _Body(Branches):
-    """The body of an interrupt as the only branch; who cancels the interrupt takes its guard back."""
+    """The body of an interrupt as the only branch; cancelling it withdraws the guard of the interrupt."""
 
     __slots__ = ("interruption",)
 
     interruption: _Interruption
 
     def _task_for(self, body: Body) -> Task:
-        """What executes the body: optimized code of it asks if it was cancelled, also below a process whose code does
+        """What executes the body: its optimized code checks for cancellation, even inside a process whose code does
         not.
         """
         task = super()._task_for(body)
@@ -74,9 +74,7 @@ class _Body(Branches):
         return task
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
-        """See ``Join.branch_ended``. A body that ends by itself takes the guard with it, unless somebody has
-        chosen it.
-        """
+        """See ``Join.branch_ended``. A body that ends by itself withdraws the guard, unless that has been chosen."""
         super().branch_ended(branch, error)
         if not isinstance(error, Cancelled) and self.interruption.selector.waiting is not None:
             self.interruption.end_waiting()
@@ -90,7 +88,7 @@ class _Body(Branches):
 
 @coroutine
 def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]) -> Generator[None, None, None]:
-    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see
+    """Runs ``body``; once ``guard`` is ready, abandons the body at its next communication and runs ``handler``. See
     ``interrupted``.
     """
     policy = present().policy
@@ -103,10 +101,10 @@ def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]
 
 
 def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
-    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication. Whether it did.
+    """Runs ``body``; once ``guard`` is ready, abandons the body at its next communication. Returns whether it did.
 
-    The communication of the guard is made when the body has ended. If the body ends by itself, nothing else happens. An
-    ``Input`` guard keeps what it read as its ``value``.
+    The guard communicates when the body has ended. If the body ends by itself, nothing else happens. An ``Input`` guard
+    keeps what it read as its ``value``.
     """
     scheduler = present()
     task = scheduler.current
@@ -139,14 +137,14 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
     elif interruption.woken and branches.cancelled:
         value = yield from _communication(guard)
     else:
-        return False  # The body came to its end before its next communication.
+        return False  # The body ended before its next communication.
     if isinstance(guard, Input):
         guard.value = value
     return True
 
 
 class _Led:
-    """An interrupt whose body runs; a policy says when it comes."""
+    """An interrupt whose body is running; a policy decides when it happens."""
 
     def __init__(self, task: Task, option: Option, body: Task) -> None:
         self.task = task
@@ -162,7 +160,7 @@ class _Led:
 
 
 def _interrupted_by(policy: Policy, body: Body, guard: Guard) -> Generator[None, None, bool]:
-    """As ``interrupted``, in a run that a policy leads."""
+    """Like ``interrupted``, in a run that a policy leads."""
     task, option = present().current, option_of(guard, 0, {}, {})
     if not policy.leads_interrupts:
         taken = yield from interrupted(body, guard)
@@ -180,7 +178,7 @@ def _interrupted_by(policy: Policy, body: Body, guard: Guard) -> Generator[None,
     finally:
         policy.interrupt_ends(led)
     if led.came and isinstance(guard, Input | Output):
-        # A guard that was not taken waits for its turn as any other does.
+        # A guard that was not taken waits for its turn like any other.
         alternative = Alternative(guard)
         yield from alternative.select_by(Policy() if led.taken else policy)
         if isinstance(guard, Input):
@@ -191,7 +189,7 @@ def _interrupted_by(policy: Policy, body: Body, guard: Guard) -> Generator[None,
 
 
 def _communication(guard: Guard) -> Generator[None, None, Any]:
-    """What the guard reads or writes, as an alternative of this guard alone; it waits if somebody else was faster."""
+    """Communicates by the guard, as an alternative with this guard alone; waits if another process was faster."""
     if not isinstance(guard, Input | Output | Ready):
         if present().current.cancelled:
             raise Cancelled

@@ -1,6 +1,6 @@
 """Several communications offered at once: how a submodel reads its inputs and writes its outputs.
 
-They are begun in port order; the task goes on when the last of them is done.
+They begin in port order; the task continues when the last of them is done.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ R = TypeVar("R", covariant=True)
 
 
 _NOTHING: Any = object()
-"""What a parked reader has received until a partner hands a value over or it collects one."""
+"""What a parked reader has received before a partner hands a value over or it collects one."""
 
 
 class _Offered:
-    """One communication of several that a task offers at once; while none of them has to wait, one object serves for
+    """One communication of several that a task offers at once; as long as none of them has to wait, one object serves
     all.
     """
 
@@ -52,7 +52,7 @@ class _Offered:
         self.received: Any = None
 
     def waits(self, together: _Together, position: int, end: AnyIn | AnyOut, received: Any = None) -> None:
-        """It was parked at ``end``."""
+        """Notes that it was parked at ``end``."""
         self._together = together
         self.position = position
         self.end = end
@@ -87,7 +87,7 @@ class _Offered:
 
 
 class _Together:
-    """The communications that are not done yet; ``values`` are those of all, by position."""
+    """The communications that are not done yet; ``values`` has the values of all, by position."""
 
     __slots__ = ("error", "task", "values", "waiting")
 
@@ -98,7 +98,7 @@ class _Together:
         self.waiting: list[_Offered] = []
 
     def collect(self, readied: _Offered) -> None:
-        """The task runs because of ``readied``: takes, in port order, whatever else there is by now."""
+        """Called when the task was resumed for ``readied``: takes, in port order, what else has arrived by now."""
         still = []
         for offered in self.waiting:
             if offered.received is _NOTHING:
@@ -117,7 +117,7 @@ class _Together:
             self.task.resume(None)
 
     def fail(self, offered: _Offered, error: BaseException) -> None:
-        """Gives up the others; the task gets the error."""
+        """Withdraws the others; the error is raised in the task."""
         self.error = error
         self.waiting.remove(offered)
         self.give_up()
@@ -169,12 +169,12 @@ if TYPE_CHECKING:
     @overload
     def read_all(*ends: AnyIn) -> Values[tuple[Any, ...]]: ...
     def read_all(*ends: AnyIn) -> Values[tuple[Any, ...]]:
-        """Reads all ends at once, begun in the order given; a tuple of their values."""
+        """Reads all ends at once, beginning in the given order; returns a tuple of their values."""
 
 else:
 
     def read_all(*ends: AnyIn) -> Generator[None, None, tuple[Any, ...]]:
-        """Reads all ends at once, begun in the order given; a tuple of their values."""
+        """Reads all ends at once, beginning in the given order; returns a tuple of their values."""
         policy = present().policy
         return _read_together(ends) if policy is None else _read_by(policy, ends)
 
@@ -207,7 +207,7 @@ def _read_together(ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ..
 
 @coroutine
 def _read_by(policy: Policy, ends: Sequence[AnyIn]) -> Generator[None, None, tuple[Any, ...]]:
-    """As ``read_all``, in the order that a policy wants."""
+    """Like ``read_all``, in the order that a policy chooses."""
     task = present().current
     if task.cancelled:
         raise Cancelled
@@ -229,7 +229,7 @@ def _read_by(policy: Policy, ends: Sequence[AnyIn]) -> Generator[None, None, tup
 
 @coroutine
 def _write_by(policy: Policy, outputs: Sequence[tuple[Out[Any], Any]]) -> Generator[None, None, None]:
-    """As ``write_all``, in the order that a policy wants."""
+    """Like ``write_all``, in the order that a policy chooses."""
     task = present().current
     if task.cancelled:
         raise Cancelled
@@ -251,12 +251,16 @@ def _write_by(policy: Policy, outputs: Sequence[tuple[Out[Any], Any]]) -> Genera
 if TYPE_CHECKING:
 
     def write_all(*outputs: tuple[Out[Any], Any]) -> Values[None]:
-        """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
+        """Takes pairs of an end and a value, and writes all values at once, beginning in the given order; ends when all
+        were taken.
+        """
 
 else:
 
     def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
-        """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
+        """Takes pairs of an end and a value, and writes all values at once, beginning in the given order; ends when all
+        were taken.
+        """
         policy = present().policy
         return _write_together(outputs) if policy is None else _write_by(policy, outputs)
 

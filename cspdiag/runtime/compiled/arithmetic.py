@@ -1,12 +1,12 @@
 """Checked integers, and IEEE 754 mathematics without Python's exceptions.
 
-Integers that leave their range are a ``Fault``, never a silent wrap. Functions of reals give a NaN or an infinity where
-IEEE 754 and C's ``libm`` do.
+Integers that leave their range are a ``Fault``, never a silent wrap. Functions of reals return a NaN or an infinity
+where IEEE 754 and C's ``libm`` do.
 
 Agreement with C: ``sqrt``, ``floor``, ``ceil``, ``nearest``, ``limit``, ``sign``, ``deadzone``, ``float32`` and
-``remainder`` are exact, and the same bits everywhere. ``exp log sin cos tan asin acos atan atan2 power`` are the
-``libm`` of the platform, as C calls it: the same bits on the same platform, but between platforms the last place may
-differ, and with it ``quantize`` only through its argument.
+``remainder`` are exact, and the same bits everywhere. ``exp log sin cos tan asin acos atan atan2 power`` are those of
+the platform's ``libm``, which C calls too: the same bits on the same platform, but the last digit may differ between
+platforms. ``quantize`` differs only if its argument does.
 """
 
 from __future__ import annotations
@@ -243,14 +243,14 @@ def deadzone(x: float, width: float) -> float:
 
 
 def element(array: Sequence[T], index: int) -> T:
-    """An element. Raises Fault for an index out of range; a negative one is."""
+    """An element. Raises Fault for an index out of range, such as a negative one."""
     if not 0 <= index < len(array):
         raise Fault(f"index {index} is outside 0 .. {len(array) - 1}")
     return array[index]
 
 
 def replaced(array: Sequence[Any], value: Any, index: int, *inner: int) -> tuple[Any, ...]:
-    """A copy with one element changed; further indexes go into arrays of arrays. Raises Fault for an index out of
+    """A copy with one element changed; further indexes are those in arrays of arrays. Raises Fault for an index out of
     range.
     """
     old = element(array, index)

@@ -1,8 +1,8 @@
-"""Rendezvous channels for optimized code, which reads and writes their slots in place.
+"""Rendezvous channels for optimized code, which accesses their slots directly.
 
 Invariants:
 
-- At most one of ``reading`` and ``writing`` is set: the party that arrived first and waits. Who takes it out puts it
+- At most one of ``reading`` and ``writing`` is set: the party that arrived first and waits. What removes it puts it
   into the ready queue.
 - ``offered`` is the value of the waiting writer, ``value`` what was handed over to the reader that waited. There are
   two places because the next writer may offer before the reader that was readied has run.
@@ -19,8 +19,8 @@ from ..kernel.scheduler import present
 
 
 class Rendezvous(In[T], Out[T]):
-    """As ``Channel``, for one writer and one reader neither of which alternates; the methods are for parties that are
-    not optimized code.
+    """Like ``Channel``, for one writer and one reader, neither of which alternates. The methods are for parties that
+    are not optimized code.
     """
 
     __slots__ = ("name", "offered", "reading", "value", "writing")
@@ -89,8 +89,9 @@ class Rendezvous(In[T], Out[T]):
 class Alternated(Rendezvous[T]):
     """A rendezvous whose reader may alternate.
 
-    Whoever begins to wait with a value sets ``bit`` in ``selector.ready`` and wakes the selector if that has ``bit``
-    armed; whoever takes the value calls ``lower``. With several alternatives on the channel the selector is a ``Fan``.
+    A writer that begins to wait with a value sets ``bit`` in ``selector.ready``, and wakes the selector if that has
+    ``bit`` armed; what takes the value calls ``lower``. With several alternatives on the channel the selector is a
+    ``Fan``.
     """
 
     __slots__ = ("_watchers", "bit", "selector")
@@ -115,7 +116,7 @@ class Alternated(Rendezvous[T]):
         return value
 
     def lower(self) -> None:
-        """No writer waits any longer."""
+        """The writer no longer waits."""
         lower_bits(self._watchers)
 
     def withdraw(self, party: Party) -> bool:
@@ -143,7 +144,7 @@ class Alternated(Rendezvous[T]):
 
 
 class Fan(Selector):
-    """Stands for the selectors of several alternatives, or of none, on one channel: it is woken every time, and tells
+    """Represents the selectors of several alternatives, or of none, on one channel: it is woken every time, and wakes
     them.
     """
 
@@ -155,5 +156,5 @@ class Fan(Selector):
         self._watchers = watchers
 
     def wake(self) -> None:
-        """A writer has come."""
+        """A writer has arrived."""
         raise_bits(self._watchers)

@@ -1,7 +1,7 @@
 """Optimized processes: generator functions that the scheduler resumes directly.
 
-The code of a process, of all that was flattened into it, and of each of its parallel branches is one generator, whose
-first argument is the task that executes it.
+The code of a process and of all that was flattened into it is one generator, and so is that of each of its parallel
+branches. Its first argument is the task that executes it.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ class Part(Executed):
     """What is executed: a process with code of its own, or a process or a control law that is executed by the code
     around it.
 
-    ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not told;
-    ``source`` is the file and line of its definition. ``ends`` are its reading ends, closed when it ends.
+    ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not
+    notified; ``source`` is the file and line of its definition. ``ends`` are its reading ends, closed when it ends.
     """
 
     __slots__ = ("_enclosing", "ends", "name")
@@ -44,7 +44,7 @@ class Part(Executed):
         self._enclosing: Any = None
 
     def owns(self, end: E) -> E:
-        """Makes ``end`` one that is closed when this process ends."""
+        """Registers ``end`` to be closed when this process ends."""
         self.ends = (*self.ends, end)
         return end
 
@@ -57,7 +57,7 @@ class Part(Executed):
             scheduler.watcher.process_started(scheduler.now, self.name, self.kind)
 
     def end(self, me: Task) -> None:
-        """It has ended, in whatever way."""
+        """The process has ended, in whatever way."""
         me.process = self._enclosing
         for end in self.ends:
             end.close()
@@ -66,14 +66,18 @@ class Part(Executed):
             scheduler.watcher.process_ended(scheduler.now, self.name)
 
     def fail(self, me: Task, error: BaseException) -> None:
-        """It is ended by ``error``, which is given its place; raises another if that says it better."""
+        """The process is ended by ``error``, which is given its place. Raises another exception if that describes the
+        error better.
+        """
         try:
             self.blame(error)
         finally:
             self.end(me)
 
     def blame(self, error: BaseException) -> None:
-        """Gives an error that leaves this process its place; raises a Fault for an error of arithmetic."""
+        """Gives an error that leaves this process its place. Raises a Fault in place of an error of Python's
+        arithmetic.
+        """
         if isinstance(error, ProcessError):
             if error.place is None:
                 error.place = place_of(error, self)
@@ -97,8 +101,9 @@ class Inlined(Part):
 class Routine(Part):
     """A process with code of its own: ``steps``.
 
-    ``checked``: whether the code asks before each communication if it was cancelled; else it is abandoned where it
-    stands. ``tracked``, of the outermost process: whether the program has parts written by hand, which ask who runs.
+    ``checked``: whether the code checks before each communication if it was cancelled; otherwise it is abandoned where
+    it is. ``tracked``, of the outermost process: whether the program has parts written by hand, which need to know
+    which process runs.
     """
 
     __slots__ = ()
@@ -114,11 +119,11 @@ class Routine(Part):
 
 
 Branch: TypeAlias = "Routine | Callable[[Task], Steps]"
-"""What an optimized process can run beside others."""
+"""What an optimized process can run in parallel with others."""
 
 
 class _Done:
-    """Stands in the ready queue for a communication of a task that was cancelled."""
+    """Takes the place, in the ready queue, of a communication of a task that was cancelled."""
 
     resume = staticmethod(lambda _: None)
 
@@ -129,8 +134,8 @@ _DONE = _Done()
 class RoutineTask(Task):
     """A task that executes optimized code.
 
-    That code does not note in ``waiting`` at which rendezvous it waits: these are found among the variables of the
-    code, where that is asked for.
+    That code does not note in ``waiting`` at which rendezvous it waits: these are found among the variables of the code
+    when they are needed.
     """
 
     __slots__ = ()
@@ -143,7 +148,7 @@ class RoutineTask(Task):
         self.resume = self._abandon
 
     def withdraw(self) -> bool:
-        """Takes it back from where it waits; False if it does not wait."""
+        """Removes the task from where it waits; False if it does not wait."""
         waits = False
         for channel in self._channels():
             waits |= channel.withdraw(self)
@@ -152,14 +157,16 @@ class RoutineTask(Task):
         return waits or super().withdraw()
 
     def _forget_done(self) -> None:
-        """Of several communications offered at once some may be done: they have put it into the queue."""
+        """Removes it from the ready queue, into which communications that are done may have put it if several were
+        offered at once.
+        """
         queue: Any = self.ready_queue
         for position, party in enumerate(queue):
             if party is self:
                 queue[position] = _DONE
 
     def waits(self) -> Waits:
-        """What it waits for."""
+        """What the task waits for."""
         channels = [channel for channel in self._channels() if self in (channel.reading, channel.writing)]
         if channels:
             return tuple([wait for channel in channels for wait in channel.waits_for(self)])
@@ -195,7 +202,7 @@ def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask
 
 
 def start_group(me: Task, label: str) -> str:
-    """A labelled part begins, for traces and progress; its path."""
+    """Begins a labelled part, for traces and progress; returns its path."""
     path = label if me.process is None else f"{me.process.name}.{label}"
     scheduler = me.scheduler
     if scheduler.watcher is not None:
@@ -204,7 +211,7 @@ def start_group(me: Task, label: str) -> str:
 
 
 def end_group(path: str) -> None:
-    """It has ended, in whatever way."""
+    """A labelled part has ended, in whatever way."""
     scheduler = present()
     if scheduler.watcher is not None and not run_is_ended():
         scheduler.watcher.group_ended(scheduler.now, path)

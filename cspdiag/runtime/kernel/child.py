@@ -1,5 +1,5 @@
-"""A child that a driver or a body forks during a run, and that comes back into it: devices and processes are its
-parent's.
+"""A child that a driver or a body forks during a run, and that returns into the run: devices and processes belong to
+its parent.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 
 class _End:
-    """Stands in for whatever such a child comes upon: it ends there, without a word and without flushing what its
+    """Replaces whatever such a child would use next: the child ends there, silently and without flushing what its
     parent has yet to write.
     """
 
@@ -17,15 +17,15 @@ class _End:
     process: Any = None
 
     def read(self) -> NoReturn:
-        """As a line of an input."""
+        """See ``DirectLine.read``."""
         os._exit(1)
 
     def write(self, value: object) -> NoReturn:
-        """As a line of an output."""
+        """See ``DirectLine.write``."""
         os._exit(1)
 
     def resume(self, _: None) -> NoReturn:
-        """As a party."""
+        """See ``Party.resume``."""
         os._exit(1)
 
 

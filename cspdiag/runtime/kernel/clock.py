@@ -1,7 +1,6 @@
-"""Time: virtual, where it jumps as soon as nothing is ready, or real, where the clock decides.
+"""Time: virtual time jumps to the next instant as soon as nothing is ready; real time is that of the clock.
 
-Both count nanoseconds from the start. Deadlines in real time are absolute: a late instant does not delay those after
-it.
+Both count nanoseconds from the start. Deadlines in real time are absolute: a late instant does not delay the next ones.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from typing import Protocol
 
 
 class Clock(Protocol):
-    """Decides when an instant has come."""
+    """Decides when an instant has been reached."""
 
     real: bool
 
@@ -25,24 +24,24 @@ class Clock(Protocol):
         ...
 
     def reach(self, instant: int | None) -> bool:
-        """Waits for the instant (None: for ever); False if something came from outside before it."""
+        """Waits for the instant (None: forever); False if something arrived from outside before it."""
         ...
 
     def notify(self) -> None:
-        """Something has come from outside; called from any thread."""
+        """Something has arrived from outside; called from any thread."""
         ...
 
 
 class VirtualClock:
-    """Every instant has come as soon as it is waited for."""
+    """Every instant is reached as soon as it is waited for."""
 
     real = False
 
     def start(self) -> None:
-        """Time is the scheduler's."""
+        """Does nothing: the scheduler keeps the time."""
 
     def now(self) -> int:
-        """Nothing takes time: always before the next instant."""
+        """Always before the next instant: nothing takes time."""
         return 0
 
     def reach(self, instant: int | None) -> bool:

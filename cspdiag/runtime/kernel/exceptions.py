@@ -1,7 +1,7 @@
 """Exceptions of CSP programs.
 
 A process that ends unsuccessfully raises a ``ProcessError``: its siblings in a parallel are cancelled at their next
-communication, and then the exception goes up, until a ``try`` catches it or the program ends.
+communication, and then the exception propagates until a ``try`` catches it or the program ends.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
 
 
 class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
-    """Something that no correct program does: overflow, division by zero, a NaN written to an actuator."""
+    """A value that does not exist: overflow, division by zero, a NaN written to an actuator."""
 
     def __init__(self, message: str, place: Place | None = None) -> None:
         super().__init__(message)
@@ -53,12 +53,12 @@ class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
 
 
 def fault_of(error: ArithmeticError, place: Place | None) -> Fault:
-    """The fault that an error of Python's arithmetic is."""
+    """The fault that an error of Python's arithmetic means."""
     return Fault("division by zero" if isinstance(error, ZeroDivisionError) else str(error), place)
 
 
 def text_of(error: BaseException) -> str:
-    """What an exception says; one whose text cannot be made must not keep outputs from being released."""
+    """The text of an exception. If that cannot be made, another text: outputs must be released all the same."""
     try:
         return str(error)
     except BaseException as failed:
@@ -66,7 +66,7 @@ def text_of(error: BaseException) -> str:
 
 
 def kind_and_text(error: BaseException) -> str:
-    """The class of an exception and what it says, if anything."""
+    """The class of an exception and its text, if any."""
     name, text = type(error).__name__, text_of(error)
     return f"{name}: {text}" if text else name
 
@@ -76,12 +76,12 @@ class RunEnded(BaseException):
 
 
 def run_is_ended() -> bool:
-    """Whether what is handled now ends the run: the processes that it leaves were still running then."""
+    """Whether the exception being handled ends the run; the processes that it leaves were then still running."""
     return isinstance(sys.exception(), RunEnded)
 
 
 class RunFailed(RunEnded):
-    """Ends a run at once, unsuccessfully: with ``error``."""
+    """Ends a run at once, unsuccessfully, with ``error``."""
 
     def __init__(self, error: Exception) -> None:
         super().__init__(error)
@@ -98,7 +98,7 @@ class DriverError(Exception):
         self.operation = operation
 
 
-class EnvironmentFailure(Exception):  # noqa: N818 - it is no fault of the program
+class EnvironmentFailure(Exception):  # noqa: N818 - not a fault of the program
     """The plant or the operator of an environment failed; the run ends with its outputs released."""
 
     def __init__(self, environment: str, cause: BaseException, place: str | None) -> None:
@@ -107,7 +107,7 @@ class EnvironmentFailure(Exception):  # noqa: N818 - it is no fault of the progr
 
 
 class HandlerError(Exception):
-    """A handler of a signal that does not belong to the runtime has raised something; the run ends with its outputs
+    """A handler of a signal that does not belong to the runtime has raised an exception; the run ends with its outputs
     released.
     """
 
@@ -118,36 +118,37 @@ class HandlerError(Exception):
 
 
 class HangError(Exception):
-    """A step of the program has not come to its end; the run ends with its outputs released."""
+    """A step of the program does not end; the run ends with its outputs released."""
 
 
 class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
-    """Two processes read, or two write, a channel at the same time that allows one."""
+    """Two processes read, or two write, at the same time on a channel that allows one."""
 
 
 class Deadlock(Exception):  # noqa: N818 - the field's term
-    """No process can ever go on; raised by ``Outcome.raise_if_unsuccessful``."""
+    """No process can ever continue; raised by ``Outcome.raise_if_unsuccessful``."""
 
 
 class Cancelled(BaseException):
-    """Ends a process at its next communication, because a sibling failed or an interrupt came.
+    """Ends a process at its next communication, because a sibling failed or an interrupt occurred.
 
-    Not an ``Exception``, so that no handler for errors catches it. A process that catches it all the same gets it
-    again at the communication after that.
+    Not an ``Exception``, so handlers for errors do not catch it. In a process that catches it all the same, it is
+    raised again at the following communication.
     """
 
 
 ANOTHER_BRANCH = "another parallel branch ended with"
-"""How a note begins that is for those who look at the exception in Python; what a run says is the same on every target.
+"""How a note begins that is only for users of the exception in Python; the text that a run prints is the same on every
+target.
 """
 
 
 def described(error: BaseException) -> str:
-    """The exception in the words of the program: its name, what it says, and where it was raised."""
+    """The exception in the words of the program: its name, its text, and where it was raised."""
     text = text_of(error)
     if isinstance(error, DriverError | EnvironmentFailure | HandlerError | HangError):
         return text
     place = getattr(error, "place", None)
-    told = [note for note in getattr(error, "__notes__", []) if not note.startswith(ANOTHER_BRANCH)]
-    notes = [f"in {place}"] if place is not None and place not in text else told
+    noted = [note for note in getattr(error, "__notes__", []) if not note.startswith(ANOTHER_BRANCH)]
+    notes = [f"in {place}"] if place is not None and place not in text else noted
     return ", ".join([kind_and_text(error), *notes])

@@ -1,4 +1,4 @@
-"""What a task executes, as the scheduler and its reports know it."""
+"""What a task executes, as seen by the scheduler and its reports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Executed:
     __slots__ = ()
 
     is_law = False
-    """Whether it is a control law, at which a cancelled process ends before the law reads and before it writes."""
+    """Whether it is a control law. A cancelled process ends before the law reads or before it writes."""
 
     has_computed = True
     """False from the beginning of a control law until it has computed, in a run that a policy leads."""

@@ -6,30 +6,28 @@ from typing import Any
 
 
 class Observer:
-    """Told of what happens in a run; subclasses override what they want to know.
+    """Notified of what happens in a run; subclasses override the methods that they need.
 
     Times are nanoseconds, channels and paths are hierarchical names; ``writer`` and ``reader`` are ``""`` for the
     environment.
     """
 
     wants_communications: bool = True
-    """Whether to be told of communications at all."""
+    """Whether ``communication`` is to be called at all."""
 
     communication_log: list[Any] | None = None
-    """Where an observer gives a list, it is extended by the arguments of ``communication`` instead of a call, which is
-    faster.
-    """
+    """If this is a list, the arguments of ``communication`` are added to it instead of a call, which is faster."""
 
     def communication(self, time: int, channel: str, value: Any, writer: str, reader: str) -> None:
         """A value has passed through an external port or a channel that is not a variable."""
 
     sample_log: list[Any] | None = None
-    """Where an observer gives a list, it is extended by the time, the port and the value of every sample of a sampled
-    input, read or not.
+    """If this is a list, the time, the port and the value of every sample of a sampled input are added to it, whether
+    read or not.
     """
 
     def process_started(self, time: int, path: str, class_name: str) -> None:
-        """A process that is no submodel begins."""
+        """A process that is not a submodel begins."""
 
     def process_ended(self, time: int, path: str) -> None:
         """It has ended, in whatever way."""

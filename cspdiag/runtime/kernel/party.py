@@ -12,8 +12,7 @@ from .executed import Executed
 class Party(Protocol):
     """What can wait in a channel and then be in a ready queue.
 
-    ``resume`` goes on with it; only the scheduler calls it. A party that is no task makes its task the current one
-    before it resumes it.
+    A party that is not a task itself makes its task the current one before it resumes that.
     """
 
     received: Any
@@ -21,7 +20,7 @@ class Party(Protocol):
 
     @property
     def resume(self) -> Callable[[None], object]:
-        """Goes on; called by the scheduler only."""
+        """Lets it continue; called only by the scheduler."""
         ...
 
     @property
@@ -36,8 +35,8 @@ class Party(Protocol):
 
 
 Waits: TypeAlias = "tuple[tuple[str, Any], ...]"
-"""What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is
-enough, or all.
+"""What a party waits for: words (``to read``) and the end of a channel, or None if it is not a channel. Of several
+entries, one may be enough, or all be needed.
 """
 
 
@@ -45,7 +44,7 @@ class Waitable(Protocol):
     """What a task can wait for."""
 
     def withdraw(self, party: Party) -> bool:
-        """Takes a waiting party back; False if it does not wait here any longer."""
+        """Removes a waiting party; False if it no longer waits here."""
         ...
 
     def waits_for(self, party: Party) -> Waits:

@@ -19,17 +19,19 @@ from .executed import Executed
 
 _PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
 _RUNTIME = (__package__ or "").rpartition(".")[0]
-"""The package of the runtime: by its own name, or inside a generated package."""
+"""The package of the runtime, which may be inside a generated package."""
 _LIBRARY = os.path.dirname(os.__file__)
 
 
 def place_of(error: BaseException, process: Executed) -> Place:
-    """The process, with the source line of the statement that raised ``error``, or else that of the process."""
+    """The process with the source line of the statement that raised ``error`` or, if unknown, that of the process."""
     return Place(process.name, statement_of(error) or process.source)
 
 
 def note_place(error: BaseException, process: Executed) -> None:
-    """Notes where what is no exception of the program has left ``process``, but not of what only ends the process."""
+    """Adds a note with the place at which an exception that is not one of the program's has left ``process``, unless it
+    only ends the process.
+    """
     if isinstance(error, Cancelled | RunEnded) or hasattr(error, "__notes__"):
         return
     if isinstance(error, GeneratorExit) and _is_closed(error.__traceback__):
@@ -59,8 +61,8 @@ def statement_of(error: BaseException) -> str | None:
 
 
 def raised_by_program(error: BaseException) -> bool:
-    """Whether generated code itself has raised ``error``, and not what it calls: its files are those that
-    have places.
+    """Whether generated code itself has raised ``error``, not a function that it calls. Its files are those that have
+    places.
     """
     files: set[str] = set()
     innermost: CodeType | None = None
@@ -94,10 +96,9 @@ def _first_place(code: CodeType, lines: Iterable[int]) -> str | None:
 
 
 def whereabouts(thread: int, *, only_processes: bool = False) -> str:
-    """Where a thread is that does not come back: the process, the source line, and the line of what was written by
-    hand.
+    """Where a thread that hangs is: the process, the source line, and the line of the code written by hand.
 
-    With ``only_processes`` nothing, where no process is at work.
+    Empty with ``only_processes`` if no process is running.
     """
     frame = sys._current_frames().get(thread)
     process = place = by_hand = ""
@@ -116,8 +117,8 @@ def whereabouts(thread: int, *, only_processes: bool = False) -> str:
 
 
 def _place_around(frame: FrameType) -> str | None:
-    """The place where it is; in a loop it is most often found at its head, which what precedes the loop does
-    not tell.
+    """The place at which a frame is. Within a loop it is most often at the head of the loop, not at what precedes the
+    loop.
     """
     code, line = frame.f_code, frame.f_lineno
     last = max(number or 0 for _, _, number in code.co_lines())
@@ -147,6 +148,6 @@ def _is_of_library(frame: FrameType) -> bool:
 def _executed_by(frame: FrameType) -> Executed | None:
     executed = frame.f_locals.get("self")
     if executed is None:
-        # A branch of optimized code knows its task, and its process only where it uses that.
+        # A branch of optimized code has a variable for its task, and one for its process only if it uses that.
         executed = getattr(frame.f_locals.get("me"), "process", None)
     return executed if isinstance(executed, Executed) else None

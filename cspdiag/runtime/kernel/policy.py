@@ -1,8 +1,8 @@
 """What a run leaves open, and who decides it.
 
-Without a policy the first ready process is next, ``[]`` is fair, and nobody is told more than observers are. A policy
-decides otherwise within what the language allows, or lets tasks halt before what they do, so that a run can be led
-through a trace. It needs the readable code (``-O0``): optimized code communicates in place.
+Without a policy the first ready process is next, ``[]`` is fair, and only observers are notified. A policy can decide
+otherwise within what the language allows, or halt tasks before each of their steps, so that a run can be led through a
+trace. It needs readable code (``-O0``), as optimized code communicates in place.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ Action: TypeAlias = Literal["read", "write", "ready", "wait", "after", "skip"]
 
 @dataclass(frozen=True)
 class Option:
-    """Something that a task can go on with; ``index`` tells the guards of an alternative apart.
+    """Something with which a task can continue; ``index`` distinguishes the guards of an alternative.
 
     ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out,
-    ``skip`` a guard in which nobody else takes part. ``duration``, in nanoseconds, belongs to ``wait`` and ``after``,
-    ``value`` to ``write``.
+    ``skip`` a guard without a partner. ``duration``, in nanoseconds, belongs to ``wait`` and ``after``, ``value`` to
+    ``write``.
     """
 
     action: Action
@@ -34,14 +34,14 @@ class Option:
 
 
 class Gate(Waitable, Protocol):
-    """Where a task halts. ``chosen`` is what it then goes on with, None: as in any run."""
+    """Where a task halts. ``chosen`` is what it then continues with; None: as in any run."""
 
     @property
     def chosen(self) -> Option | None: ...  # noqa: D102
 
 
 class Interruption(Protocol):
-    """An interrupt whose body runs, for a policy that decides when it comes."""
+    """An interrupt whose body is running, for a policy that decides when it happens."""
 
     @property
     def task(self) -> Party: ...  # noqa: D102
@@ -50,53 +50,51 @@ class Interruption(Protocol):
     def option(self) -> Option: ...  # noqa: D102
 
     def come(self, *, taken: bool) -> None:
-        """Abandons the body at its next communication; the guard is ``taken`` with that, or else has to wait for its
-        turn.
-        """
+        """Abandons the body at its next communication; the guard is then ``taken``, or else has to wait for its turn."""
         ...
 
 
 class Policy:
-    """Decides what a run leaves open, and is told what tasks do. These are the decisions of every run; subclasses
-    override some.
+    """Decides what the language leaves open in a run, and is notified of what tasks do. These methods decide as in any
+    run; subclasses override some.
     """
 
     leads_interrupts = False
-    """Whether the policy decides when interrupts come, and not their guards."""
+    """Whether the policy, not the guards, decides when interrupts happen."""
 
     # What it decides
 
     def next(self, ready: Sequence[Party]) -> int:
-        """Who of those that are ready on the highest level is next: a position; they stand in the order in which they
-        came.
+        """Which of the parties that are ready on the highest level is next: an index. They are in the order in which
+        they became ready.
         """
         return 0
 
     def choose(self, task: Party, ready: Sequence[Option], *, prioritized: bool) -> int:
-        """Which of the guards that are ready an alternative takes: a position. They stand in the order that is fair, or
-        if ``prioritized`` in that of the text, where only the first may be taken.
+        """Which of the ready guards an alternative takes: an index. The guards are in the fair order or, if
+        ``prioritized``, in text order, of which only the first may be taken.
         """
         return 0
 
     def halt(self, task: Party, options: Sequence[Option], *, together: bool) -> Gate | None:
-        """A task comes to a communication, a delay or an alternative: where it halts before that, None if it does not.
+        """A task reaches a communication, a delay or an alternative: the gate at which it halts before that, or None.
 
-        It will go on with one of the options, which are in text order; with all of them in any order if they belong
+        It will continue with one of the options, which are in text order, or with all of them in any order if they are
         ``together``.
         """
         return None
 
-    # What it is told
+    # What it is notified of
 
     def arrives(self, task: Party) -> None:
-        """A task comes to an alternative, and has not looked at its guards."""
+        """A task has reached an alternative, and has not yet looked at its guards."""
 
     def did(self, task: Party, option: Option) -> None:
-        """A task has gone on with this: a communication, the end of a delay, a guard."""
+        """A task has taken ``option``: it has communicated, a delay has ended, or it has taken a guard."""
 
     def took_part(self, party: Party, action: Literal["read", "write", "miss"], channel: str) -> None:
-        """One side of what observers are told of as a whole, or of the other side alone: a write to a broadcast, a read
-        from a buffer, a sample that was found overwritten.
+        """One side of a communication, for which observers are notified of both sides together, or of the other side
+        only: a write to a broadcast, a read from a buffer, a sample that was found overwritten.
         """
 
     def wrote(self, party: Party, channel: str, value: Any) -> None:
@@ -106,7 +104,7 @@ class Policy:
         """A control law computes, after it has read its inputs and before it writes: time may pass."""
 
     def interrupt_begins(self, interruption: Interruption) -> None:
-        """The body of an interrupt begins that comes when the policy says so."""
+        """The body of an interrupt begins; the policy decides when the interrupt happens."""
 
     def interrupt_ends(self, interruption: Interruption) -> None:
         """The body of such an interrupt has ended."""
@@ -115,5 +113,5 @@ class Policy:
 def compute_first(policy: Policy, executed: Executed | None) -> None:
     """Before the first write of a control law, or at its end."""
     if executed is not None and not executed.has_computed:
-        executed.has_computed = True  # type: ignore[misc]  # Those without a place for it have always computed.
+        executed.has_computed = True  # type: ignore[misc]  # Those without this attribute have always computed.
         policy.computes()

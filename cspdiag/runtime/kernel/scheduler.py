@@ -5,9 +5,9 @@ A *task* is a thread of control: the outermost process, or a branch of a paralle
 
 Invariants:
 
-- At most one task of a run is at work; ``scheduler.current`` is that task, or ``nobody``.
-- A party is either registered with the thing it waits for, or in a ready queue, and in at most one of the two. Whoever
-  takes it out of the first puts it into the second; nobody resumes a task directly.
+- At most one task of a run is running; ``scheduler.current`` is that task, or ``nobody``.
+- A party is either registered with the thing it waits for, or in a ready queue, and in at most one of the two. What
+  removes it from the first puts it into the second; nothing resumes a task directly.
 - Within a level of priority the ready queue is first come, first served. Level ``()`` is the highest; a task of a
   lower level runs only while no task of a higher level is ready.
 - A task that is cancelled never registers anywhere, and never completes a communication.
@@ -75,7 +75,7 @@ class Task:
             self.process, self.priority, self.ready_queue = parent.process, parent.priority, parent.ready_queue
 
     def cancel(self) -> None:
-        """Ends the task at its next communication: the one at which it waits, or else the next that it begins."""
+        """Ends the task at its next communication: the one at which it waits, or else the next one that it begins."""
         if self.cancelled or self.ended:
             return
         self.cancelled = True
@@ -88,15 +88,15 @@ class Task:
             self._cancel_ready()
 
     def _cancel_ready(self) -> None:
-        """It is in a ready queue, or waits for its branches, which were cancelled."""
+        """Cancels a task that is in a ready queue, or waits for its branches, which were cancelled."""
         self.resume = self._go_on_until_communication
 
     def withdraw(self) -> bool:
-        """Takes it back from where it waits; False if it does not wait."""
+        """Removes the task from where it waits; False if it does not wait."""
         return self.waiting is not None and self.waiting.withdraw(self)
 
     def waits(self) -> Waits:
-        """What it waits for."""
+        """What the task waits for."""
         return () if self.waiting is None else self.waiting.waits_for(self)
 
     def _cancel_running(self) -> None:
@@ -131,7 +131,7 @@ class Task:
 
 
 class Watcher(Protocol):
-    """What is told when processes and groups start and end; see ``Observer``."""
+    """What is notified when processes and groups start and end; see ``Observer``."""
 
     def process_started(self, time: int, path: str, class_name: str) -> None: ...  # noqa: D102
     def process_ended(self, time: int, path: str) -> None: ...  # noqa: D102
@@ -140,7 +140,7 @@ class Watcher(Protocol):
 
 
 class Join(Protocol):
-    """What is told of the end of a branch."""
+    """What is notified when a branch ends."""
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """Called once for every branch."""
@@ -152,12 +152,11 @@ class Led(Exception):  # noqa: N818 - it says what is the case
 
 
 class Scheduler:
-    """The ready queues and the present instant of one run. Entered, it is that of the run that this thread is in, which
-    ``present`` gives.
+    """The ready queues and the present instant of one run. While it is entered, ``present`` returns it in this thread.
 
     ``enqueue`` readies a party. ``ready`` does so on behalf of the running task, which ends there if it is cancelled;
-    ``push`` also refuses to where a policy may want it to halt before (``Led``). ``careful`` where a task cannot wait
-    without having asked: it may be cancelled, a policy may want it to halt, or this is not the present run.
+    ``push`` also raises ``Led`` if a policy may want the task to halt first. ``careful``: whether a task must make
+    checks before it waits, as it may be cancelled, a policy may want it to halt, or this is not the present run.
     """
 
     __slots__ = (
@@ -182,7 +181,7 @@ class Scheduler:
     def __init__(self, policy: Policy | None = None) -> None:
         self.now = 0
         self.queue: list[Party] = []
-        """That of the highest level, which is never another list."""
+        """The queue of the highest level; always the same list."""
         self._entered: list[Token[Scheduler]] = []
         self.current = nobody
         self._levels: list[tuple[Priority, deque[Party]]] = []
@@ -205,14 +204,14 @@ class Scheduler:
         _present.reset(self._entered.pop())
 
     def end(self) -> None:
-        """The run is over: channels that are used again look which run is the present one."""
+        """The run is over: channels that are used again look up the present run."""
         self.observe = self.watcher = None
         self.current = nobody
         self.careful = True
         self.push = _refuse
 
     def heed_cancellation(self) -> None:
-        """From now on a cancelled task runs, or one that was cancelled may be about to wait."""
+        """A cancelled task runs from now on, or one that was cancelled may be about to wait."""
         self.careful = True
         self.push = self.ready = self._ready_unless_cancelled
 
@@ -223,7 +222,7 @@ class Scheduler:
         self.push = _refuse if self.careful else self.enqueue
 
     def _ready_unless_cancelled(self, party: Party) -> None:
-        """Stands in for ``ready`` while a cancelled task runs.
+        """Replaces ``ready`` while a cancelled task runs.
 
         Channels ready the partner before they change anything: this ends the task with the communication undone.
         """
@@ -232,7 +231,7 @@ class Scheduler:
         self.enqueue(party)
 
     def leave(self) -> None:
-        """In a child that was forked: whatever would be resumed next, wherever the queue is being walked, ends it."""
+        """Called in a forked child: whatever would be resumed next, in any loop over the queue, ends the child."""
         self.queue[:] = [end_of_child] * (len(self.queue) + 1)
 
     def set_priority(self, task: Task, priority: Priority) -> None:
@@ -260,8 +259,8 @@ class Scheduler:
         return created
 
     def run_ready_routines(self, most: int = 4096) -> bool:
-        """As ``run_ready``, where all processes are optimized code: that says by itself who runs, before it calls what
-        asks.
+        """Like ``run_ready``, if all processes are optimized code, which itself sets the current task before it calls a
+        function that needs it.
         """
         queue = self.queue
         if not queue:
@@ -287,10 +286,10 @@ class Scheduler:
         self._task_ended(error)
 
     def run_ready(self, most: int = 4096) -> bool:
-        """Runs up to ``most`` ready parties; False if none is ready any more.
+        """Runs up to ``most`` ready parties; False if none is left.
 
-        The queue of the highest level is a list that grows while it is walked, and is then cut: a FIFO without the
-        price of ``popleft``. When a task ends, its StopIteration leaves the loop but not the iterator.
+        The queue of the highest level is a list that grows during the loop over it, and is then cleared up to there: a
+        FIFO without the cost of ``popleft``. When a task ends, its StopIteration leaves the loop but not the iterator.
         """
         queue = self.queue
         if not queue:
@@ -318,7 +317,7 @@ class Scheduler:
         return False
 
     def run_ready_by(self, policy: Policy) -> bool:
-        """As ``run_ready``, one party that the policy chooses among those of the highest level."""
+        """Like ``run_ready``, but only one party, which the policy chooses among those of the highest level."""
         for _, queue in ((), self.queue), *self._levels:
             if queue:
                 position = policy.next(tuple(queue))
@@ -329,7 +328,7 @@ class Scheduler:
         return False
 
     def take_ready(self) -> Iterator[tuple[Priority, Party]]:
-        """Takes all that are ready out of their queues, for who runs them by ``run_one``."""
+        """Takes all ready parties out of their queues, for a caller that runs them by ``run_one``."""
         for level, queue in ((), self.queue), *self._levels:
             yield from [(level, party) for party in queue]
             queue.clear()
@@ -356,7 +355,7 @@ class Scheduler:
             self._task_ended(error)
 
     def _task_ended(self, error: BaseException | None) -> None:
-        """A task has come to its end; whatever it raises is the program's, unless it ends the run."""
+        """A task has ended; an exception that it raised belongs to the program, unless it ends the run."""
         if error is not None and stopping.ends_run(error):
             raise error
         ended = self.current
@@ -378,15 +377,15 @@ nobody: Task = None  # type: ignore[assignment]
 _present: ContextVar[Scheduler] = ContextVar("the run of this thread")
 
 present = _present.get
-"""The scheduler of the run that this thread is in. Raises LookupError where it is in none."""
+"""The scheduler of the run that this thread is in. Raises LookupError if there is none."""
 
 no_run: Final = Scheduler()
-"""Belongs to no run: channels have it before they were first used."""
+"""Belongs to no run: channels have it before their first use."""
 no_run.end()
 
 
 def hold(policy: Policy, *options: Option, together: bool = False) -> Generator[None, None, Option | None]:
-    """Halts the current task where the policy says so: what it is to go on with then; None: as in any run."""
+    """Halts the current task if the policy says so. Returns what it is to continue with; None: as in any run."""
     task = present().current
     if task.cancelled:
         raise Cancelled

@@ -1,4 +1,4 @@
-"""Which signals end a process unless somebody handles them, and what they are called."""
+"""Which signals end a process unless they are handled, and their names."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ _OTHERS = (
     "SIGCHLD", "SIGCONT", "SIGTSTP", "SIGTTIN", "SIGTTOU", "SIGURG", "SIGWINCH", "SIGINFO",
     "SIGSEGV", "SIGBUS", "SIGFPE", "SIGILL", "SIGEMT",
 )  # fmt: skip
-"""Those that nobody can handle; those that end no process; and faults of the processor: a handler in Python runs only
-when the instruction has succeeded, so that the processor would repeat it for ever.
+"""Those that cannot be handled; those that end no process; and faults of the processor: a handler in Python runs only
+after the instruction has succeeded, so the processor would repeat it forever.
 """
 
 SIGNALS: frozenset[int] = frozenset(
@@ -31,7 +31,7 @@ def exit_code_of(number: int) -> int:
 
 
 def name_of_signal(number: int) -> str:
-    """As people write it."""
+    """The name of a signal as people write it."""
     try:
         return signal.Signals(number).name
     except ValueError:
@@ -40,10 +40,10 @@ def name_of_signal(number: int) -> str:
 
 @contextmanager
 def left_to_the_main_thread() -> Iterator[None]:
-    """A thread that is started within it is sent no signals.
+    """A thread that is started within it receives no signals.
 
     Handlers in Python run in the main thread. Where the system hands a signal to another thread, the main one is not
-    woken: it would hear of the signal only when what it waits for has come.
+    woken: it would notice the signal only when what it waits for has arrived.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

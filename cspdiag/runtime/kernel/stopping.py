@@ -1,9 +1,10 @@
 """What ends a run from outside: signals.
 
-While it is entered, the first signal that would have ended the process ends the run instead, so that outputs are
-released. Further ones change nothing: they neither shorten the release nor begin it anew. Signals that the process was
-started to ignore (``nohup``, ``&`` in a script) stay ignored. A handler that somebody else has installed is called as
-long as the run lasts; one that raises something ends it, and what comes during the release is handed to it afterwards.
+While ``stopping`` is entered, the first signal that would have ended the process ends the run instead, so that outputs
+are released. Further ones have no effect: they neither shorten the release nor restart it. Signals that the process was
+started to ignore (``nohup``, ``&`` in a script) stay ignored. Handlers installed by others are called as long as the
+run lasts. One that raises an exception ends the run; signals that arrive during the release are handed to it
+afterwards.
 """
 
 from __future__ import annotations
@@ -25,15 +26,13 @@ from .signals import SIGNALS, exit_code_of, left_to_the_main_thread, name_of_sig
 
 _USUAL = tuple(signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name))
 _SOON = 0.1
-"""Seconds after which Stopped is raised wherever a program is."""
+"""Seconds after which Stopped is raised, whatever the program is doing."""
 _AGAIN = 1.0
-"""Seconds after which it is raised once more, where a program has swallowed it."""
+"""Seconds after which it is raised again, if the program has swallowed it."""
 
 
 class Stopped(RunEnded):
-    """A signal has come; raised in the main thread. ``hanging`` is what then had to be cut off, as it did not come to
-    an end.
-    """
+    """A signal has arrived; raised in the main thread. ``hanging`` is what then had to be cut off, if anything."""
 
     def __init__(self, number: int, hanging: Exception | None = None) -> None:
         super().__init__(number)
@@ -47,7 +46,7 @@ class Stopped(RunEnded):
 
 
 class HandlerFailed(RunFailed):
-    """A handler of somebody else has raised ``cause``."""
+    """A handler that is not the runtime's has raised ``cause``."""
 
     def __init__(self, number: int, handler: Any, cause: BaseException) -> None:
         super().__init__(HandlerError(name_of_signal(number), handler, cause))
@@ -55,19 +54,21 @@ class HandlerFailed(RunFailed):
 
 
 class Stopping:
-    """The handlers of signals of this process, and what they have heard. Entered again, it is the same."""
+    """The signal handlers of this process, and the signals that they have received. May be entered more than once."""
 
     def __init__(self) -> None:
         self.signal = 0
-        """The first signal that has come; 0: none has."""
+        """The first signal that has arrived; 0: none has."""
         self.call: object = None
-        """The call of a driver that the main thread is in: what a driver does is not left in the middle."""
+        """The driver's call that the main thread is in: calls of drivers are not interrupted."""
         self.say: Callable[[str], object] | None = None
-        """How a command says something: set by a command, which consists of the run and ends with it."""
+        """Prints a message; set by a command, which consists of the run and ends with it."""
         self._runs: list[tuple[int, Callable[[], None]]] = []
-        """The networks that run: the thread, and what keeps a child that is forked now from going on with it."""
+        """The networks that are running: the thread of each, and the function that keeps a child forked now from
+        continuing the run.
+        """
         self.is_child = False
-        """Whether this process was forked while a network ran, which is its parent's."""
+        """Whether this process was forked while a network of its parent was running."""
         self._raises = False
         self._held = False
         self._heard = False
@@ -98,7 +99,7 @@ class Stopping:
             late, self.signal = self.signal, 0
             put_off, self._put_off = self._put_off, []
             if late and not self._heard:
-                put_off.insert(0, late)  # It came when there was nothing left to stop: it is the caller's.
+                put_off.insert(0, late)  # It arrived when there was nothing left to stop: the caller handles it.
             for number in put_off:
                 signal.raise_signal(number)
 
@@ -109,8 +110,8 @@ class Stopping:
             signal.signal(number, handler)
 
     def install(self) -> None:
-        """Takes over the handlers of signals: also those that modules and drivers have installed since the
-        last time.
+        """Takes over the handlers of signals, including those that modules and drivers have installed since the last
+        time.
         """
         if threading.current_thread() is not threading.main_thread():
             return
@@ -132,7 +133,7 @@ class Stopping:
         return getattr(handler, "__self__", None) is self
 
     def look(self) -> None:
-        """Has taken back what somebody has taken away since; called now and then from another thread."""
+        """Has the main thread reinstall handlers that were replaced since; called regularly from another thread."""
         for number in _USUAL:
             handler = signal.getsignal(number)
             if number in self._before and handler != signal.SIG_IGN and not self._is_own(handler):
@@ -140,8 +141,8 @@ class Stopping:
                 return
 
     def _leave_to_child(self) -> None:
-        """A driver has forked a child, which is none of our business: signals end it as they end any process, and what
-        we drive is not its own.
+        """Called in a child that a driver has forked: signals end it as they end any process, and it does not own the
+        outputs.
         """
         for _, leave in self._runs:
             self.is_child = True
@@ -152,8 +153,8 @@ class Stopping:
 
     @contextmanager
     def running(self, leave: Callable[[], None]) -> Iterator[None]:
-        """Around a run, with what keeps a child that is forked from going on with it. What a run inside of another does
-        to signals, or one in another thread, ends with it.
+        """Surrounds a run; ``leave`` keeps a forked child from continuing that. Changes of signal handlers by a run
+        inside another one, or in another thread, are undone when it ends.
         """
         before = self._raises, self._patient, self._held
         run = threading.get_ident(), leave
@@ -167,15 +168,15 @@ class Stopping:
                 self._raises, self._patient, self._held = before
 
     def end_child(self) -> None:
-        """Ends a child that comes back from what has forked it."""
+        """Ends a child that returns from the function that has forked it."""
         if self.is_child:
             os._exit(1)
 
     @contextmanager
     def raising(self, *, patiently: bool = False) -> Iterator[None]:
-        """Within it a signal raises Stopped, but not in the middle of a driver's call.
+        """Within it a signal raises Stopped, but not during a driver's call.
 
-        It does so at once, or ``patiently`` only where nobody asks for ``check`` soon, as in code that computes or
+        It does so at once or, if ``patiently``, only where ``check`` is not called soon, as in code that computes or
         waits for long.
         """
         if threading.current_thread() is not threading.main_thread():
@@ -191,8 +192,8 @@ class Stopping:
             self._raises = False
 
     def hold(self) -> None:
-        """From now on signals raise nothing: a KeyboardInterrupt is not a signal, unless a driver puts a handler of its
-        own in place later.
+        """From now on signals raise nothing. Nor does Ctrl-C raise KeyboardInterrupt, unless a driver later installs a
+        handler of its own.
         """
         if threading.current_thread() is not threading.main_thread():
             return
@@ -202,22 +203,22 @@ class Stopping:
             self.install()
 
     def check(self) -> None:
-        """Raises Stopped if a signal has come."""
+        """Raises Stopped if a signal has arrived."""
         if self.signal:
             self._raise()
 
     def take(self) -> int:
-        """The signal that has come, for who does what it asks for; 0: none has."""
+        """The signal that has arrived, for a caller that then handles it; 0: none has."""
         self._heard = bool(self.signal)
         return self.signal
 
     @property
     def waited(self) -> float:
-        """Seconds since the first signal; 0 if none has come."""
+        """Seconds since the first signal; 0 if none has arrived."""
         return time.monotonic() - self._since if self.signal else 0.0
 
     def ends_run(self, error: BaseException) -> bool:
-        """Whether ``error`` comes from outside of a program and its drivers, and ends the run: also Ctrl-C, where it is
+        """Whether ``error`` comes from outside of a program and its drivers, and ends the run. So does Ctrl-C if it is
         left to Python.
         """
         if isinstance(error, KeyboardInterrupt):
@@ -237,13 +238,13 @@ class Stopping:
         if self._raises and not self._patient:
             self._raise()
         elif self._raises:
-            # Not by way of ``threading``, of which this may have interrupted something that holds a lock.
+            # Does not use ``threading``: this may have interrupted a function of it that holds a lock.
             with left_to_the_main_thread():
                 _thread.start_new_thread(self._insist, ())
 
     def _relay(self, number: int, frame: FrameType | None) -> None:
-        """Calls the handler of somebody else. Of several that raise something only the first does: the release is not
-        interrupted.
+        """Calls a handler that is not the runtime's. If several raise exceptions, only that of the first is raised: the
+        release is not interrupted.
         """
         if self._held:
             self._put_off.append(number)
@@ -259,7 +260,7 @@ class Stopping:
                 raise HandlerFailed(number, handler, error) from error
 
     def _insist(self) -> None:
-        """In a thread of its own: raises Stopped in the main thread as often as needed."""
+        """Runs in a thread of its own: raises Stopped in the main thread as often as needed."""
         time.sleep(_SOON)
         while self._raises:
             self._poke()
@@ -271,7 +272,7 @@ class Stopping:
 
     @property
     def is_entered(self) -> bool:
-        """Whether anybody has entered it."""
+        """Whether it is entered."""
         return self._entered > 0
 
     @property
@@ -280,7 +281,9 @@ class Stopping:
         return hasattr(signal, "SIGURG") and signal.SIGURG in self._before
 
     def leave(self, still: Callable[[], bool], error: RunEnded) -> None:
-        """Raises ``error`` in the main thread if what is to be left lasts ``still``; called from another thread."""
+        """Called from another thread: raises ``error`` in the main thread while that is ``still`` in what it must
+        leave.
+        """
         self._overdue = still, error
         self._poke()
 
@@ -297,15 +300,14 @@ class Stopping:
             self._raise()
 
     def end_by_force(self, hanging: Exception, errors: Sequence[Exception]) -> None:
-        """The main thread does not come back from what hangs; the outputs have been released from another one, which
-        calls this.
+        """Ends the process if the main thread hangs; called by another one, which has released the outputs.
 
-        A command ends, and so does a process that a signal should have ended, or comes to. Where a driver hangs, an
-        output may not be safe.
+        A command ends at once, and so does a process that a signal should have ended; other processes end when a signal
+        arrives. If a driver hangs, an output may not be safe.
         """
         lines = [f"stopped by {name_of_signal(self.signal)}"] if self.signal else []
         lines += [described(error) for error in (hanging, *errors)]
-        # What is written may hang as well, if the main thread is in the middle of writing.
+        # Writing may hang as well, if the main thread is in the middle of writing.
         writing = threading.Thread(target=self._write_out, args=(lines,), daemon=True)
         writing.start()
         writing.join(_AGAIN)
@@ -326,11 +328,11 @@ class Stopping:
 
     @contextmanager
     def until_exit(self, say: Callable[[str], object]) -> Iterator[None]:
-        """Enters it around all that a process does: what comes after that changes nothing any more.
+        """Surrounds all that a process does: signals that arrive afterwards have no effect.
 
-        Otherwise a second signal could end the process by its default while the interpreter shuts down, and the exit
-        code would say that. What comes a second later still ends a process that does not: a driver may have left a
-        thread behind.
+        Otherwise a second signal could end the process by its default while the interpreter shuts down, and that would
+        become its exit code. A signal that arrives a second later still ends a process that has not ended: a driver may
+        have left a thread behind.
         """
         self.say = say
         with self:
@@ -347,4 +349,4 @@ class Stopping:
 
 
 stopping = Stopping()
-"""Handlers of signals belong to the process; so does this."""
+"""There is one for the process, as there is for the handlers of signals."""

@@ -1,7 +1,7 @@
 """What is due at which instant.
 
-Timers of one instant fall due in the order in which they began. One heap entry serves all timers of an instant;
-entries whose timers were all stopped stay in the heap until they come up, and are then skipped.
+Timers of one instant fall due in the order in which they began. One heap entry serves all timers of an instant; entries
+whose timers were all stopped stay in the heap until they are reached, and are then skipped.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ class Timer(Protocol):
     """Something that falls due."""
 
     def due(self) -> None:
-        """Called when the instant has come, unless the timer was stopped."""
+        """Called when the instant has been reached, unless the timer was stopped."""
         ...
 
 
 class Timers:
-    """All timers that have begun and are neither due nor stopped."""
+    """All timers that have begun, have not fallen due and were not stopped."""
 
     __slots__ = ("_at", "_instants")
 
@@ -61,7 +61,7 @@ class Timers:
         return (instant for instant, timers in self._at.items() for _ in timers)
 
     def fall_due(self, instant: int) -> None:
-        """Tells the timers of ``instant``; one of them may stop others that come after it."""
+        """Calls the timers of ``instant``; one of them may stop others after it."""
         timers = self._at.get(instant)
         if timers is None:
             return

@@ -1,8 +1,8 @@
 """Values that a port takes from its driver: functions that make a value of the port's type of what a driver has
 returned, or refuse it.
 
-What numpy makes is taken by what it is of: ``dtype.kind`` tells that of a scalar and of an array without dimensions,
-and numpy is not imported for it.
+Values of numpy are taken by the kind of their elements: ``dtype.kind``, of a scalar or an array without dimensions.
+numpy need not be imported for that.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..compiled.arithmetic import float32
 Enumerator = TypeVar("Enumerator", bound=IntEnum)
 
 Accept: TypeAlias = Callable[[Any], Any]
-"""Raises TypeError, ValueError, OverflowError or Fault for what is no value of the type."""
+"""Raises TypeError, ValueError, OverflowError or Fault for what is not a value of the type."""
 
 
 def double(value: Any) -> float:
@@ -91,8 +91,8 @@ def record(made: Callable[..., Any], *fields: Accept) -> Accept:
 
 
 def _kind(value: Any) -> str:
-    """What numpy calls it: ``b`` of True and False, ``i``, ``u`` and ``f`` of its own numbers, others of what is none;
-    empty for what is for its class to say.
+    """The kind of a value of numpy: ``b`` for True and False, ``i``, ``u`` and ``f`` for numbers, others for anything
+    else; empty for a value whose class decides.
     """
     if isinstance(value, bool):
         return "b"
@@ -108,7 +108,7 @@ def _is_integer(value: Any) -> bool:
 
 
 def _parts(value: Any, size: int) -> list[Any]:
-    # What has an order: no set, and no dict, whose elements are asked for by keys.
+    # Only what has an order: not a set, nor a dict, whose elements are accessed by keys.
     ordered = hasattr(type(value), "__iter__") and hasattr(type(value), "__getitem__")
     parts = list(value) if ordered and not isinstance(value, str | bytes | dict) else None
     if parts is None or len(parts) != size:

@@ -1,7 +1,7 @@
 """The drivers of a run: opened, released and closed.
 
-Invariants: an output whose driver was opened is handed its safe value once, as the last that is handed to it; a driver
-that was opened is closed once, after that. No driver that fails or hangs keeps another one from either.
+Invariants: an output whose driver was opened is handed its safe value once, as its last value; a driver that was opened
+is closed once, after that. A driver that fails or hangs does not prevent either for another one.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Devices:
 
     @property
     def _limit(self) -> float | None:
-        """In virtual time nothing waits for a driver but the person who runs it."""
+        """Unlimited in virtual time, where only the user waits for a driver."""
         return PATIENCE if self._clock.real else None
 
     def _thread_of(self, port: Port) -> ThreadLine:
@@ -67,7 +67,7 @@ class Devices:
         return line
 
     def open(self) -> None:
-        """Opens every device once, and starts the threads. Raises DriverFailed, and Stopped if a signal has come."""
+        """Opens every device once, and starts the threads. Raises DriverFailed, and Stopped if a signal has arrived."""
         if self.driven or stopping.is_entered:
             self.watch.begin()
         seen: set[int] = set()
@@ -87,7 +87,7 @@ class Devices:
             line.thread.start()
 
     def bring(self, what: tuple[Any, Any] | DriverError) -> None:
-        """Something from a driver's thread, for the scheduler's."""
+        """Hands something from a driver's thread over to the scheduler's."""
         self._brought.append(what)
         self._clock.notify()
 
@@ -110,7 +110,9 @@ class Devices:
             line.look()
 
     def release(self) -> tuple[list[tuple[str, Any]], Sequence[BaseException]]:
-        """Hands over the safe values and closes the devices that were opened: what was released, and what failed."""
+        """Hands over the safe values and closes the devices that were opened. Returns what was released, and the
+        errors.
+        """
         release = self._release()
         release.run()
         self._cut_off()
@@ -128,14 +130,12 @@ class Devices:
             port.line = None
 
     def leave(self) -> None:
-        """In a child that was forked: devices are its parent's."""
+        """Called in a forked child: the devices belong to its parent."""
         for port in self._ports:
             port.line = end_of_child
 
     def _release_elsewhere(self, hanging: Exception) -> None:
-        """The scheduler's thread does not come back from a driver or a process: the outputs are released all
-        the same.
-        """
+        """Releases the outputs from another thread, as the scheduler's hangs in a driver or a process."""
         release = self._release()
         self._cut_off()
         release.run_elsewhere()

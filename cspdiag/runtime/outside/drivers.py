@@ -10,10 +10,10 @@ T = TypeVar("T")
 
 
 class Driver(Protocol):
-    """One port's side of a device: ``read`` behind an input, ``write`` behind an output.
+    """One port's side of a device: ``read`` for an input, ``write`` for an output.
 
     It may have ``open()`` and ``close()``, called before and after the run, and ``blocking = True`` if its calls may
-    wait: in real time they are then made outside the scheduler's thread. How long a call may take: ``watch``.
+    wait: in real time they are then made outside the scheduler's thread. See ``watch`` for how long a call may take.
     """
 
 
@@ -67,10 +67,10 @@ class Signal(Generic[T]):
 
 
 def name_of(driver: object) -> str:
-    """What people know a driver by: its ``name``, or its class."""
+    """The name of a driver for people: its ``name``, or its class."""
     return str(getattr(driver, "name", None) or type(driver).__name__)
 
 
 def device_of(driver: Any) -> Any:
-    """What is opened and closed: the device of which a driver is one port, or the driver."""
+    """What is opened and closed: the device, if the driver is one port of it, or the driver itself."""
     return getattr(driver, "device", driver)

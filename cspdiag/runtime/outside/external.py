@@ -1,8 +1,8 @@
 """Ports of the outermost process: where a program meets its environment.
 
-A *sampled* port communicates at the instants k·period + offset. A sampled output is a one-place latch that is handed to
-the driver at the tick, which is when it communicates; any other output communicates when it is written. Inputs: see
-``inputs``.
+A *sampled* port communicates at the instants k·period + offset. A sampled output is a latch for one value, which is
+handed to the driver at the tick: that is when it communicates. Any other output communicates when it is written.
+Inputs: see ``inputs``.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class _ExternalOutput(Out[T]):
             observe(self.name, value, writer, None)
 
     def withdraw(self, party: Party) -> bool:
-        """See ``Out.withdraw``: nobody waits here."""
+        """See ``Out.withdraw``: no party waits here."""
         return False
 
     def watch_output(self, selector: Selector, bit: int) -> None:

@@ -1,7 +1,7 @@
-"""Inputs of the outermost process: where a program takes what its environment offers.
+"""Inputs of the outermost process: where a program takes the values that its environment offers.
 
 Every process that reads a *sampled* input has an end of its own, with a session that begins when it first waits for a
-sample and lasts until the process ends; within it, each sample must be taken before the next one comes. An *event*
+sample and lasts until the process ends; within it, each sample must be taken before the next one arrives. An *event*
 input keeps the latest value offered until it is read. A value from outside communicates when a reader takes it.
 """
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 _SILENT_TICKS = 10
 _SILENT_TIME = 500 * ms
-"""A device that brings nothing for so many ticks, and so long, has failed its reader."""
+"""The number of ticks, and the time, without a sample after which the reader gets a Timeout."""
 
 
 class _Pace:
-    """The ends of one process with the same ticks. The process *follows* these from its first sample until it ends."""
+    """The ends of one process with the same ticks, which the process *follows* from its first sample until it ends."""
 
     __slots__ = ("ends", "followed")
 
@@ -47,7 +47,7 @@ class SampledEnd(LatchedEnd[T]):
 
     Its session begins when the reader first waits for a sample. Before that, while its process follows the ticks
     through another end, it holds the sample of the present tick, so that a first read belongs to the same instant as
-    the reads beside it.
+    other reads of that tick.
     """
 
     __slots__ = ("_lacks", "_port", "begun", "overdue", "pace", "waiter")
@@ -85,7 +85,7 @@ class SampledEnd(LatchedEnd[T]):
         self._arrived()
 
     def miss(self) -> None:
-        """A sample that nobody has taken and nobody will take."""
+        """A sample was not taken, and will not be."""
         self._port.missed += 1
         self.overdue = self._port.on_miss == "timeout"
 
@@ -98,14 +98,14 @@ class SampledEnd(LatchedEnd[T]):
             raise_bits(self.inputs)
 
     def lack(self, account: str) -> None:
-        """No sample has come for too long: the reader gets a Timeout."""
+        """No sample has arrived for too long: the reader gets a Timeout."""
         if not self.fresh:
             self.overdue = True
             self._lacks = account
             self._arrived()
 
     def _hold(self, value: T) -> None:
-        """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
+        """Keeps the sample of the present tick for a first read; overwriting it is not a miss."""
         self.value = value
         self.fresh = True
         raise_bits(self.inputs)
@@ -192,11 +192,11 @@ class SampledEnd(LatchedEnd[T]):
 
 
 class SampledInput(In[T]):
-    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not
-    come.
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten before they were taken,
+    or did not arrive.
 
-    ``accepts`` makes values of the port's type of those that a driver returns, and refuses what it cannot take; None:
-    takes anything.
+    ``accepts`` converts what a driver returns to the type of the port, and refuses what it cannot convert; None: takes
+    anything.
     """
 
     __slots__ = (
@@ -244,7 +244,7 @@ class SampledInput(In[T]):
         return _Pace()
 
     def sessions_changed(self) -> None:
-        """Other ends than before may listen."""
+        """Called when the set of ends that listen may have changed."""
         self._listening = None
 
     def _ends_that_listen(self) -> list[SampledEnd[T]]:
@@ -303,15 +303,15 @@ class SampledInput(In[T]):
             end.sample(value)
 
     def skip(self) -> None:
-        """A tick that has passed together with the next one: its sample is missed, and the driver is not asked."""
+        """A tick that has passed together with the next one: its sample is missed, and the driver is not called."""
         if self.line is not None:
             for end in self.ends:
                 if end.begun:
                     end.miss()
 
     def _keep_silent(self) -> None:
-        """A tick for which a blocking driver has brought nothing: a sample that is missed, and after a while a Timeout
-        in those who wait for it.
+        """A tick for which a blocking driver has brought nothing: its sample is missed, and after a while the readers
+        that wait for one get a Timeout.
         """
         ends = [end for end in self.ends if end.begun]
         if not ends:
@@ -336,13 +336,13 @@ class SampledInput(In[T]):
 
     @property
     def awaited_end(self) -> SampledEnd[T] | None:
-        """An end at which a reader waits for a sample that will come."""
+        """An end at which a reader waits for a sample that will arrive, or None."""
         waiting = (end for end in self.ends if end.waiter is not None)
         return None if self.driver is None else next(waiting, None)
 
 
 class EventEnd(LatchedEnd[T]):
-    """A latch of an event input; ``owner`` is the path of the process that alone reads from it, "" for one of all."""
+    """A latch of an event input; ``owner`` is the path of its only reader, "" if all readers share it."""
 
     __slots__ = ("_readers", "owner")
 
@@ -353,7 +353,7 @@ class EventEnd(LatchedEnd[T]):
 
     @property
     def awaited(self) -> bool:
-        """Whether somebody waits for an event."""
+        """Whether a reader waits for an event."""
         return bool(self._readers) or self.alternative_waits()
 
     def occur(self, value: T) -> None:
@@ -429,12 +429,12 @@ class EventInput(In[T]):
         return self.ends[-1]
 
     def end_of(self, path: str) -> EventEnd[T]:
-        """The end at which a process reads, or the innermost around it that has one."""
+        """The end of a process, or of the innermost process around it that has one."""
         fitting = [end for end in self.ends if f"{path}.".startswith(f"{end.owner}." if end.owner else "")]
         return max(fitting, key=lambda end: len(end.owner), default=self.ends[-1])
 
     def start(self) -> None:
-        """The value at the beginning is no event."""
+        """Notes the value at the beginning, which is not an event."""
         self._last = self.line.read()
 
     def at_grid(self) -> Callable[[], None]:

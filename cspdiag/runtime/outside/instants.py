@@ -1,7 +1,7 @@
 """The instants at which a program meets its environment, and what happens at one, in order.
 
-The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed
-over; then timers fall due.
+First the environment advances; then events are offered and samples taken, in the order of the ports; then latched
+outputs are handed over; then timers fall due.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from .ticks import Ticks
 Plan: TypeAlias = tuple[Callable[[], None], ...]
 
 _REMEMBERED = 1 << 14
-"""So many phases are remembered: all of any usual hyperperiod, and a bounded number of periods that have nearly no
-common multiple.
+"""How many phases are remembered: all of any usual hyperperiod, and a bounded number if the common multiple of the
+periods is huge.
 """
 
 
@@ -54,7 +54,7 @@ def start(environment: Environment) -> None:
 
 
 def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
-    """What ends the run; an error of arithmetic in an equation is a fault."""
+    """The exception that ends the run; an error of arithmetic in an equation is a fault."""
     place = statement_of(error)
     if isinstance(error, ArithmeticError) and raised_by_program(error):
         return EnvironmentFailure(environment, fault_of(error, None), place)
@@ -74,13 +74,13 @@ class Instants:
         self._cycles = sorted({*self._sampled, *([Ticks(self._grid)] if self._grid else [])})
         self._hyperperiod = lcm(*(ticks.period for ticks in self._cycles))
         self._phases: dict[int, tuple[int, Plan | None]] = {}
-        """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where
-        nothing does.
+        """By the phase of the hyperperiod: the time to the next instant, and what happens at this one; None if nothing
+        does.
         """
         self._hopeful: Port | None = None
-        """The port that could make a process ready when it was asked last."""
+        """The port that was last found to be able to make a process ready."""
         self.hope: SampledEnd[Any] | None = None
-        """Where a process was found to wait for a sample that will come; it often does so again."""
+        """Where a process was last found to wait for a sample that will arrive; it often does so again."""
 
     def _grid_of(self, environment: Environment | None) -> int:
         if environment is not None:
@@ -108,9 +108,9 @@ class Instants:
         return list(dict.fromkeys(ticks.period for ticks in self._sampled if ticks.at(instant)))
 
     def meet(self, instant: int, present: int = 0) -> int | None:
-        """What happens at ``instant`` before any process runs, but for the timers; the next instant after it.
+        """Does what happens at ``instant`` before any process runs, except timers. Returns the next instant after it.
 
-        Where it is ``present`` already, of several ticks that have passed only the last one asks the driver.
+        If it is already ``present``, only the last one of several ticks that have passed calls the driver.
         """
         if not self._cycles:
             return None
@@ -151,7 +151,7 @@ class Instants:
         return (*inputs, *outputs)
 
     def port_can_come(self) -> bool:
-        """Whether anything at a later instant, but for timers, can make a process ready or hand over a value."""
+        """Whether anything at a later instant, except timers, can make a process ready or hand over a value."""
         if self._hopeful is not None and self._hopeful.can_come:
             return True
         for port in self._ports:

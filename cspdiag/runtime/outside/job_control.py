@@ -1,4 +1,4 @@
-"""Signals of job control stop a process and leave it there; one that drives a machine has to go on."""
+"""Signals of job control suspend a process; one that drives a machine has to keep running."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import signal
 
 
 def stay_running(*, real_time: bool) -> None:
-    """From now on no output to a terminal stops this process (``stty tostop``, ``&``), nor, against the clock, does
+    """From now on output to a terminal (``stty tostop``, ``&``) does not suspend this process, nor does, in real time,
     Ctrl-Z or input from a terminal.
 
-    A process that is stopped hands nothing over: the outputs of the machine would keep their last values. What somebody
-    has decided about these signals stays.
+    A suspended process hands nothing over: the outputs of the machine would keep their last values. Handlers that were
+    installed for these signals stay.
     """
     for name in ("SIGTTOU", "SIGTTIN", "SIGTSTP") if real_time else ("SIGTTOU",):
         number = getattr(signal, name, None)

@@ -46,8 +46,8 @@ class DirectLine:
 
 
 def _reading(port: Port) -> Callable[[], Any]:
-    """Reads a value of the type of the port from its driver; raises what the driver raises, or TypeError and the like
-    for another value.
+    """Reads a value of the type of the port from its driver. Raises what the driver raises, or TypeError and the like
+    for a value of another type.
     """
     driver: Any = port.driver
     accepts = None if isinstance(port, SampledOutput | EventOutput) else port.accepts
@@ -74,14 +74,14 @@ class ThreadLine:
             self.fail(error)
 
     def call(self, function: Callable[..., Any], *given: Any) -> Any:
-        """What the driver returns; no child that it has forked comes back from it."""
+        """Returns what the driver returns, but not in a child that it has forked."""
         try:
             return function(*given)
         finally:
             stopping.end_child()
 
     def fail(self, error: BaseException) -> None:
-        """A call has failed: that ends the run, unless it is over."""
+        """A call has failed: ends the run, unless that is over."""
         if not self.closing:
             self.bring(DriverError(self.what.driver, self.what.port, self.what.operation, error))
 
@@ -90,7 +90,7 @@ class ThreadLine:
         raise NotImplementedError
 
     def look(self) -> None:
-        """Called now and then by the watch."""
+        """Called regularly by the watch."""
 
     def close(self) -> None:
         """Lets the thread end."""
@@ -115,7 +115,7 @@ class EventLine(ThreadLine):
 
 
 class SampleLine(ThreadLine):
-    """Reads once a period, ahead: a tick takes what was read since the tick before."""
+    """Reads once a period, ahead: a tick takes what was read since the previous tick."""
 
     def __init__(self, port: Port, bring: Bring) -> None:
         super().__init__(port, bring, "read")
@@ -134,7 +134,7 @@ class SampleLine(ThreadLine):
             self._busy = False
 
     def read(self) -> Any:
-        """What was read since the last time; NO_SAMPLE while the driver has not come back."""
+        """What was read since the last time; NO_SAMPLE while the driver has not returned."""
         if self._busy:
             return NO_SAMPLE
         self._busy = True
@@ -148,9 +148,9 @@ class SampleLine(ThreadLine):
 
 
 class OutputLine(ThreadLine):
-    """Writes the latest value; one that was not yet written when the next came is dropped.
+    """Writes the latest value; one that was not yet written when the next one arrived is dropped.
 
-    A write that fails or hangs ends the run, and not the thread: the safe value is still to be written.
+    A write that fails or hangs ends the run, but not the thread: the safe value is still to be written.
     """
 
     def __init__(self, port: Port, bring: Bring) -> None:
@@ -198,7 +198,7 @@ class OutputLine(ThreadLine):
 
     @property
     def is_writing_another_value(self) -> bool:
-        """Whether it is in a call of the driver that does not hand over the safe value."""
+        """Whether it is in a call of the driver other than that with the safe value."""
         return self._since is not None and not self._is_last
 
     def write(self, value: Any) -> None:
@@ -215,8 +215,8 @@ class OutputLine(ThreadLine):
             self._changed.notify()
 
     def finish_release(self, until: float) -> None:
-        """Waits for that until an instant of the monotonic clock. Raises DriverFailed if it has failed or not come
-        about.
+        """Waits until the last value is written, at most until an instant of the monotonic clock. Raises DriverFailed
+        if that has failed or has not happened.
         """
         if not self._released.wait(max(0.0, until - time.monotonic())):
             raise self.what.hangs()

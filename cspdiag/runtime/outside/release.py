@@ -18,15 +18,14 @@ from .watch import PATIENCE, PATIENCE_AT_CLOSE, Call, Watch
 Output: TypeAlias = "SampledOutput[Any] | EventOutput[Any]"
 
 _Job: TypeAlias = "tuple[Call | None, Callable[[], None]]"
-"""One thing to do, and the call of a driver that it consists of."""
+"""The driver's call that a job consists of, if any, and the job."""
 
 
 class Release:
-    """Hands each output that was opened its safe value, as the last that it is handed, and closes each device after
-    that.
+    """Hands each output that was opened its safe value, as its last value, and closes each device after that.
 
-    No driver that fails or hangs keeps another one from either. What is to be done is a queue: another thread can go on
-    with it where the scheduler's thread does not come back from a driver.
+    A driver that fails or hangs does not prevent either for another one. The jobs are a queue: another thread can
+    continue with it if the scheduler's thread hangs in a driver.
     """
 
     def __init__(
@@ -56,7 +55,7 @@ class Release:
         self._jobs += [self._close(device, port) for device, port in opened]
 
     def run(self) -> None:
-        """Does what is to be done; what fails is in ``errors``."""
+        """Does all jobs; what fails is added to ``errors``."""
         while self._jobs:
             call, job = self._jobs.popleft()
             try:
@@ -72,8 +71,8 @@ class Release:
                 line.thread.join(0.05)
 
     def _do(self, call: Call | None, job: Callable[[], None]) -> None:
-        """Does one thing; if Ctrl-C, left to Python by a driver, cuts it off, once more. What a driver itself raises is
-        a failure like any other.
+        """Does one job, and does it again if it is cut off by a Ctrl-C that a driver leaves to Python. What a driver
+        itself raises is a failure like any other.
         """
         try:
             self._attempt(call, job)
@@ -91,7 +90,7 @@ class Release:
             self._watch.call(call, job)
 
     def run_elsewhere(self) -> None:
-        """Goes on with it from this thread, where the scheduler's thread hangs."""
+        """Continues from this thread if the scheduler's thread hangs."""
         self._elsewhere = threading.current_thread()
         while self._jobs:
             call, job = self._jobs.popleft()
@@ -116,7 +115,7 @@ class Release:
             self._note(call.hangs().error)
 
     def _note(self, error: Exception) -> None:
-        """What failed, once: the call that stands in for one that hangs may hang as well."""
+        """Adds an error, once: the call that replaces one that hangs may hang as well."""
         if str(error) not in map(str, self.errors):
             self.errors.append(error)
 

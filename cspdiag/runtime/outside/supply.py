@@ -1,4 +1,4 @@
-"""A driver that is asked for the value of an input when a process reads it, and not before."""
+"""A driver that gives the value of an input when a process reads it, and not before."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..kernel.scheduler import Task, present
 
 
 class Supply:
-    """Stands behind any number of ports. It may be read at any time until it is ``dry``; outputs are handed to it at
+    """The driver of any number of ports. It may be read at any time until it is ``dry``; outputs are handed to it at
     once.
     """
 
@@ -25,7 +25,7 @@ class Supply:
 
     def read(self) -> Any:
         """Nobody asks at a tick."""
-        raise AssertionError("it is asked when a process reads")
+        raise AssertionError("its values are read by processes, not at ticks")
 
     def write(self, value: object) -> None:
         """Takes everything."""
@@ -37,7 +37,7 @@ class Supply:
         return end
 
     def run_dry(self) -> None:
-        """From now on nothing comes."""
+        """From now on it gives no value."""
         self.dry = True
         for end in self._ends:
             lower_bits(end.inputs)

@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 class Ticks(NamedTuple):
     """The instants of a sampled port, in nanoseconds from the start: later than 0, and ``offset`` after a multiple of
-    the period, which is longer.
+    the period. The offset is shorter than the period.
     """
 
     period: int
     offset: int = 0
 
     def at(self, instant: int) -> bool:
-        """Whether one is at an instant later than 0."""
+        """Whether there is a tick at ``instant``, which is later than 0."""
         return instant % self.period == self.offset
 
     def after(self, instant: int) -> int:
-        """The first one later than an instant."""
+        """The first tick later than ``instant``."""
         return instant + self.period - (instant - self.offset) % self.period

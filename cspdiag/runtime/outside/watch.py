@@ -1,4 +1,4 @@
-"""How long calls of drivers and steps of processes may take, and what becomes of one that does not come to its end."""
+"""Limits how long calls of drivers and steps of processes may take, and ends those that take longer."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class Call(NamedTuple):
     limit: float | None
 
     def failed(self, error: BaseException) -> DriverFailed:
-        """What ends the run."""
+        """The exception that ends the run."""
         return DriverFailed(DriverError(self.driver, self.port, self.operation, error))
 
     def hangs(self) -> DriverFailed:
-        """It has not come back in time."""
+        """The exception for a call that has not returned in time."""
         return self.failed(TimeoutError(f"no return within {self.limit or PATIENCE:g} s"))
 
 
@@ -47,20 +47,20 @@ class _Present(NamedTuple):
 
 
 class Watch:
-    """Makes the calls of the scheduler's thread, and has a thread of its own that looks after them, and after the steps
-    of processes.
+    """Makes the calls of the scheduler's thread, and has a thread of its own that watches them and the steps of
+    processes.
 
-    What goes beyond its limit is ended by an exception where Python can do that. If it still does not come to its end,
-    ``stuck`` is called, once, from the thread of the watch. ``look`` is called from there all the time.
+    What exceeds its limit is ended by an exception if Python can do that. If it still does not end, ``stuck`` is
+    called, once, from the thread of the watch. ``look`` is called from there at regular intervals.
     """
 
     def __init__(self, *, look: Callable[[], None], stuck: Callable[[Exception], None]) -> None:
         self.releasing = False
-        """Whether the run is over: calls then come to an end of their own, signal or not."""
+        """Whether the run is over: calls then end by themselves, even if a signal arrives."""
         self.turns = 0
-        """How often the scheduler has come round, where steps have a limit."""
+        """The number of iterations of the scheduler, if steps have a limit."""
         self.limits_steps = False
-        """Whether processes run against the clock, or end: the next turn has to come in time."""
+        """Whether processes run against the clock, or end: the next iteration has to begin in time."""
         self._look = look
         self._stuck = stuck
         self._ended = threading.Event()
@@ -74,23 +74,23 @@ class Watch:
         self._gives_up = 0.0
         self._turn = 0
         self._standing = 0
-        """At how many looks the turn was the same, outside of calls: time in which the whole process is suspended does
+        """For how many looks the iteration was the same, outside of calls: time in which the process is suspended does
         not count.
         """
 
     def begin(self) -> None:
-        """From now on calls are looked after; called by the scheduler's thread."""
+        """Begins to watch calls; called by the scheduler's thread."""
         self._scheduler = threading.get_ident()
         self._can_leave = stopping.can_leave_calls and threading.current_thread() is threading.main_thread()
         with left_to_the_main_thread():
             self._thread.start()
 
     def end(self) -> None:
-        """There is nothing more to look after."""
+        """Ends the thread."""
         self._ended.set()
 
     def call(self, what: Call, function: Callable[..., T], *given: Any) -> T:
-        """Calls a driver. Raises DriverFailed with whatever it raises, ``sys.exit`` included."""
+        """Calls a driver. Raises DriverFailed with any exception that it raises, ``SystemExit`` included."""
         around = stopping.call
         self._call = _Present(what, time.monotonic())
         if self._is_main:
@@ -121,13 +121,13 @@ class Watch:
                 return
 
     def _outlives_signal(self, present: _Present | None) -> Exception:
-        """What is said of a run that goes on after a signal: where it is, in a driver or in a process."""
+        """The error of a run that continues after a signal: where it is, in a driver or in a process."""
         if present is not None and self._is_overdue(present):
             return present.call.hangs().error
         return self._hang(f"within {2 * PATIENCE:g} s after {name_of_signal(stopping.signal)}")
 
     def _hanging_call(self, present: _Present) -> Exception | None:
-        """Ends a call that takes too long; what is said of one that cannot be ended."""
+        """Ends a call that takes too long. Returns the error of one that cannot be ended."""
         if not self._is_overdue(present):
             return None
         error = present.call.hangs().error
@@ -147,7 +147,7 @@ class Watch:
         return not self.releasing and min(took, stopping.waited) > PATIENCE
 
     def _hanging_step(self) -> Exception | None:
-        """Ends a step that takes too long; what is said of one that cannot be ended."""
+        """Ends a step that takes too long. Returns the error of one that cannot be ended."""
         turn = self.turns
         if turn != self._turn or not self.limits_steps:
             self._turn, self._standing = turn, 0
@@ -163,7 +163,7 @@ class Watch:
         return None
 
     def _hang(self, when: str) -> HangError:
-        return HangError(f"{whereabouts(self._scheduler) or 'a process'} has not come to the end of its step {when}")
+        return HangError(f"{whereabouts(self._scheduler) or 'a process'} has not finished its step {when}")
 
     def _leave(self, still: Callable[[], bool], error: Exception) -> None:
         if self._can_leave:
