@@ -75,7 +75,7 @@ class DeadlockReport:
 
     @property
     def _going_on(self) -> list[str]:
-        return ["while others go on:"] * bool(self.others) + [f"  {process}" for process in self.others]
+        return ["while others continue:"] * bool(self.others) + [f"  {process}" for process in self.others]
 
     @property
     def _stuck(self) -> str:
@@ -91,7 +91,7 @@ class DeadlockReport:
             besides = [f"  {process}{_who_has_ended(process, ', for')}" for process in others]
             return "\n".join(lines + ["besides:"] * bool(others) + besides)
         which = "these processes wait" if self.others else "a process waits"
-        lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can come any more"]
+        lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can happen any more"]
         for process in self.waiting:
             lines.append(f"  {process}{_who_has_ended(process, ', for') or _nobody_comes(process)}")
         return "\n".join(lines)

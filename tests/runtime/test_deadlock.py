@@ -70,7 +70,7 @@ def test_waiting_for_what_nobody_does_any_more() -> None:
     assert outcome.deadlock is not None
     assert outcome.deadlock.cycle == ()
     assert outcome.deadlock.text.splitlines() == [
-        "deadlock at 0 s: nothing that a process waits for can come any more",
+        "deadlock at 0 s: nothing that a process waits for can happen any more",
         "  Top.p waits to read Top.a (ring.csp:12); no other process that still runs writes to it",
     ]
 

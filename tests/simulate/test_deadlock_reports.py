@@ -13,7 +13,7 @@ process A { out c : int composition { c ! 1 ; c ! 2 } }
 process R { in c : int communication { var v : int } composition { c ? v } }
 process S { in c : int communication { var v : int } composition { mu c ? v } }
 """
-HEAD = "deadlock at 0 s: nothing that a process waits for can come any more"
+HEAD = "deadlock at 0 s: nothing that a process waits for can happen any more"
 WRITES = "  Main.a waits to write Main.a.c"
 READS = "  Main.s waits to read Main.a.c (case.csp:4)"
 NOBODY_WRITES = "no other process that still runs writes to it"

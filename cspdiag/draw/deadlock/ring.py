@@ -71,7 +71,7 @@ def draw_ring(deadlock: Deadlock) -> Scene:
     explained = (
         "each process waits for the one that its arrow leads to"
         if deadlock.cycle
-        else "nothing that a process waits for can come any more"
+        else "nothing that a process waits for can happen any more"
     )
     parts: list[Item] = [heading(title, explained)]
     if deadlock.cycle:

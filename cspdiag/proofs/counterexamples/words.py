@@ -70,7 +70,7 @@ def headline(found: Counterexample) -> str:
             who = "a process waits" if stuck == 1 else f"{stuck} processes wait"
             each = "itself" if stuck == 1 else "each other"
             wait = f" for {each}{ever}" if found.ring else f"{ever} for what never comes"
-            others = ", while others go on" * is_knot
+            others = ", while others continue" * is_knot
             return f"can {'get stuck' if is_knot else 'deadlock'}: {when}, {who}{wait}{others}"
         case "livelock":
             return f"can livelock: {when}, it can go on forever without a communication that anybody sees"

@@ -50,7 +50,7 @@ class Interruption(Protocol):
     def option(self) -> Option: ...  # noqa: D102
 
     def come(self, *, taken: bool) -> None:
-        """Abandons the body at its next communication; the guard is then ``taken``, or else has to wait for its turn."""
+        """Abandons the body at its next communication; the guard is then ``taken``, or has to wait for its turn."""
         ...
 
 

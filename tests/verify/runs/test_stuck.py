@@ -116,7 +116,7 @@ def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.Capt
     assert "stuck at 0 s" in told
     assert (
         told.index("`panel` waits to write panel.command")
-        < told.index("while others go on:")
+        < told.index("while others continue:")
         < told.index("`heart` waits until")
     )
 

@@ -27,7 +27,7 @@ class Behaviour:
 
     @property
     def ends(self) -> bool:
-        """Whether it may come to an end, or stand still for ever, while others go on."""
+        """Whether it may come to an end, or stand still for ever, while others continue."""
         return self.ways.ends
 
     def at(self, wait: int) -> Iterator[Job]:
