@@ -66,7 +66,7 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
             real_time=given.real_time,
             on_miss=getattr(environment, "on_miss", "timeout"),
         )
-        return _tell("\n".join(_summary(outcome)), outcome.exit_code)
+        return _print_account("\n".join(_summary(outcome)), outcome.exit_code)
 
 
 def _prepared(
@@ -119,7 +119,7 @@ def _occupy_standard_streams() -> None:
             os.open(os.devnull, os.O_RDWR)
 
 
-def _tell(text: str, code: int, what: str = "account of the run") -> int:
+def _print_account(text: str, code: int, what: str = "account of the run") -> int:
     """Prints ``text`` and returns the exit code. If the text cannot be written, the code says so, unless it already
     says something more important.
     """
@@ -153,7 +153,7 @@ def duration(text: str) -> int:
 class _Parser(argparse.ArgumentParser):
     def print_help(self, file: object = None) -> None:
         # The method of the base class is silent about a help text that cannot be written.
-        code = _tell(self.format_help().rstrip("\n"), 0, "help")
+        code = _print_account(self.format_help().rstrip("\n"), 0, "help")
         if code:
             sys.exit(code)
 

@@ -71,10 +71,10 @@ class DeadlockReport:
     @property
     def text(self) -> str:
         """The report for people, one line per process."""
-        return "\n".join([self._stuck, *self._going_on])
+        return "\n".join([self._stuck, *self._continuing])
 
     @property
-    def _going_on(self) -> list[str]:
+    def _continuing(self) -> list[str]:
         return ["while others continue:"] * bool(self.others) + [f"  {process}" for process in self.others]
 
     @property
@@ -84,20 +84,20 @@ class DeadlockReport:
             lines = [f"{kind} at {shown(self.time)}: {_many(len(self.cycle))} for each other"]
             following = (*self.cycle[1:], self.cycle[0])
             lines += [
-                f"  {process}, for {partner.path}{_who_has_ended(process, ' and for')}"
+                f"  {process}, for {partner.path}{_ended_readers(process, ' and for')}"
                 for process, partner in zip(self.cycle, following, strict=True)
             ]
             others = [process for process in self.waiting if process not in self.cycle]
-            besides = [f"  {process}{_who_has_ended(process, ', for')}" for process in others]
+            besides = [f"  {process}{_ended_readers(process, ', for')}" for process in others]
             return "\n".join(lines + ["besides:"] * bool(others) + besides)
         which = "these processes wait" if self.others else "a process waits"
         lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can happen any more"]
         for process in self.waiting:
-            lines.append(f"  {process}{_who_has_ended(process, ', for') or _nobody_comes(process)}")
+            lines.append(f"  {process}{_ended_readers(process, ', for') or _missing_partner(process)}")
         return "\n".join(lines)
 
 
-def _nobody_comes(process: WaitingProcess) -> str:
+def _missing_partner(process: WaitingProcess) -> str:
     """``; no other process that still runs writes to it``; "" if one may, or if it does not wait for a channel."""
     if process.partners or not process.channels:
         return ""
@@ -115,7 +115,7 @@ def _many(count: int) -> str:
     return "a process waits for itself, not" if count == 1 else f"{count} processes wait"
 
 
-def _who_has_ended(process: WaitingProcess, before: str) -> str:
+def _ended_readers(process: WaitingProcess, before: str) -> str:
     """``, for Main.r, which has ended``; "" if no reader has ended."""
     if not process.ended:
         return ""

@@ -126,7 +126,7 @@ class _Run:
 
     def _released_outcome(self, began: float) -> Outcome:
         try:
-            outcome = self._how_it_ends()
+            outcome = self._run_to_its_end()
         except HandlerFailed as end:
             if stopping.say is None:
                 raise end.cause from None  # The caller, which is not a command, handles it.
@@ -141,7 +141,7 @@ class _Run:
         outcome.real_time = self._clock.real
         return outcome
 
-    def _how_it_ends(self) -> Outcome:
+    def _run_to_its_end(self) -> Outcome:
         try:
             return self._ending()
         except Stopped as stopped:
@@ -175,8 +175,8 @@ class _Run:
                 return self._ended_by_itself()
             timer = timers.next_instant()
             if timer is None:
-                hope = instants.hope
-                if (hope is None or hope.waiter is None) and not instants.port_can_come():
+                awaited_end = instants.awaited_end
+                if (awaited_end is None or awaited_end.waiter is None) and not instants.port_can_have_effect():
                     return self._deadlocked()
             instant = tick if timer is None or (tick is not None and tick < timer) else timer
             assert instant is not None
@@ -204,17 +204,17 @@ class _Run:
         watch = self._devices.watch
         watch.limits_steps = True
         while True:
-            watch.turns += 1
+            watch.iterations += 1
             ready = run_ready(_REAL_TIME_STEPS)
             stopping.check()
             if self._root.ended:
                 return self._ended_by_itself()
-            if not ready and not self._can_come():
+            if not ready and not self._can_continue():
                 return self._deadlocked()
             instant = self._next_instant()
             present = self._clock.now() if self._reached(self._limited(instant), ready) else -1
             while (limited := self._limited(instant)) is not None and limited <= present:
-                watch.turns += 1
+                watch.iterations += 1
                 stopping.check()
                 if instant is None or instant != limited:
                     return self._limit_reached()
@@ -223,9 +223,9 @@ class _Run:
             if self._devices.has_news:
                 self._take_over(instant)
 
-    def _can_come(self) -> bool:
+    def _can_continue(self) -> bool:
         """Whether anything at a later instant can make a process ready or hand over a value."""
-        return self._scheduler.timers.next_instant() is not None or self._instants.port_can_come()
+        return self._scheduler.timers.next_instant() is not None or self._instants.port_can_have_effect()
 
     def _limited(self, instant: int | None) -> int | None:
         """The instant, or the time limit if that is earlier."""
@@ -328,7 +328,7 @@ class _Run:
             for port, value in released:
                 tell(self._scheduler.now, port, value)
         try:
-            self._devices.watch.turns += 1
+            self._devices.watch.iterations += 1
             self._devices.watch.limits_steps = True
             end_all(self._root)
         except RunFailed as failed:

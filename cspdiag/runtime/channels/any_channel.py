@@ -35,7 +35,7 @@ class AnyChannel(In[T], Out[T]):
             party.received = self.take()
             return True
         self._readers.append(party)
-        self._meeting.reader_came()
+        self._meeting.reader_arrived()
         return False
 
     def offer(self, party: Party, value: T, /) -> bool:
@@ -44,7 +44,7 @@ class AnyChannel(In[T], Out[T]):
             self._hand_over(value)
             return True
         self._writers.append((party, value))
-        self._meeting.writer_came()
+        self._meeting.writer_arrived()
         return False
 
     def withdraw(self, party: Party) -> bool:
@@ -52,7 +52,7 @@ class AnyChannel(In[T], Out[T]):
         waiting = len(self._readers) + len(self._writers)
         self._readers = deque(entry for entry in self._readers if entry is not party)
         self._writers = deque(entry for entry in self._writers if entry[0] is not party)
-        self._somebody_left()
+        self._partner_left()
         return len(self._readers) + len(self._writers) < waiting
 
     def waits_for(self, party: Party) -> Waits:
@@ -80,7 +80,7 @@ class AnyChannel(In[T], Out[T]):
             writer, value = self._writers[0]
             scheduler.ready(writer)
             self._writers.popleft()
-            self._somebody_left()
+            self._partner_left()
         else:
             choice, index = self._meeting.writing[0]
             writer, value = choice.task, choice.value_offered(index)
@@ -95,7 +95,7 @@ class AnyChannel(In[T], Out[T]):
         scheduler.ready(reader)
         self._readers.popleft()
         reader.received = value
-        self._somebody_left()
+        self._partner_left()
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, scheduler.current, reader)
 
@@ -114,7 +114,7 @@ class AnyChannel(In[T], Out[T]):
         reader = self._readers.popleft()
         reader.received = value
         reader.ready_queue.append(reader)
-        self._somebody_left()
+        self._partner_left()
         scheduler = present()
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, choice.task, reader)
@@ -137,24 +137,24 @@ class AnyChannel(In[T], Out[T]):
     def enroll_input(self, choice: Alternating, index: int) -> None:
         """See ``In.enroll_input``."""
         Meeting.enter(self._meeting.reading, choice, index)
-        self._meeting.reader_came()
+        self._meeting.reader_arrived()
 
     def dismiss_input(self, choice: Alternating) -> None:
         """See ``In.dismiss_input``."""
         self._meeting.reading = [entry for entry in self._meeting.reading if entry[0] is not choice]
-        self._somebody_left()
+        self._partner_left()
 
     def enroll_output(self, choice: Alternating, index: int) -> None:
         """See ``Out.enroll_output``."""
         Meeting.enter(self._meeting.writing, choice, index)
-        self._meeting.writer_came()
+        self._meeting.writer_arrived()
 
     def dismiss_output(self, choice: Alternating) -> None:
         """See ``Out.dismiss_output``."""
         self._meeting.writing = [entry for entry in self._meeting.writing if entry[0] is not choice]
-        self._somebody_left()
+        self._partner_left()
 
-    def _somebody_left(self) -> None:
+    def _partner_left(self) -> None:
         if not self._writers and not self._meeting.writing:
             self._meeting.writer_left()
         if not self._readers and not self._meeting.reading:

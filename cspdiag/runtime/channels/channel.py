@@ -68,7 +68,7 @@ class Channel(In[T], Out[T]):
         self._reader = task
         task.waiting = self
         if self._meeting is not None:
-            self._meeting.reader_came()
+            self._meeting.reader_arrived()
         yield
         return task.received  # type: ignore[no-any-return]
 
@@ -102,7 +102,7 @@ class Channel(In[T], Out[T]):
         self._offered = value
         task.waiting = self
         if self._meeting is not None:
-            self._meeting.writer_came()
+            self._meeting.writer_arrived()
         yield
 
     def request(self, party: Party) -> bool:
@@ -115,7 +115,7 @@ class Channel(In[T], Out[T]):
         self._reader = party
         self._scheduler = present()
         if self._meeting is not None:
-            self._meeting.reader_came()
+            self._meeting.reader_arrived()
         return False
 
     def offer(self, party: Party, value: T, /) -> bool:
@@ -129,7 +129,7 @@ class Channel(In[T], Out[T]):
         self._scheduler = present()
         self._offered = value
         if self._meeting is not None:
-            self._meeting.writer_came()
+            self._meeting.writer_arrived()
         return False
 
     def withdraw(self, party: Party) -> bool:
@@ -226,7 +226,7 @@ class Channel(In[T], Out[T]):
         """See ``In.enroll_input``."""
         meeting = self._alternatives()
         meeting.enter(meeting.reading, choice, index)
-        meeting.reader_came()
+        meeting.reader_arrived()
 
     def dismiss_input(self, choice: Alternating) -> None:
         """See ``In.dismiss_input``."""
@@ -239,7 +239,7 @@ class Channel(In[T], Out[T]):
         """See ``Out.enroll_output``."""
         meeting = self._alternatives()
         meeting.enter(meeting.writing, choice, index)
-        meeting.writer_came()
+        meeting.writer_arrived()
 
     def dismiss_output(self, choice: Alternating) -> None:
         """See ``Out.dismiss_output``."""

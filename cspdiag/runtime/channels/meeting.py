@@ -40,7 +40,7 @@ class Meeting:
             position -= 1
         waiting.insert(position, (choice, index))
 
-    def writer_came(self) -> None:
+    def writer_arrived(self) -> None:
         """Input guards become ready."""
         raise_bits(self.inputs)
 
@@ -48,7 +48,7 @@ class Meeting:
         """The last waiting writer has left."""
         lower_bits(self.inputs)
 
-    def reader_came(self) -> None:
+    def reader_arrived(self) -> None:
         """Output guards become ready."""
         raise_bits(self.outputs)
 

@@ -192,7 +192,7 @@ class CheckedTask(RoutineTask):
     __slots__ = ()
 
     def _cancel_ready(self) -> None:
-        self.resume = self._go_on_until_communication
+        self.resume = self._run_until_communication
 
 
 def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask:

@@ -89,7 +89,7 @@ class Task:
 
     def _cancel_ready(self) -> None:
         """Cancels a task that is in a ready queue, or waits for its branches, which were cancelled."""
-        self.resume = self._go_on_until_communication
+        self.resume = self._run_until_communication
 
     def withdraw(self) -> bool:
         """Removes the task from where it waits; False if it does not wait."""
@@ -109,25 +109,25 @@ class Task:
         self.ready_queue.append(self)
 
     def _abandon_if_parked(self, _: None) -> None:
-        self.resume = self._go_on_until_communication
-        self.scheduler.go_on()
+        self.resume = self._run_until_communication
+        self.scheduler.forget_cancellation()
         if not self.ended and self.withdraw():
             self._abandon(None)
 
     def _abandon(self, _: None) -> None:
-        self.resume = self._go_on_until_communication
+        self.resume = self._run_until_communication
         self.scheduler.heed_cancellation()
         try:
             self.coroutine.throw(Cancelled())
         finally:
-            self.scheduler.go_on()
+            self.scheduler.forget_cancellation()
 
-    def _go_on_until_communication(self, _: None) -> None:
+    def _run_until_communication(self, _: None) -> None:
         self.scheduler.heed_cancellation()
         try:
             self.coroutine.send(None)
         finally:
-            self.scheduler.go_on()
+            self.scheduler.forget_cancellation()
 
 
 class Watcher(Protocol):
@@ -194,7 +194,7 @@ class Scheduler:
         self.push: Callable[[Party], None]
         self.ready: Callable[[Party], None]
         self.careful: bool
-        self.go_on()
+        self.forget_cancellation()
 
     def __enter__(self) -> Scheduler:
         self._entered.append(_present.set(self))
@@ -215,7 +215,7 @@ class Scheduler:
         self.careful = True
         self.push = self.ready = self._ready_unless_cancelled
 
-    def go_on(self) -> None:
+    def forget_cancellation(self) -> None:
         """It runs no longer."""
         self.careful = self.policy is not None
         self.ready = self.enqueue
@@ -255,7 +255,7 @@ class Scheduler:
         self._levels.append((priority, created))
         self._levels.sort(key=lambda entry: entry[0])
         self.enqueue = _enqueue_by_level
-        self.go_on()
+        self.forget_cancellation()
         return created
 
     def run_ready_routines(self, most: int = 4096) -> bool:

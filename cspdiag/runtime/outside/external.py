@@ -28,7 +28,7 @@ class _ExternalOutput(Out[T]):
     __slots__ = ("driver", "line", "name", "safe")
 
     @property
-    def can_come(self) -> bool:
+    def can_have_effect(self) -> bool:
         """Whether a value will be handed over at a tick."""
         return False
 
@@ -95,7 +95,7 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         return True
 
     @property
-    def can_come(self) -> bool:
+    def can_have_effect(self) -> bool:
         """Whether a value will be handed over at a tick."""
         return self.written
 

@@ -97,7 +97,7 @@ class SampledEnd(LatchedEnd[T]):
         if self.inputs:
             raise_bits(self.inputs)
 
-    def lack(self, account: str) -> None:
+    def fall_silent(self, account: str) -> None:
         """No sample has arrived for too long: the reader gets a Timeout."""
         if not self.fresh:
             self.overdue = True
@@ -143,13 +143,13 @@ class SampledEnd(LatchedEnd[T]):
             policy = present().policy
             if policy is not None:
                 policy.took_part(reader, "miss", self.name)
-            self._refuse_lack()
+            self._raise_silence()
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
         if not self.begun:
             self._begin()
         return self._communicated(reader)
 
-    def _refuse_lack(self) -> None:
+    def _raise_silence(self) -> None:
         if self._lacks:
             account, self._lacks = self._lacks, ""
             self.fresh = False
@@ -247,7 +247,7 @@ class SampledInput(In[T]):
         """Called when the set of ends that listen may have changed."""
         self._listening = None
 
-    def _ends_that_listen(self) -> list[SampledEnd[T]]:
+    def _listening_ends(self) -> list[SampledEnd[T]]:
         listening = self._listening
         if listening is None:
             listening = self._listening = [end for end in self.ends if end.listens]
@@ -270,7 +270,7 @@ class SampledInput(In[T]):
             if log is not None:
                 log.extend((scheduler.now, name, value))
             listening = self._listening
-            for end in self._ends_that_listen() if listening is None else listening:
+            for end in self._listening_ends() if listening is None else listening:
                 if end.begun and end.pace.followed and not end.fresh:
                     end.value = value
                     end.fresh = True
@@ -291,7 +291,7 @@ class SampledInput(In[T]):
             return
         value = self.line.read()
         if value is NO_SAMPLE:
-            self._keep_silent()
+            self._miss_silently()
             return
         self._silent = 0
         self.latest = value
@@ -299,7 +299,7 @@ class SampledInput(In[T]):
         scheduler = present(None)
         if scheduler is not None and scheduler.sample_log is not None:
             scheduler.sample_log.extend((scheduler.now, self.name, value))
-        for end in self._ends_that_listen():
+        for end in self._listening_ends():
             end.sample(value)
 
     def skip(self) -> None:
@@ -309,7 +309,7 @@ class SampledInput(In[T]):
                 if end.begun:
                     end.miss()
 
-    def _keep_silent(self) -> None:
+    def _miss_silently(self) -> None:
         """A tick for which a blocking driver has brought nothing: its sample is missed, and after a while the readers
         that wait for one get a Timeout.
         """
@@ -322,14 +322,16 @@ class SampledInput(In[T]):
         if self.on_miss == "timeout" and self._silent >= _SILENT_TICKS and silence >= _SILENT_TIME:
             self._silent = 0
             for end in ends:
-                end.lack(f"driver {name_of(self.driver)} has brought no sample of {self.name} for {shown(silence)}")
+                end.fall_silent(
+                    f"driver {name_of(self.driver)} has brought no sample of {self.name} for {shown(silence)}"
+                )
 
     @property
-    def can_come(self) -> bool:
+    def can_have_effect(self) -> bool:
         """Whether a tick can make a process ready: a reader waits for the next sample."""
         if self.driver is None:
             return False
-        for end in self._listening or self._ends_that_listen():
+        for end in self._listening or self._listening_ends():
             if end.waiter is not None or (end.inputs and end.alternative_waits()):
                 return True
         return False
@@ -465,7 +467,7 @@ class EventInput(In[T]):
             end.occur(value)
 
     @property
-    def can_come(self) -> bool:
+    def can_have_effect(self) -> bool:
         """Whether an event can make a process ready: a reader waits for it."""
         if self.driver is None:
             return False

@@ -77,9 +77,9 @@ class Instants:
         """By the phase of the hyperperiod: the time to the next instant, and what happens at this one; None if nothing
         does.
         """
-        self._hopeful: Port | None = None
+        self._likely_port: Port | None = None
         """The port that was last found to be able to make a process ready."""
-        self.hope: SampledEnd[Any] | None = None
+        self.awaited_end: SampledEnd[Any] | None = None
         """Where a process was last found to wait for a sample that will arrive; it often does so again."""
 
     def _grid_of(self, environment: Environment | None) -> int:
@@ -150,13 +150,13 @@ class Instants:
                     pass
         return (*inputs, *outputs)
 
-    def port_can_come(self) -> bool:
+    def port_can_have_effect(self) -> bool:
         """Whether anything at a later instant, except timers, can make a process ready or hand over a value."""
-        if self._hopeful is not None and self._hopeful.can_come:
+        if self._likely_port is not None and self._likely_port.can_have_effect:
             return True
         for port in self._ports:
-            if port.can_come:
-                self._hopeful = port
-                self.hope = port.awaited_end if isinstance(port, SampledInput) else None
+            if port.can_have_effect:
+                self._likely_port = port
+                self.awaited_end = port.awaited_end if isinstance(port, SampledInput) else None
                 return True
         return False

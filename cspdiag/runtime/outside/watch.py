@@ -57,7 +57,7 @@ class Watch:
     def __init__(self, *, look: Callable[[], None], stuck: Callable[[Exception], None]) -> None:
         self.releasing = False
         """Whether the run is over: calls then end by themselves, even if a signal arrives."""
-        self.turns = 0
+        self.iterations = 0
         """The number of iterations of the scheduler, if steps have a limit."""
         self.limits_steps = False
         """Whether processes run against the clock, or end: the next iteration has to begin in time."""
@@ -72,8 +72,8 @@ class Watch:
         """The call that the scheduler's thread is in."""
         self._left: _Present | None = None
         self._gives_up = 0.0
-        self._turn = 0
-        self._standing = 0
+        self._iteration = 0
+        self._unchanged = 0
         """For how many looks the iteration was the same, outside of calls: time in which the process is suspended does
         not count.
         """
@@ -148,18 +148,18 @@ class Watch:
 
     def _hanging_step(self) -> Exception | None:
         """Ends a step that takes too long. Returns the error of one that cannot be ended."""
-        turn = self.turns
-        if turn != self._turn or not self.limits_steps:
-            self._turn, self._standing = turn, 0
+        iteration = self.iterations
+        if iteration != self._iteration or not self.limits_steps:
+            self._iteration, self._unchanged = iteration, 0
             return None
-        self._standing += 1
-        took = self._standing * _LOOK
+        self._unchanged += 1
+        took = self._unchanged * _LOOK
         if took <= PATIENCE:
             return None
         error = self._hang(f"within {PATIENCE:g} s")
         if took > 2 * PATIENCE:
             return error
-        self._leave(lambda: self.turns == turn and self.limits_steps and self._call is None, error)
+        self._leave(lambda: self.iterations == iteration and self.limits_steps and self._call is None, error)
         return None
 
     def _hang(self, when: str) -> HangError:

@@ -77,7 +77,7 @@ class World:
     @property
     def time_can_pass(self) -> bool:
         """Whether a process waits for a delay, or for a sample."""
-        return self._run.next_timer() is not None or any(port.can_come for port in self._sampled)
+        return self._run.next_timer() is not None or any(port.can_have_effect for port in self._sampled)
 
     def next_instant(self) -> int | None:
         """The next instant at which a delay ends, or a sample comes to somebody who listens."""

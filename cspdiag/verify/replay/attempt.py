@@ -381,9 +381,9 @@ class Attempt:
         offered = {(option.action, option.channel) for gate in moving for option in gate.options}
         for gate in stuck:
             for option in gate.options:
-                can_come = option.action in {"wait", "after", "skip"} or option.channel in self._ports
+                can_happen = option.action in {"wait", "after", "skip"} or option.channel in self._ports
                 opposite = "read" if option.action == "write" else "write"
-                if can_come or (opposite, option.channel) in offered:
+                if can_happen or (opposite, option.channel) in offered:
                     way = f" with `{option.channel}`" if option.channel else ""
                     raise DivergenceError(f"`{self.conductor.names.called(gate.task)}` can still go on{way}")
 
