@@ -17,6 +17,7 @@ from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
 from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
+from cspdiag.base.graphs import reached
 from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelClass
 
@@ -116,15 +117,11 @@ class Loops:
 
     def reachable(self, path: str, usable: list[str]) -> set[str]:
         """Of some laws those that read what a law writes."""
-        reached: set[str] = set()
-        pending = [path]
-        while pending:
-            for net in self.nets_after(pending.pop()):
-                for law in usable:
-                    if law not in reached and self.is_read_by(net, law):
-                        reached.add(law)
-                        pending.append(law)
-        return reached
+
+        def readers(path: str) -> list[str]:
+            return [law for net in self.nets_after(path) for law in usable if self.is_read_by(net, law)]
+
+        return set(reached(readers(path), readers))
 
     def is_read_by(self, net: str, law: str) -> bool:
         """Whether a law reads a net, or, an output of the program, what the plant answers to it."""

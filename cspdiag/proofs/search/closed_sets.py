@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TypeAlias
 
-from cspdiag.base.graphs import strong_components
+from cspdiag.base.graphs import reached, strong_components
 from cspdiag.proofs.search.local_dependence import LocalDependence, Targets
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Edge, System
 from cspdiag.proofs.verdict import Limits, Move
@@ -95,12 +95,7 @@ class ClosedSets:
     def closure(self, state: State, event: int) -> list[int]:
         """The possible events of the smallest stubborn set to which an event belongs."""
         interfering = _Interfering(self, state)
-        members = {event}
-        pending = [event]
-        while pending:
-            fresh = [other for other in interfering(pending.pop()) if other not in members]
-            members.update(fresh)
-            pending += fresh
+        members = set(reached([event], interfering))
         return [event for event in self.possible(state) if event in members]
 
     def interfering(self, state: State, event: int) -> tuple[int, ...]:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import TypeAlias
 
+from cspdiag.base.graphs import reached
 from cspdiag.proofs.verdict import Limits
 
 Targets: TypeAlias = dict[int, tuple[int, ...]]
@@ -86,10 +87,4 @@ class LocalDependence:
 
     def _states_before(self, event: int) -> frozenset[int]:
         """The states from which one that offers the event can be reached."""
-        seen = set(self._offering.get(event, ()))
-        pending = list(seen)
-        while pending:
-            fresh = [source for source in self._sources[pending.pop()] if source not in seen]
-            seen.update(fresh)
-            pending += fresh
-        return frozenset(seen)
+        return frozenset(reached(self._offering.get(event, ()), self._sources.__getitem__))

@@ -27,7 +27,7 @@ from cspdiag.analyses.timing.flow.paths import Job, Node, Path, either
 from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS
 from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 from cspdiag.base import Span
-from cspdiag.base.graphs import strong_components
+from cspdiag.base.graphs import reached, strong_components
 from cspdiag.base.record import record
 
 State = tuple[int, Books]
@@ -111,14 +111,12 @@ class Jobs:
         """The places that a job may come to from some without passing another one, if all samples are there."""
         offers = [offer for place in self.thread.places for offer in place.offers if offer.kind == "sample"]
         books = at_tick(with_standing(NOTHING, offers, Standing.TAKEN), period)
-        reached = {(start, books) for start in starts if start != avoided}
-        pending = list(reached)
-        while pending:
-            for following, _, _, _, _ in self._following(pending.pop(), period):
-                if following[0] != avoided and following not in reached:
-                    reached.add(following)
-                    pending.append(following)
-        return {number for number, _ in reached}
+        begin = [(start, books) for start in starts if start != avoided]
+
+        def after(state: State) -> list[State]:
+            return [following for following in self._next(state, period) if following[0] != avoided]
+
+        return {number for number, _ in reached(begin, after)}
 
     def _path(self, start: int, period: int, books: Books) -> Path:
         done: dict[State, Path] = {}
@@ -143,12 +141,7 @@ class Jobs:
 
     def _check_loop(self, back: State, period: int) -> None:
         """A way back without any wait: without work it is no matter, otherwise nobody knows how often it is gone."""
-        inside, pending = {back}, [back]
-        while pending:
-            for following, _, _, _, _ in self._following(pending.pop(), period):
-                if following not in inside:
-                    inside.add(following)
-                    pending.append(following)
+        inside = set(reached([back], lambda state: self._next(state, period)))
         numbers = {state for state in inside if self._comes_back(state, back, period)}
         around = [(self.thread.places[number], books) for number, books in numbers]
         turns = self._turns({number for number, _ in numbers})
@@ -170,15 +163,10 @@ class Jobs:
         return min(around, key=lambda circle: circle.end - circle.again).turns if around else None
 
     def _comes_back(self, state: State, goal: State, period: int) -> bool:
-        seen, pending = {state}, [state]
-        while pending:
-            for following, _, _, _, _ in self._following(pending.pop(), period):
-                if following == goal:
-                    return True
-                if following not in seen:
-                    seen.add(following)
-                    pending.append(following)
-        return False
+        return goal in reached(self._next(state, period), lambda here: self._next(here, period))
+
+    def _next(self, state: State, period: int) -> list[State]:
+        return [following for following, *_ in self._following(state, period)]
 
     def _following(self, state: State, period: int) -> Iterator[Step]:
         """Where it goes on without stopping."""

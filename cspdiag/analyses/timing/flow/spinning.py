@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.analyses.timing.flow.paths import ChannelSide
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.graph import Circle, Offer, Place, Thread
-from cspdiag.base.graphs import strong_components
+from cspdiag.base.graphs import reached, strong_components
 
 
 class Spinning:
@@ -122,12 +122,7 @@ class Spinning:
     def _needs_time(self, number: int) -> bool:
         if number not in self._timed:
             thread = self._threads[number]
-            reached, pending = {thread.entry}, [thread.entry]
-            while pending:
-                for target, _ in self._at_once(number, pending.pop(), None):
-                    if target not in reached:
-                        reached.add(target)
-                        pending.append(target)
-            ends = (thread.places[k] for k in reached)
+            at_once = reached([thread.entry], lambda at: [target for target, _ in self._at_once(number, at, None)])
+            ends = (thread.places[k] for k in at_once)
             self._timed[number] = not any(not place.offers and not place.successors for place in ends)
         return self._timed[number]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 from cspdiag.base import Span
+from cspdiag.base.graphs import reached
 from cspdiag.base.record import record
 
 Key = tuple[str, str, int]
@@ -165,13 +166,8 @@ class Thread:
 
     def waits_first(self) -> set[int]:
         """The waits that it comes to from its beginning."""
-        reached, pending = {self.entry}, [self.entry]
-        while pending:
-            for target in self.places[pending.pop()].successors:
-                if target not in reached:
-                    reached.add(target)
-                    pending.append(target)
-        return {number for number in reached if self.places[number].offers}
+        on_the_way = reached([self.entry], lambda number: self.places[number].successors)
+        return {number for number in on_the_way if self.places[number].offers}
 
     def has_samples(self) -> bool:
         """Whether the thread follows a sample period."""

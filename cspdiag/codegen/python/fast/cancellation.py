@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
+from cspdiag.base.graphs import reached
 from cspdiag.codegen.python.fast.storage import run_again
 from cspdiag.network.ir.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
-from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.network import InstanceOf, Network, ProcessClass
 from cspdiag.network.ir.walk import instances_run, parts
 
 
@@ -44,19 +45,13 @@ def checked_classes(network: Network) -> frozenset[str]:
 
 def _below(process: ProcessClass, instances: Iterable[str], classes: dict[str, ProcessClass]) -> set[str]:
     """The process classes of instances of a process, and of theirs."""
-    found: set[str] = set()
-    pending = list(_classes_of(process, instances))
-    while pending:
-        name = pending.pop()
-        if name in classes and name not in found:
-            found.add(name)
-            pending += [instance.class_name for instance in classes[name].instances]
-    return found
 
+    def inside(process: ProcessClass) -> Iterator[InstanceOf]:
+        return (instance for instance in process.instances if instance.class_name in classes)
 
-def _classes_of(process: ProcessClass, instances: Iterable[str]) -> Iterator[str]:
     wanted = set(instances)
-    return (instance.class_name for instance in process.instances if instance.name in wanted)
+    begin = [instance.class_name for instance in inside(process) if instance.name in wanted]
+    return set(reached(begin, lambda name: [instance.class_name for instance in inside(classes[name])]))
 
 
 def _has_shared_variables(process: ProcessClass) -> bool:

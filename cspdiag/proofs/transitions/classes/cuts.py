@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TypeAlias, assert_never
 
+from cspdiag.base.graphs import reached
 from cspdiag.network.ir.actions import AssignValue, InputEvent, OutputEvent, ReadValue, WriteValue
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
@@ -174,14 +175,8 @@ def handed_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
         if isinstance(one.definition, ProcessClass):
             for item, handed_on in _handed_on(one):
                 origins[item] |= handed_on
-    pending: list[Item] = [("port", program.top.name, output.split("[", 1)[0]) for output in outputs]
-    found: set[Item] = set()
-    while pending:
-        item = pending.pop()
-        if item not in found:
-            found.add(item)
-            pending.extend(origins[item])
-    return frozenset(found)
+    ports: list[Item] = [("port", program.top.name, output.split("[", 1)[0]) for output in outputs]
+    return frozenset(reached(ports, origins.__getitem__))
 
 
 def _copied(expression: Expression, one: Class) -> set[Item]:

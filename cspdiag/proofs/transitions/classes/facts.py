@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
+from cspdiag.base.graphs import reached
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import (
     Abandon,
@@ -233,14 +234,7 @@ def _relevant(program: Program, told_apart: set[str], others: Iterable[Item] = (
         has_few = values_of_type(port.type) is not None
         if port.name in told_apart or (has_few and port.direction == "out"):
             seeds.add(("port", program.network.top, _base(port.name)))
-    found: set[Item] = set()
-    pending = list(seeds)
-    while pending:
-        item = pending.pop()
-        if item not in found:
-            found.add(item)
-            pending.extend(flows[item])
-    return frozenset(found)
+    return frozenset(reached(seeds, flows.__getitem__))
 
 
 def _conditions(definition: ProcessClass) -> Iterator[Expression]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from cspdiag.base.graphs import reached
 from cspdiag.proofs.transitions.systems.labels import INTERNAL, Fork, Label, Start
 from cspdiag.proofs.transitions.systems.references import ParallelId
 from cspdiag.proofs.transitions.systems.template import Spot, Template
@@ -65,11 +66,4 @@ def _past(past: Mapping[int, int], state: int) -> int:
 
 def _reached(edges: Sequence[Sequence[tuple[Label, int]]], start: int) -> list[int]:
     """The states that can be come to, in the order in which they are found, the first one first."""
-    order = [start]
-    seen = {start}
-    for state in order:
-        for _, target in edges[state]:
-            if target not in seen:
-                seen.add(target)
-                order.append(target)
-    return order
+    return list(reached([start], lambda state: [target for _, target in edges[state]]))

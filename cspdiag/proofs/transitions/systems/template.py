@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from cspdiag.base import Span
+from cspdiag.base.graphs import reached
 from cspdiag.base.record import record
 from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.systems.labels import Fork, Label
@@ -70,13 +71,6 @@ class Template:
         return known
 
     def _starts_again(self, fork: Label) -> bool:
-        pending = [target for edges in self.edges for label, target in edges if label == fork]
-        seen = set(pending)
-        while pending:
-            for label, target in self.edges[pending.pop()]:
-                if label == fork:
-                    return True
-                if target not in seen:
-                    seen.add(target)
-                    pending.append(target)
-        return False
+        begin = [target for edges in self.edges for label, target in edges if label == fork]
+        later = reached(begin, lambda state: [target for _, target in self.edges[state]])
+        return any(label == fork for state in later for label, _ in self.edges[state])
