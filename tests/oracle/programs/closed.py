@@ -6,6 +6,7 @@ they would all end well. Then some steps are exchanged, dropped, put into altern
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 from tests.oracle.programs.forms import MS, Forms, forever
@@ -34,7 +35,7 @@ def is_wide(seed: int) -> bool:
 
 def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = False, sampled: bool = True) -> Program:
     """A program without inputs; or with some, of events and of samples."""
-    rng = Random(seed)
+    rng, shifts = Random(seed), Random(f"offsets {seed}")
     world = World(rng, rich=rng.random() < 0.4, wide=is_wide(seed))
     count = rng.choice([2, 2, 3, 3, 4])
     scopes = [Scope(world, branch, [], [], []) for branch in range(count)]
@@ -66,6 +67,8 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
             port = Port(
                 f"i{scope.owner}", True, kind, period, domain=domain, values=((0, values[0]), (4_500_000, values[1]))
             )
+            if period:
+                port = replace(port, offset=shifts.choice([0, 0, MS]))
             ports.append(port)
             scope.reads += [Channel(port.name, kind, "sampled" if period else "event")] * 2
     bodies = _scripted(world, scopes, ends, without) if rng.random() < 0.6 else _free(scopes, without)
