@@ -1,12 +1,11 @@
 """Looks for processes that end with the last value of a control law on a sampled output.
 
-For each point of the composition the ports are known whose last value may come from a submodel in a loop that has
-ended; a point that cannot be reached has no such set (None). Each operator maps the set before it to the set after it.
+At each point of the composition it is known where each port may have been written last.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias, assert_never
 
 from cspdiag.base import Report
@@ -24,39 +23,37 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.network.diagnostics.samples.release import OutputNotReleased
+from cspdiag.network.flow.code import Call, Instruction, Join
+from cspdiag.network.flow.dataflow import solve
+from cspdiag.network.flow.effects import writes
+from cspdiag.network.ir.actions import PortEnd, Repeat, RunInstance, WhileLoop
+from cspdiag.network.shapes import Shape
 from cspdiag.syntax import ast
-from cspdiag.syntax.walk import declared_in, nodes
+from cspdiag.syntax.walk import declared_in
 
-Driven: TypeAlias = "Mapping[PortSymbol, ast.Run] | None"
-"""The sampled outputs that were last written by a submodel in a loop, with where it was run."""
-
-_NOTHING: Mapping[PortSymbol, ast.Run] = {}
+Written: TypeAlias = Mapping[PortSymbol, frozenset[tuple[int, bool]]]
+"""The instructions that may have written an output last, each with whether it is a submodel in a loop."""
 
 _SHOWN = 4
 """Elements of an array that are written out in what is suggested."""
 
 
-def check_release(program: Program, report: Report) -> None:
+def check_release(program: Program, shapes: Iterable[Shape], report: Report) -> None:
     """Warn of every sampled output that a process leaves as a loop of a submodel wrote it last."""
-    for definition in program.definitions.values():
-        if isinstance(definition, ast.ProcessDefinition) and definition.composition is not None:
-            _check_process(program, definition, definition.composition, report)
+    for shape in shapes:
+        if shape.body is not None and isinstance(shape.definition, ast.ProcessDefinition):
+            _check_process(program, shape, shape.definition, report)
 
 
-def _check_process(
-    program: Program, definition: ast.ProcessDefinition, composition: ast.Composition, report: Report
-) -> None:
+def _check_process(program: Program, shape: Shape, definition: ast.ProcessDefinition, report: Report) -> None:
     outputs = dict(_outputs_of_instances(program, definition))
-    if not outputs:
-        return
-    left = _Release(program, outputs).after(composition, _NOTHING, loops=False)
-    for port, run in (left or _NOTHING).items():
+    for port, run in _driven_at_end(shape, outputs) if outputs else ():
         report.add(
             OutputNotReleased(
                 run.span,
                 process=definition.name.text,
                 port=port.name,
-                instance=run.instance.name.text,
+                instance=shape.instances[run.instance].declaration.name.text,
                 release=_release_value(port.type),
                 port_span=port.port.span,
             )
@@ -115,96 +112,53 @@ def _release_value(type_: Type) -> str:
             assert_never(type_)
 
 
-def _either(*states: Driven) -> Driven:
-    """What may be driven when one of several paths was taken."""
-    reached = [state for state in states if state is not None]
-    return {port: run for state in reached for port, run in state.items()} if reached else None
+def _driven_at_end(
+    shape: Shape, outputs: Mapping[ast.Instance, tuple[PortSymbol, ...]]
+) -> Iterator[tuple[PortSymbol, RunInstance]]:
+    """The outputs that a submodel in a loop may have written last, with where it was run."""
+    code = shape.flow
+    looping = {i for action, inside in code.decisions if isinstance(action, Repeat | WhileLoop) for i in inside}
+    parallels = {i.fork: range(i.fork, index) for index, i in enumerate(code.instructions) if isinstance(i, Join)}
+    abandoned: dict[int, Written] = {}
+    """By ``Abandon``, what submodels write that may be abandoned there, in a loop or not."""
+
+    def written_by(instruction: Instruction) -> tuple[PortSymbol, ...]:
+        if isinstance(instruction, Call):
+            return outputs.get(shape.instances[instruction.step.instance].declaration, ())
+        return tuple(shape.ports[place.port].symbol for place in writes(instruction) if isinstance(place, PortEnd))
+
+    def is_law(instruction: Instruction) -> bool:
+        return isinstance(instruction, Call) and shape.instances[instruction.step.instance].shape.is_submodel
+
+    def after(index: int, instruction: Instruction, before: Written) -> Written:
+        ports, write = written_by(instruction), frozenset({(index, index in looping and is_law(instruction))})
+        found = {**before, **dict.fromkeys(ports, write)} if ports else before
+        return _any_of([found, abandoned[index]]) if index in abandoned else found
+
+    def merged(instruction: Instruction, states: list[Written]) -> Written:
+        """What was written before a parallel stays where no branch has written since."""
+        found = _any_of(states)
+        if not isinstance(instruction, Join):
+            return found
+        inside = parallels[instruction.fork]
+        return {
+            port: frozenset(w for w in last if w[0] in inside or all(w in state.get(port, ()) for state in states))
+            for port, last in found.items()
+        }
+
+    for index, (instruction, target) in enumerate(zip(code.instructions, code.abandoned, strict=True)):
+        if target is not None:
+            write = frozenset({(index, True)})
+            own: Written = dict.fromkeys(written_by(instruction), write) if is_law(instruction) else {}
+            abandoned[target] = _any_of([abandoned.get(target, {}), abandoned.get(index, {}), own])
+    nothing: Written = {}
+    last = solve(code, nothing, after, merged)[-1] or nothing
+    for port in dict.fromkeys(port for ports in outputs.values() for port in ports):
+        driving = code.instructions[max((index for index, is_driven in last.get(port, ()) if is_driven), default=-1)]
+        if isinstance(driving, Call):
+            yield port, driving.step
 
 
-class _Release:
-    def __init__(self, program: Program, outputs: Mapping[ast.Instance, tuple[PortSymbol, ...]]) -> None:
-        self.program = program
-        self.outputs = outputs
-
-    def after(self, part: ast.Composition, before: Mapping[PortSymbol, ast.Run], *, loops: bool) -> Driven:
-        """What is driven after ``part``; ``loops`` says whether it is in a loop that can end."""
-        match part:
-            case ast.Run():
-                return self._after_run(part, before, loops)
-            case ast.Write():
-                return self._after_write(part.channel, before)
-            case ast.Stop() | ast.Raise():
-                return None
-            case ast.Skip() | ast.Wait() | ast.Reset() | ast.Read() | ast.Assign():
-                return before
-            case ast.Sequence():
-                return self._after_sequence(part, before, loops)
-            case ast.Parallel():
-                return self._after_parallel(part, before, loops)
-            case ast.Alternative():
-                return _either(*(self.after(branch, before, loops=loops) for branch in part.branches))
-            case ast.Guarded():
-                event = part.guard.event
-                if isinstance(event, ast.OutputGuard):
-                    before = self._after_write(event.channel, before)
-                return self.after(part.process, before, loops=loops)
-            case ast.Mu():
-                return None if part.until is None else self.after(part.process, before, loops=True)
-            case ast.While():
-                return _either(before, self.after(part.process, before, loops=True))
-            case ast.If():
-                otherwise = before if part.otherwise is None else self.after(part.otherwise, before, loops=loops)
-                return _either(self.after(part.then, before, loops=loops), otherwise)
-            case ast.Catch() | ast.Interrupt():
-                abandoned = {**before, **dict(self._driven_anywhere(part.process))}
-                return _either(
-                    self.after(part.process, before, loops=loops),
-                    self.after(part.handler, abandoned, loops=loops),
-                )
-            case ast.Replicated() | ast.Labelled():
-                return self.after(part.process, before, loops=loops)
-            case _:
-                assert_never(part)
-
-    def _after_run(self, run: ast.Run, before: Mapping[PortSymbol, ast.Run], loops: bool) -> Driven:
-        written = self._written_by(run)
-        state = {port: at for port, at in before.items() if port not in written}
-        return {**state, **dict.fromkeys(written, run)} if loops and self._is_submodel(run) else state
-
-    def _after_write(
-        self, channel: ast.Reference, before: Mapping[PortSymbol, ast.Run]
-    ) -> Mapping[PortSymbol, ast.Run]:
-        written = _sampled_output(self.program, channel)
-        return {port: at for port, at in before.items() if port is not written}
-
-    def _after_sequence(self, part: ast.Sequence, before: Mapping[PortSymbol, ast.Run], loops: bool) -> Driven:
-        state: Driven = before
-        for step in part.processes:
-            if state is None:
-                return None
-            state = self.after(step, state, loops=loops)
-        return state
-
-    def _after_parallel(self, part: ast.Parallel, before: Mapping[PortSymbol, ast.Run], loops: bool) -> Driven:
-        states = [self.after(branch, before, loops=loops) for branch in part.processes]
-        reached = [state for state in states if state is not None]
-        if len(reached) < len(states):
-            return None
-        released = {port for port in before if any(port not in state for state in reached)}
-        driven = {port: run for state in reached for port, run in state.items() if before.get(port) is not run}
-        return {**{port: run for port, run in before.items() if port not in released}, **driven}
-
-    def _driven_anywhere(self, part: ast.Composition) -> Iterator[tuple[PortSymbol, ast.Run]]:
-        for found in nodes(part):
-            if isinstance(found, ast.Run) and self._is_submodel(found):
-                yield from ((port, found) for port in self._written_by(found))
-
-    def _written_by(self, run: ast.Run) -> tuple[PortSymbol, ...]:
-        instance = self.program.bindings.get(run.instance)
-        return self.outputs.get(instance, ()) if isinstance(instance, ast.Instance) else ()
-
-    def _is_submodel(self, run: ast.Run) -> bool:
-        instance = self.program.bindings.get(run.instance)
-        if not isinstance(instance, ast.Instance):
-            return False
-        return isinstance(self.program.definitions.get(instance.definition.text), ast.SubmodelDefinition)
+def _any_of(states: Sequence[Written]) -> Written:
+    ports = dict.fromkeys(port for state in states for port in state)
+    return {port: frozenset().union(*(state.get(port, frozenset()) for state in states)) for port in ports}

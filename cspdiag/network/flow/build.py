@@ -182,7 +182,7 @@ class _Builder:
             self.action(step)
             ends += self._open
         self._open = tuple(ends) if len(ends) == len(parallel.steps) else ()
-        self.add(Join(span=parallel.span))
+        self.add(Join(span=parallel.span, fork=fork))
 
     def _choice(self, choice: Choice) -> None:
         select = self.add(Select(span=choice.span, step=choice))

@@ -122,8 +122,11 @@ class Fork(Placed, Generic[A_co]):
     step: ParallelSteps[A_co]
 
 
+@node
 class Join(Placed):
-    """The branches of a parallel, the instructions before, have all ended."""
+    """The branches of a parallel, the instructions before, have all ended; they began at ``fork``."""
+
+    fork: int
 
 
 class Meet(Placed):

@@ -41,7 +41,7 @@ def check(program: Program, report: Report) -> Analysis:
     Returns what ``lower`` need not find out again.
     """
     analysis = analysed(program, report)
-    check_release(program, report)
+    check_release(program, analysis.inside_out(), report)
     submodels.check(program, report, analysis.law_samples(), analysis.laws)
     external_bodies.check(program, report)
     for environment in _environments(program):

@@ -54,14 +54,14 @@ class Code:
         self.after = flow.following(code)
         self.computations = self._computations(code)
         """By its first instruction what is computed as a whole, with the instruction after it."""
+        self.joins = {i.fork: index for index, i in enumerate(code.instructions) if isinstance(i, flow.Join)}
+        """The ``Join`` of each ``Fork``."""
         self._refuse(code)
         self.around: list[tuple[int, ...]] = []
         """By instruction what is around it within its branch, innermost first: the ``Enter`` of processes, and the
         ``Abandon`` of what catches exceptions.
         """
         self.failures: dict[int, Failure] = {}
-        self.joins: dict[int, int] = {}
-        """The ``Join`` of each ``Fork``."""
         self._nest(code)
 
     def _unrolled(self, action: ir.Action) -> ir.Action:
@@ -139,12 +139,10 @@ class Code:
 
     def _nest(self, code: flow.Code) -> None:
         around: list[tuple[int, ...]] = [()]
-        forks: list[int] = []
         for index, instruction in enumerate(code.instructions):
             match instruction:
                 case flow.Join():
                     around.pop()
-                    self.joins[forks.pop()] = index
                 case flow.Leave() | flow.Unwatch():
                     around[-1] = around[-1][1:]
                 case _:  # Nothing else ends what is around.
@@ -153,7 +151,6 @@ class Code:
             match instruction:
                 case flow.Fork():
                     around.append(())
-                    forks.append(index)
                 case flow.Enter():
                     around[-1] = (index, *around[-1])
                 case flow.Watch():
