@@ -70,9 +70,10 @@ def _network(arguments: Namespace, trace: Trace) -> CoreNetwork | None:
 
 
 def _report(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]:
+    from cspdiag.network.dump.expression import value_text
     from cspdiag.runtime.kernel.durations import shown
     from cspdiag.verify.runs.names import below
-    from cspdiag.verify.runs.values import types_of, written
+    from cspdiag.verify.runs.values import types_of
 
     types = types_of(network)
     yield f"replay of the counterexample to `{trace.assertion}`"
@@ -86,7 +87,7 @@ def _report(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]
             yield f"then again and again{f', {every}' if lasting else ''}:"
         when = instants[number].rjust(width) if instants else ""
         name = channel.removeprefix(f"{trace.process}.")
-        yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
+        yield f"{number + 1:>5}  {when}{name}  {value_text(value, types[channel])}"
     if round_from == len(result.communications):
         yield f"then again and again, {trace.round}"
     if result.deadlock is not None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import (
     SILENT,
@@ -20,7 +21,7 @@ from cspdiag.proofs.counterexamples.counterexample import (
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Place, System
 from cspdiag.verify.guided.script import Actor, Happened, Standing
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, duration_of, fit
-from cspdiag.verify.runs.values import types_of, written
+from cspdiag.verify.runs.values import types_of
 
 _UNSEEN = SILENT | {"exception"}
 
@@ -57,7 +58,7 @@ def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:
     type_ = types.get(happened.channel)
     if happened.action != "communication" or not isinstance(type_, BoolType | EnumType | IntType | RealType | TimeType):
         return None
-    return written(happened.value, type_)
+    return value_text(happened.value, type_)
 
 
 class _Teller:

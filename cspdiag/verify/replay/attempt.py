@@ -11,6 +11,7 @@ from typing import Any
 
 from cspdiag.base.record import replaced
 from cspdiag.network.dump.delay import is_of_time_out
+from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
@@ -32,7 +33,7 @@ from cspdiag.verify.runs.memory import memory
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.recurrence import counting_to_faults
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
-from cspdiag.verify.runs.values import Values, numbers_of, written
+from cspdiag.verify.runs.values import Values, numbers_of
 from cspdiag.verify.runs.waiting import where_instead
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
@@ -245,7 +246,7 @@ class Attempt:
         if not candidates:
             raise DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
         value = self.conductor.outside.offered[step.channel] = candidates[self._decisions.choose(len(candidates))]
-        self._offered[self._done] = written(value, port.type)
+        self._offered[self._done] = value_text(value, port.type)
 
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
         """The gates to be passed for a step, writers first, alternatives last."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.model.types import Type
+from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.refine.allowed import Rest, violation
@@ -16,7 +17,6 @@ from cspdiag.proofs.transitions.values import MOST_VALUES
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.replay.rest import Resting
 from cspdiag.verify.replay.result import Judge
-from cspdiag.verify.runs.values import written
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.expressions import Value
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def _text(value: Any, kind: Type) -> str:
     """A value as transition systems tell it; zero is the same value with either sign."""
-    return written(value + 0.0 if isinstance(value, float) else value, kind)
+    return value_text(value + 0.0 if isinstance(value, float) else value, kind)
 
 
 def judge(question: Question, specified: Callable[[ToldApart], System], network: CoreNetwork, limits: Limits) -> Judge:

@@ -14,6 +14,7 @@ from typing import Any
 
 from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
+from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import Party, Step
 from cspdiag.runtime.kernel.policy import Option
@@ -22,7 +23,7 @@ from cspdiag.verify.guided.goal import STANDSTILLS
 from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
-from cspdiag.verify.runs.values import Values, is_told_as, types_of, written
+from cspdiag.verify.runs.values import Values, is_told_as, types_of
 
 MOST_STEPS = 8_000
 """So many steps are added in one attempt."""
@@ -181,7 +182,7 @@ class Rounds:
             return TraceStep("time", f"{name}: {option.action} {duration(option.duration)}", None, parties)
         value = None
         if port.direction == "in":
-            value = written(self._value(option.channel), port.type)
+            value = value_text(self._value(option.channel), port.type)
         kind = "sample" if port.direction == "in" and port.sampling is not None else "external"
         return TraceStep(kind, option.channel, value, parties)
 

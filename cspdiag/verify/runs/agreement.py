@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from cspdiag.model.types import RealType, Type
+from cspdiag.network.dump.expression import value_text
 from cspdiag.verify.runs.trace import Trace
-from cspdiag.verify.runs.values import HANDED_ON, is_told_as, written
+from cspdiag.verify.runs.values import HANDED_ON, is_told_as
 
 PASSING = frozenset({"communication", "external", "sample"})
 """The kinds of steps in which a value passes."""
@@ -83,7 +84,7 @@ def difference(trace: Trace, made: Sequence[tuple[str, Any]], types: Mapping[str
     steps = (*trace.steps, *trace.cycle)
     for number, value in differing(steps, made, types).items():
         step = steps[number]
-        had = "not that value" if value is None else f"`{written(value, types[step.channel])}`"
+        had = "not that value" if value is None else f"`{value_text(value, types[step.channel])}`"
         return (
             number,
             f"the trace has `{step.value}` at `{step.channel}` in step {trace.shown_before(number) + 1}, and the "

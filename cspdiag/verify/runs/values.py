@@ -106,15 +106,10 @@ def types_of(network: CoreNetwork) -> Mapping[str, Type]:
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
-def written(value: Any, type_: Type) -> str:
-    """A value of a running program as transition systems write it."""
-    return value_text(value, type_)
-
-
 def is_told_as(value: Any, type_: Type, told: str) -> bool:
     """Whether a value is the one that a transition system writes so, or in the range that it writes so."""
     ends = _ends(type_, told)
-    return written(value, type_) == told if ends is None else ends[0] <= value <= ends[1]
+    return value_text(value, type_) == told if ends is None else ends[0] <= value <= ends[1]
 
 
 def _ends(type_: Type, told: str) -> tuple[int, int] | None:

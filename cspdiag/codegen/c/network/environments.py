@@ -50,6 +50,7 @@ from cspdiag.codegen.shared.equations import (
     held,
     needed,
     outputs,
+    read_after_change,
     signal_types,
     signals,
     uses_time,
@@ -266,13 +267,9 @@ class EnvironmentFiles:
 
     def _read_late(self, system: SubmodelClass) -> list[str]:
         """Discrete states that are read after they may have changed."""
-        changed: set[str] = set()
-        late: set[str] = set()
-        for name, value in system.next_values:
-            late |= set(signals((value,))) & changed
-            changed.add(name)
+        late = set(read_after_change(system.next_values))
         if system.derivatives:
-            late |= set(self._integration.held) & changed
+            late |= set(self._integration.held) & {name for name, _ in system.next_values}
         return [state.name for state in system.states if state.name in late and not state.continuous]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:

@@ -90,14 +90,14 @@ class InlineLaw:
 
         printer = replace(self.printer, signal=late)
         for name, value in self.law.next_values:
-            yield from assigned(self._spelled(name), printer, value, self._place_of_state(name))
+            yield from assigned(self.printer.signal(name), printer, value, self._place_of_state(name))
             changed.add(name)
         yield from moved
 
     def _equation(self, equation: SubmodelEquation | ExternalCall) -> Iterable[Statement]:
         if isinstance(equation, ExternalCall):
             return (self._called(equation),)
-        target, value = self._spelled(equation.name), equation.value
+        target, value = self.printer.signal(equation.name), equation.value
         if isinstance(value, FunctionCall) and value.function == "finite":
             computed = assigned(target, self.printer, value.arguments[0], self.place(equation))
             return (*computed, refused_unless_finite(target, self.printer.imports))
@@ -105,12 +105,9 @@ class InlineLaw:
 
     def _called(self, item: ExternalCall) -> Statement:
         given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
-        calculated = Call(self._spelled(item.name).field("calculate"), given)
-        targets = [self._spelled(local) for _, local, _ in item.outputs]
+        calculated = Call(self.printer.signal(item.name).field("calculate"), given)
+        targets = [self.printer.signal(local) for _, local, _ in item.outputs]
         return unpack(targets, calculated, self.place(item))
-
-    def _spelled(self, name: str) -> Code:
-        return self.printer.signal(name)
 
     def _place_of_state(self, name: str) -> str | None:
         return next((self.place(state) for state in self.class_.states if state.name == name), None)
@@ -172,7 +169,7 @@ class InlineLaw:
             yield For("_", counted_to(self._steps), tuple(inline.statements()))
         for name, beside in local.items():
             yield refused_unless_finite(Name(beside), self.printer.imports)
-            moved.append(assign(self._spelled(name), Name(beside)))
+            moved.append(assign(self.printer.signal(name), Name(beside)))
 
 
 def reset_statements(
