@@ -50,6 +50,7 @@ OVERFLOWS = {
     "a time": "beat ! 1 ; ((wait t + 9223372036 s + 854 ms) catch Fault -> stop)",
     "times that are doubled": "(mu (wait 1 ms ; beat ! 1 ; t := t + t)) catch Fault -> stop",
     "an instant": "beat ! 1 ; ((wait until now + t + 9223372036 s + 854 ms) catch Fault -> stop)",
+    "the size of a time": "t := -9223372036854775807 ns - 1 ns ; beat ! 1 ; ((wait abs(t)) catch Fault -> stop)",
     "a guard": "beat ! 1 ; ((when n + 9223372036854775807 > 0 & beat ! 2 -> skip) catch Fault -> stop)",
 }
 

@@ -140,7 +140,7 @@ class Faults:
                 return self._may_overflow(part, class_name)
             case FunctionCall():
                 return part.function in _MAY_FAIL or (
-                    isinstance(part.type, IntType) and self._may_overflow(part, class_name)
+                    isinstance(part.type, IntType | TimeType) and self._may_overflow(part, class_name)
                 )
             case Conversion():
                 return not conversion_fits(part)
