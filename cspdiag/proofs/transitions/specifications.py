@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import assert_never
 
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Call, Communicate, Delay, Take
 from cspdiag.network.flow.waiting import is_always_ready
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import LiteralValue
@@ -138,26 +140,18 @@ def _compete(parallel: Node, occurrence: Occurrence) -> bool:
 
 def _times_in(root: Node, occurrence: Occurrence) -> set[str]:
     found: set[str] = set()
-    for node in _inside(root):
-        match node.action:
-            case ir.WaitStep():
+    for instruction in flow_of(root.action).instructions:
+        match instruction:
+            case Delay():
                 found.add(_TIMED)
-            case ir.ReadValue(source=source) if occurrence.attached(source).kind == "sampled":
+            case Communicate(step=ir.ReadValue(source=source)) if occurrence.attached(source).kind == "sampled":
                 found.add(_SAMPLED)
-            case ir.Choice() as choice:
-                found |= {_kind(branch, occurrence) for branch in choice.branches} & {_TIMED, _SAMPLED}
-            case ir.InterruptOn() as interrupt:
-                found |= {_kind(interrupt.branch, occurrence)} & {_TIMED, _SAMPLED}
-            case ir.RunInstance():
-                found |= _times_of(node.action.instance, occurrence)
-            case (
-                ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep() | ir.ResetInstance()
-                | ir.RaiseException() | ir.SequentialSteps() | ir.ParallelSteps() | ir.Repeat() | ir.WhileLoop()
-                | ir.CountedLoop() | ir.IfElse() | ir.CatchException() | ir.Group()
-            ):  # fmt: skip
+            case Take(branch=branch):
+                found |= {_kind(branch, occurrence)} & {_TIMED, _SAMPLED}
+            case Call(step=step):
+                found |= _times_of(step.instance, occurrence)
+            case _:  # Nothing else waits for a time or a sample.
                 pass
-            case _:
-                assert_never(node.action)
     return found
 
 

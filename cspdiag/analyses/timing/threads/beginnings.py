@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import assert_never
 
 from cspdiag.analyses.timing.threads.ends import Ends
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Call, Communicate, Delay, Loop, Select, Watch
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import CoreClass, ProcessClass, SubmodelClass
 
@@ -19,28 +21,21 @@ class Beginnings:
 
     def waits_first(self, path: str, action: ir.CoreAction) -> bool:
         """Whether an action of the process at a path begins by waiting; False where that is not certain."""
-        match action:
-            case ir.ReadValue():
-                return self._reads(path, action)
-            case ir.Choice(branches=branches):
-                return all(branch.condition is None and self._reads(path, branch.event) for branch in branches)
-            case ir.WaitStep(duration=duration):
-                return any(offer.period for offer in self._ends.delay(path, duration, 0, action.span))
-            case ir.SequentialSteps(steps=steps):
-                return bool(steps) and self.waits_first(path, steps[0])
-            case ir.CountedLoop(body=body, turns=turns):
-                return turns > 0 and self.waits_first(path, body)
-            case ir.Group(body=body) | ir.Repeat(body=body) | ir.CatchException(body=body):
-                return self.waits_first(path, body)
-            case ir.RunInstance(instance=name):
-                return self._runs(path, name)
-            case (
-                ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep() | ir.ResetInstance()
-                | ir.RaiseException() | ir.ParallelSteps() | ir.WhileLoop() | ir.IfElse() | ir.InterruptOn()
-            ):  # fmt: skip
-                return False
-            case _:
-                assert_never(action)
+        for instruction in flow_of(action).instructions:
+            match instruction:
+                case Loop() | Watch(step=ir.CatchException()):
+                    pass
+                case Communicate(step=ir.ReadValue() as step):
+                    return self._reads(path, step)
+                case Select(step=choice):
+                    return all(one.condition is None and self._reads(path, one.event) for one in choice.branches)
+                case Delay(step=step):
+                    return any(offer.period for offer in self._ends.delay(path, step.duration, 0, step.span))
+                case Call(step=step):
+                    return self._runs(path, step.instance)
+                case _:  # Anything else comes before a wait, or may.
+                    return False
+        return False
 
     def _reads(self, path: str, action: ir.ReadValue | ir.Event) -> bool:
         match action:

@@ -152,7 +152,7 @@ class Counting:
         match duration:
             case FunctionCall(function="until", arguments=(instant, _)):
                 return self._within(instant, class_name, 2 * _COUNTED[1], counted=True)
-            case _:
+            case _:  # Any other duration is counted from where it begins.
                 return self._within(duration, class_name, _LONGEST_DELAY, counted=True)
 
     def _within(self, value: Expression, class_name: str, limit: int, *, counted: bool) -> bool:
