@@ -185,6 +185,26 @@ class Unit:
             return inner
         return Node(f"({{}} catch Fault -> o ! {self.fresh() + 1000})", (inner,))
 
+    def turns(self, index: str, within: Scope, depth: int) -> Node:
+        """A replicated sequence that computes with its index, of few turns or of so many that it is a loop."""
+        draw = self.draw
+        array = draw.choice(["own", "table", "given", "[7, 8, 9]"])
+        forms = [
+            f"o ! {array}[{within.value('int', 1)}]",
+            f"(own[{within.value('int', 1)}] := {within.value('int')} ; o ! {index})",
+            f"(if {index} % 3 == {draw.randint(0, 3)} then o ! {within.value('int')} else v_int := {index})",
+            f"(if {within.value('bool', 1)} then o ! {index})",
+            f"(wait {draw.choice(['1 us', '0 us'])} * {index} ; v_int := {within.value('int', 1)})",
+            f"(after 1 us * ({index} % 7) -> o ! {index} {draw.choice(['[]', '[]>'])} after 3 us -> o ! v_int)",
+            f"((o ! {within.value('int')} catch Fault -> v_int := {index}) ; o ! v_int)",
+        ]
+        body = draw.choice(forms)
+        if depth > 0 and draw.random() < 0.3:
+            other = f"i{self.fresh()}"
+            few = self.turns(other, within.within(other), 0)
+            body = str(few) if draw.random() < 0.5 else f"({body} ; {few})"
+        return Node(f"(seq {index} < {draw.choice((2, 3, 5, 66, 66, 200) if depth > 0 else (2, 3, 66))} : {body})")
+
     def plain(self, depth: int) -> Node:
         """A statement."""
         draw, scope = self.draw, self.scope()
@@ -223,8 +243,7 @@ class Unit:
                     "98)"
                 )
             case "elements":
-                array = draw.choice(["own", "table", "given", "[7, 8, 9]"])
-                return Node(f"(seq {index} < {draw.randint(2, 5)} : o ! {array}[{within.value('int', 1)}])")
+                return self.turns(index, within, depth)
             case "law":
                 return Node(f"(law{draw.randrange(self.laws)} ; o ! of_law)")
             case "if":

@@ -214,6 +214,8 @@ def step(part: Part, depth: int) -> Node:
         choice = draw.random()
         if choice < 0.75 and part.ports:
             return Node(f"({_plain(access(part, draw.choice(part.ports)))})")
+        if choice < 0.87 and part.leaf.indexes and draw.random() < 0.5:
+            return Node(f"(wait {draw.choice(part.leaf.indexes)} % 5 * 100 us)")
         if choice < 0.87:
             return Node(
                 f"(wait until {draw.choice(INSTANTS)})" if draw.random() < 0.2 else f"(wait {draw.choice(DELAYS)})"
