@@ -154,6 +154,7 @@ class ChannelShape:
         "replicators",
         "requested",
         "span",
+        "turns",
         "type",
     )
 
@@ -176,6 +177,8 @@ class ChannelShape:
         self.initial: Expression | None = None
         self.replicators: Mapping[ast.Node, Value] = {}
         """Values of the replicators around the declaration of a variable."""
+        self.turns: int | None = None
+        """How many turns of a loop a variable counts."""
 
     @property
     def is_variable(self) -> bool:

@@ -28,8 +28,8 @@ MOST_ALIKE_UNROLLED = 16
 MOST_UNROLLED = 64
 """Turns that differ only by values and are written down one by one; more of them are a loop.
 
-With the index known, checks and proofs know what each turn does: a condition on it decides which parts of a diagram
-there are, and 64 is also the number of values of a variable that proofs tell apart. Unrolled, 64 turns of an
+With the index known, checks and analyses know what each turn does: a condition on it decides which parts of a diagram
+there are, and a delay by it is a constant. Unrolled, 64 turns of an
 alternative take a fifth more time to compile to C than 10, 250 three times and 1,000 twenty times as much.
 """
 
@@ -91,6 +91,7 @@ class Indexes:
         """A variable for the index, while what is repeated is composed."""
         variable = ChannelShape(self._fresh(replicator.name.text), replicator, INT, replicator.name.span)
         variable.initial = LiteralValue(type=INT, value=0)
+        variable.turns = number
         self.shape.channels[variable.name] = variable
         turns = self._counting[replicator] = Turns(number=number, variable=variable)
         yield turns

@@ -85,15 +85,16 @@ class Port(Declared):
 class LocalChannel(Declared):
     """A channel that a process class owns; a variable of the text is one of kind ``var``.
 
-    ``initial`` belongs to ``var``, ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends)
-    to ``broadcast``. ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are
-    specialized.
+    ``initial`` belongs to ``var``, and so does ``turns``, how many turns of a loop the compiler counts in it;
+    ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends) to ``broadcast``.
+    ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are specialized.
     """
 
     type: Type
     kind: ChannelKind
     initial: Expression | None = None
     capacity: int | None = None
+    turns: int | None = None
     ends: int = 1
     guarded_reads: bool = False
     guarded_writes: bool = False

@@ -191,6 +191,7 @@ class _Sketch:
             kind=channel.kind,
             initial=channel.initial,
             capacity=channel.capacity,
+            turns=channel.turns,
             ends=ends,
         )
 

@@ -74,6 +74,8 @@ class MediumFacts:
         self.is_contended = kind == "any"
         """Whether several processes may be after the same communication."""
         self.capacity = 1
+        self.turns = 0
+        """How many turns of a loop a variable counts."""
         self.ends = 1
         self.initial: Known = UNKNOWN
         self.values: set[Known] | None = set()
@@ -209,6 +211,7 @@ class Occurrence:
                 span=channel.span,
             )
             known.capacity = channel.capacity or 1
+            known.turns = channel.turns or 0
             known.ends = channel.ends
             if channel.initial is not None:
                 known.initial = self.constant(channel.initial)

@@ -250,7 +250,7 @@ class Thread:
 
     def count(self, configuration: Configuration) -> None:
         """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told
-        apart.
+        apart; one that counts turns may have as many, as where a thread is in the loop says which it is.
         """
         for slot, value in enumerate(configuration.variables):
             values = self._values[slot]
@@ -258,8 +258,9 @@ class Thread:
             if len(values) > MOST_VALUES:
                 ((key, _),) = (entry for entry in self._slots.items() if entry[1] == slot)
                 assert not isinstance(key, Session)
-                self._widen(key)
-                raise Restart
+                if len(values) > self.medium(key).turns + 1:
+                    self._widen(key)
+                    raise Restart
 
     def give_up(self, configurations: Iterable[Configuration]) -> bool:
         """Follows the variable that has most values in some configurations less closely; whether any has several."""
