@@ -85,6 +85,11 @@ class Chained:
                 taken = f"d{k} ? b{k}"
         self.threads.append([f"{taken} -> skip", f"x{k} -> {name}"])
 
+    def offset(self, period: int) -> str:
+        """That of the output, in half of the programs."""
+        source = random.Random(repr(self.laws))
+        return f"offset {source.randrange(0, 1000 * period, 250)} us" if source.random() < 0.5 else ""
+
     def text(self, count: int) -> str:
         runs = []
         for thread in self.threads:
@@ -101,7 +106,7 @@ class Chained:
             )
         self.source.shuffle(runs)
         ports = "".join(f"in x{k} : double @ {period} ms\n" for k, period in enumerate(self.periods))
-        latch = "immediate" if self.source.random() < 0.3 else ""
+        latch = "immediate" if self.source.random() < 0.3 else self.offset(self.periods[count - 1])
         used = "\n".join(self.diagram)
         return (
             f"{''.join(self.laws)}process Main {{ {ports} out y : double @ {self.periods[count - 1]} ms {latch}\n"
