@@ -62,7 +62,7 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
             kind, domain, values = INT, (-1, 0, 1, 2), (0, 1)
             if world.wide:
                 domain, values = (-(2**63), 0, 1, 2**63 - 1), (0, 2**63 - 1)
-            if rng.random() < 0.6:
+            if rng.random() < (0.25 if world.wide else 0.6):
                 kind, domain, values = BOOL, (False, True), (False, True)
             port = Port(
                 f"i{scope.owner}", True, kind, period, domain=domain, values=((0, values[0]), (4_500_000, values[1]))

@@ -100,17 +100,30 @@ class Edges:
 
     def condition(self) -> Expr:
         kind = self.kind()
+        known = [variable for variable in self.scope.own if isinstance(variable.type, Int)]
+        if known and self.rng.random() < 0.4:
+            variable = self.rng.choice(known)
+            return self.compared(Ref(variable.name, variable.type))
         return Bin(self.rng.choice(COMPARED), self.sum(kind), self.scope.edge(kind), BOOL)
+
+    def compared(self, value: Expr) -> Expr:
+        """A value that is compared with something added, or taken away."""
+        kind = value.type
+        assert isinstance(kind, Int)
+        moved = Bin(self.rng.choice("+-"), value, self.scope.edge(kind), kind)
+        return Bin(self.rng.choice(COMPARED), moved, self.scope.edge(kind), BOOL)
 
     # ---- steps ----
 
     def added(self, target: Target) -> Comp:
-        """What a variable has got with something added that takes it near an end, or beyond."""
+        """What a variable has got with something added that takes it near an end, or beyond; or compared then."""
         kind = target.type
         assert isinstance(kind, Int)
         value: Expr = Ref(target.name, kind)
         if target.at is not None:
             value = Index(Ref(target.name, TWO), Lit(target.at, INT), INT)
+        if self.rng.random() < 0.4:
+            return If(self.compared(value), Skip())
         end = self.rng.choice(kind.bounds) or kind.bounds[1]
         op = "+" if end > 0 else "-"
         reach = min(abs(end), kind.bounds[1]) - self.rng.randrange(4)
