@@ -171,10 +171,9 @@ class Verifier:
         if found is None:
             return answer
         from cspdiag.codegen import target_errors
-        from cspdiag.proofs.counterexamples.rounds import with_rounds
         from cspdiag.simulate.run.execute import BodyError
         from cspdiag.verify.guided.account import retold
-        from cspdiag.verify.replay.account import with_values
+        from cspdiag.verify.replay.account import as_replayed
         from cspdiag.verify.replay.attempts import replay
         from cspdiag.verify.runs.names import in_words
         from cspdiag.verify.runs.trace import read_trace
@@ -197,8 +196,7 @@ class Verifier:
             return not_replayed(answer, str(stop))
         if result.divergence is not None:
             return not_replayed(answer, in_words(result.divergence, network.top))
-        found = with_values(found, result, network)
-        found = with_rounds(found, ((added.before, added.told) for added in result.added))
+        found = as_replayed(found, result, network, self._systems.of(answer.question.process))
         found = replaced(found, reason=result.judgement or found.reason)
         return replaced(answer, replayed=True, counterexample=found)
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import groupby
 
 from cspdiag.base.record import record, replaced
-from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
+from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 
 LONGEST = 24
 """A round of more steps is not found."""
 FEWEST = 8
-"""Rounds of the trace itself are shown one by one where they are fewer; the first and the last one always are."""
+"""Rounds are shown one by one where they are fewer; the first and the last one always are."""
 FEWEST_OF_OTHER_VALUES = 24
 """The same, where values change from round to round, and not always by the same."""
 
@@ -24,65 +25,49 @@ class Repeated:
 
 
 def with_rounds(found: Counterexample, added: Iterable[tuple[int, Step]]) -> Counterexample:
-    """The counterexample with further steps, each before the one of its own with that number.
-
-    Their parties are at the places that the counterexample knows of them.
-    """
+    """The counterexample with further steps, each before the one of its own with that number."""
     inserted: dict[int, list[Step]] = {}
     for before, step in added:
-        inserted.setdefault(before, []).append(step)
-    known: dict[tuple[str, str, str], Party] = {}
-    for step in reversed(found.steps):
-        known |= {(step.kind, step.channel, party.name): party for party in step.parties}
+        inserted.setdefault(before, []).append(replaced(step, added=True))
     steps: list[Step] = []
     for number, step in enumerate(found.steps):
-        steps += (_placed(one, known) for one in inserted.get(number, ()))
-        steps.append(step)
-        known |= {(step.kind, step.channel, party.name): party for party in step.parties}
-    steps += (_placed(one, known) for one in inserted.get(len(found.steps), ()))
+        steps += (*inserted.get(number, ()), step)
+    steps += inserted.get(len(found.steps), ())
     return replaced(found, steps=tuple(steps))
 
 
-def _placed(step: Step, known: Mapping[tuple[str, str, str], Party]) -> Step:
-    """An added step with its parties where they were known to do the same last."""
-    parties = []
-    for party in step.parties:
-        same = known.get((step.kind, step.channel, party.name))
-        parties.append(party if same is None else replaced(party, words=same.words, span=same.span))
-    return replaced(step, parties=tuple(parties), added=True)
-
-
 def repeated(steps: Sequence[Step]) -> Iterator[Repeated]:
-    """The steps in order; of those that were added, what follows on itself only once."""
-    position = 0
+    """The steps in order, for machines; of those that were added, what follows on itself only once, and together what
+    does not.
+    """
+    for added, group in groupby(steps, key=lambda step: step.added):
+        if added:
+            yield from _compressed(tuple(group))
+        else:
+            yield from (Repeated(1, (step,)) for step in group)
+
+
+def _compressed(steps: tuple[Step, ...]) -> Iterator[Repeated]:
+    single = position = 0
     while position < len(steps):
-        end = position
-        while end < len(steps) and steps[end].added:
-            end += 1
-        found = _round(steps[position:end])
-        yield found or Repeated(1, (steps[position],))
-        position += 1 if found is None else found.times * len(found.steps)
+        found = _round(steps, position)
+        if found is None:
+            position += 1
+            continue
+        if single < position:
+            yield Repeated(1, steps[single:position])
+        yield found
+        single = position = position + found.times * len(found.steps)
+    if single < position:
+        yield Repeated(1, steps[single:])
 
 
 def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
-    """The steps in order, for people: of those of the trace itself, too, the rounds of a loop between the first and the
-    last only once.
+    """The steps in order, for people: the rounds of a loop between the first and the last only once.
 
     Values may go up or down by the same from round to round: those of the steps then say which there are. Of other
     values, in many rounds, they say the first and the last.
     """
-    own: list[Step] = []
-    for part in repeated(steps):
-        if part.times == 1 and not part.steps[0].added:
-            own += part.steps
-            continue
-        yield from _own_rounds(own)
-        own = []
-        yield part
-    yield from _own_rounds(own)
-
-
-def _own_rounds(steps: Sequence[Step]) -> Iterator[Repeated]:
     position = 0
     while position < len(steps):
         found = _alike(steps, position, FEWEST, _counts) or _alike(steps, position, FEWEST_OF_OTHER_VALUES, _is_alike)
@@ -119,6 +104,11 @@ def _is_alike(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
     return (one.kind, one.channel, one.parties) == (other.kind, other.channel, other.parties)
 
 
+def _is_same(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
+    """Whether a step is the one of the round before, with its value."""
+    return _is_alike(steps, at, start, length) and steps[at].value == steps[at - length].value
+
+
 def _counts(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
     """Whether a step is the one of the round before, and its value as much more as that was more than in the round
     before that.
@@ -148,25 +138,27 @@ def _summed_up(steps: Sequence[Step]) -> Step:
     if more == {0}:
         return first
     if len(more) > 1 or None in more:
-        return replaced(first, value=f"{first.value} to {last.value}")
+        return replaced(first, value=f"{_short(first.value)} to {_short(last.value)}")
     if more <= {1, -1}:
         return replaced(first, value=f"{first.value} … {last.value}")
     return replaced(first, value=f"{first.value}, {second.value} … {last.value}")
 
 
-def _round(steps: Sequence[Step]) -> Repeated | None:
-    """The shortest sequence that the steps begin with and that follows on itself."""
-    for length in range(1, min(LONGEST, len(steps) // 2) + 1):
-        times = 1
-        while _same(steps[:length], steps[times * length : (times + 1) * length]):
-            times += 1
+def _short(value: str | None) -> str:
+    """A value of which the last digits do not matter."""
+    try:
+        return str(value) if value is None or "." not in value else f"{float(value):.6g}"
+    except ValueError:
+        return str(value)
+
+
+def _round(steps: Sequence[Step], start: int) -> Repeated | None:
+    """The shortest sequence that begins at a step and that follows on itself."""
+    for length in range(1, min(LONGEST, (len(steps) - start) // 2) + 1):
+        end = start + length
+        while end < len(steps) and _is_same(steps, end, start, length):
+            end += 1
+        times = (end - start) // length
         if times > 1:
-            return Repeated(times, tuple(steps[:length]))
+            return Repeated(times, tuple(steps[start : start + length]))
     return None
-
-
-def _same(one: Sequence[Step], other: Sequence[Step]) -> bool:
-    return len(one) == len(other) and all(
-        (mine.kind, mine.channel, mine.value, mine.parties) == (yours.kind, yours.channel, yours.value, yours.parties)
-        for mine, yours in zip(one, other, strict=True)
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import groupby
+from itertools import groupby, takewhile
 
 from cspdiag.base import Span
 from cspdiag.base.render.snippet import on_one_line, printable
@@ -11,6 +11,8 @@ from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party,
 from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
 
 _MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
+_MOST_LINES = 3
+"""So many lines in which a process does something in a round are shown side by side."""
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
 
@@ -86,7 +88,7 @@ def _silent_round(found: Counterexample) -> str:
 
 def _key(cells: Iterable[str]) -> str:
     """What the marks mean that there are."""
-    marks = {cell[0] for cell in cells if cell}
+    marks = {mark for cell in cells for word in cell.split() for mark in takewhile(_MARKS.__contains__, word)}
     return ", ".join(f"{mark} {meaning}" for mark, meaning in _MARKS.items() if mark in marks)
 
 
@@ -96,8 +98,7 @@ def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, shows_fi
     for part in shortened(steps):
         last = number + part.times * len(part.steps) - 1
         if part.times > 1:
-            at = {party.name: _place(party, shows_files) for step in reversed(part.steps) for party in step.parties}
-            cells = (f"*{at[name]}" if name in at else "" for name in names)
+            cells = (_cell_of_rounds(part.steps, name, shows_files) for name in names)
             yield [f"{number}-{last}", f"{part.times} more rounds{_given(part, process)}", *cells]
         else:
             yield _row(number, part.steps[0], names, process, shows_files)
@@ -126,6 +127,17 @@ def event_text(step: Step, process: str) -> str:
 
 def _cell(step: Step, party: Party, shows_file: bool) -> str:
     return f"{_direction(step, party)}{_place(party, shows_file)}"
+
+
+def _cell_of_rounds(steps: Sequence[Step], name: str, shows_file: bool) -> str:
+    """What a process does in each round, by line; where those are many, only where it begins."""
+    marks: dict[str, dict[str, None]] = {}
+    for step in steps:
+        for party in (party for party in step.parties if party.name == name):
+            marks.setdefault(_place(party, shows_file), {})[_direction(step, party)] = None
+    if len(marks) > _MOST_LINES:
+        return f"*{next(iter(marks))}"
+    return " ".join(f"{''.join(of_line)}{line}" for line, of_line in marks.items())
 
 
 def _place(party: Party, shows_file: bool) -> str:

@@ -138,7 +138,7 @@ class _Teller:
         return any(event == INTERNAL for event, _ in self._edges(component, state))
 
     def _is_at(self, component: int, state: int, at: str | None) -> bool:
-        return _is_at(self._system.components[component].places.get(state, Place("")), at)
+        return is_at(self._system.components[component].places.get(state, Place("")), at)
 
     def _channels(self, component: int, state: int) -> frozenset[str]:
         return frozenset(
@@ -217,11 +217,11 @@ class _Teller:
             state for state in self._reached(number) if any(taken == event for taken, _ in self._edges(number, state))
         ]
         places = [component.places[state] for state in states if state in component.places]
-        place = min(places, key=lambda place: not _is_at(place, at), default=Place(""))
+        place = min(places, key=lambda place: not is_at(place, at), default=Place(""))
         name = component.name.removeprefix(self._prefix)
         return Party(name, component.path, place.words, place.span, branch=component.span)
 
 
-def _is_at(place: Place, at: str | None) -> bool:
+def is_at(place: Place, at: str | None) -> bool:
     """Whether a place is in the line of a run's ``file.csp:12``, in which files have no folders."""
     return place.span is not None and f"{place.span.file.rpartition('/')[2]}:{place.span.line}" == at

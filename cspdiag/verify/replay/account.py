@@ -11,7 +11,11 @@ from cspdiag.model.types import Type
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
+from cspdiag.proofs.counterexamples.rounds import with_rounds
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.verify.replay.added_parties import AddedParties
 from cspdiag.verify.replay.result import Replay
+from cspdiag.verify.replay.rounds import Added
 from cspdiag.verify.runs.agreement import PASSING, agrees, differing
 from cspdiag.verify.runs.values import types_of
 
@@ -19,14 +23,21 @@ LONGEST = 24
 """Longer texts of values are left out."""
 
 
-def with_values(found: Counterexample, replay: Replay, network: CoreNetwork) -> Counterexample:
-    """The counterexample with the values that the environment offered, and those of the communications in their order,
-    where it has none itself or a range.
+def as_replayed(found: Counterexample, replay: Replay, network: CoreNetwork, system: System) -> Counterexample:
+    """The counterexample of a system with the rounds that the replay has added, with the values at the ports of the
+    program, and with those of the communications in their order, where it has none itself or a range.
 
     Left open stay other channels on which the run communicated more or less often than the counterexample says, as on
     those with several readers of each value; a value that the run did not have there is left open, too.
     """
-    every = (*found.steps, *found.cycle)
+    steps, cycle = (
+        tuple(_passed(step, replay.passed.get(number)) for number, step in enumerate(part, start))
+        for part, start in ((found.steps, 0), (found.cycle, len(found.steps)))
+    )
+    parties = AddedParties(system, network.top)
+    added = ((one.before, _step(one, parties)) for one in replay.added)
+    found = with_rounds(replaced(found, steps=steps, cycle=cycle), added)
+    every = [*found.steps, *found.cycle]
     times = Counter(step.channel for step in every if step.kind in PASSING)
     types = {net.path: net.type for net in network.nets if net.path in times}
     happened = defaultdict(list)
@@ -34,13 +45,20 @@ def with_values(found: Counterexample, replay: Replay, network: CoreNetwork) -> 
         if channel in types:
             happened[channel].append(value)
     values = {channel: iter(told) for channel, told in happened.items() if len(told) == times[channel]}
-    steps = [_told(_offered(step, replay.offered.get(number)), values, types) for number, step in enumerate(every)]
-    unlike = {steps[number].channel for number in differing(steps, replay.communications, types_of(network))}
-    steps = [replaced(step, value=None) if step.channel in unlike else step for step in steps]
-    return replaced(found, steps=tuple(steps[: len(found.steps)]), cycle=tuple(steps[len(found.steps) :]))
+    every = [_told(step, values, types) for step in every]
+    unlike = {every[number].channel for number in differing(every, replay.communications, types_of(network))}
+    every = [replaced(step, value=None) if step.channel in unlike else step for step in every]
+    return replaced(found, steps=tuple(every[: len(found.steps)]), cycle=tuple(every[len(found.steps) :]))
 
 
-def _offered(step: Step, text: str | None) -> Step:
+def _step(added: Added, parties: AddedParties) -> Step:
+    """An added step as counterexamples have it."""
+    step = added.step
+    value = step.value if step.value is None or len(step.value) <= LONGEST else None
+    return Step(step.kind, step.channel, value, (parties.of(added),))  # type: ignore[arg-type]
+
+
+def _passed(step: Step, text: str | None) -> Step:
     return step if text is None or len(text) > LONGEST else replaced(step, value=text)
 
 

@@ -73,7 +73,7 @@ class Attempt:
         self._communications: list[tuple[str, Any]] = []
         self._rest: Resting | None = None
         self._done = 0
-        self._offered: dict[int, str] = {}
+        self._passed: dict[int, str] = {}
         self.cycle = 0
         """How many things processes have gone on with before what can be repeated."""
         self._round_from: int | None = None
@@ -119,7 +119,7 @@ class Attempt:
             deadlock,
             judgement=judgement,
             added=added,
-            offered=self._offered,
+            passed=self._passed,
             round_from=self._round_from,
         )
 
@@ -161,6 +161,8 @@ class Attempt:
         self.conductor.done.clear()
         expected = []
         for option, candidate in self._taking_part(step):
+            if step.kind == "external" and step.value is None and option.value is not None:
+                self._passed[self._done] = value_text(option.value, self._ports[step.channel].type)
             if isinstance(candidate, Interruption):
                 candidate.fire()
             else:
@@ -246,7 +248,7 @@ class Attempt:
         if not candidates:
             raise DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
         value = self.conductor.outside.offered[step.channel] = candidates[self._decisions.choose(len(candidates))]
-        self._offered[self._done] = value_text(value, port.type)
+        self._passed[self._done] = value_text(value, port.type)
 
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
         """The gates to be passed for a step, writers first, alternatives last."""

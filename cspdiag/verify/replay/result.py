@@ -33,8 +33,8 @@ class Replay:
     """What the judge has found wrong."""
     added: tuple[Added, ...] = ()
     """Rounds of loops that the trace does not have."""
-    offered: Mapping[int, str] = EMPTY
-    """What the environment offered, by the number of the step."""
+    passed: Mapping[int, str] = EMPTY
+    """What the environment offered, and was given where the trace leaves that open, by the number of the step."""
     other: tuple[Happened, ...] = ()
     """What the program did instead, where it has come to a standstill in another way, or does more than the trace
     before everything is repeated.

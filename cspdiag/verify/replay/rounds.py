@@ -16,12 +16,13 @@ from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
-from cspdiag.proofs.counterexamples.counterexample import Party, Step
 from cspdiag.runtime.kernel.policy import Option
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
+from cspdiag.verify.guided.script import Actor
 from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.verify.runs.task_places import TaskPlaces
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values, is_told_as, types_of
 
@@ -33,21 +34,19 @@ MOST_IN_ALL = 50_000
 _MEETING = frozenset({"communication", "take", "external", "sample", "miss", "ready"})
 _LEAVING = frozenset({"exception", "failure", "end"})
 _PREFERRED = ("read", "ready", "write", "wait", "skip", "after")
+_ROLES = {"read": "?", "write": "!"}
 
 
 @record
 class Added:
-    """A step that the trace does not have, and the number of the one that it comes before."""
+    """A step that the trace does not have, the number of the one that it comes before, and who did it; ``role`` as in
+    ``Party``.
+    """
 
     before: int
     step: TraceStep
-
-    @property
-    def told(self) -> Step:
-        """The step as counterexamples have it."""
-        ((name, path),) = self.step.parties
-        party = Party(name.partition(".")[2] or name, path)
-        return Step(self.step.kind, self.step.channel, self.step.value, (party,))  # type: ignore[arg-type]
+    actor: Actor
+    role: str
 
 
 class Rounds:
@@ -59,6 +58,7 @@ class Rounds:
         self._types = types_of(network)
         names = {name for step in trace.steps for name, _ in step.parties}
         self._names = sorted(names, key=len, reverse=True)
+        self._places = TaskPlaces()
         self._left_in_all = MOST_IN_ALL
         self._left = MOST_STEPS
         self._chosen: dict[tuple[str, tuple[Option, ...]], Option] = {}
@@ -148,11 +148,12 @@ class Rounds:
         self._left -= 1
         self._left_in_all -= 1
         option = self._option(gate.path, options)
-        step = self._step(gate, option)
+        actor = Actor(gate.path, gate.names, self._places.of(gate.task, None))
+        added = Added(number, self._step(gate, option), actor, _ROLES.get(option.action, "*"))
         self._conductor.release(gate, option)
         self._settle()
         if option.action != "ready":
-            self.added.append(Added(number, step))
+            self.added.append(added)
         return True
 
     def _is_alone(self, option: Option) -> bool:
@@ -165,7 +166,7 @@ class Rounds:
         if key not in self._chosen:
             ordered = sorted(options, key=self._urgency)
             self._chosen[key] = ordered[self._decisions.choose(len(ordered))]
-        return self._chosen[key]
+        return options[options.index(self._chosen[key])]
 
     def _urgency(self, option: Option) -> tuple[int, bool, int]:
         port = self._ports.get(option.channel)
@@ -180,11 +181,10 @@ class Rounds:
             if option.action == "skip":
                 return TraceStep("internal", "", None, parties)
             return TraceStep("time", f"{name}: {option.action} {duration(option.duration)}", None, parties)
-        value = None
-        if port.direction == "in":
-            value = value_text(self._value(option.channel), port.type)
+        value = self._value(option.channel) if port.direction == "in" else option.value
         kind = "sample" if port.direction == "in" and port.sampling is not None else "external"
-        return TraceStep(kind, option.channel, value, parties)
+        text = None if value is None else value_text(value, port.type)
+        return TraceStep(kind, option.channel, text, parties)
 
     def _value(self, channel: str) -> Any:
         """What the environment offers at an input in all rounds."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.proofs.counterexamples.counterexample import Party, Step
-from cspdiag.proofs.counterexamples.rounds import FEWEST, shortened
+from cspdiag.proofs.counterexamples.rounds import FEWEST, repeated, shortened
 
 Row = tuple[int, str, str | None]
 
@@ -30,6 +30,7 @@ def told(steps: list[Step]) -> list[Row]:
         (["1.5"] * 40, "1.5"),
         ([2**n for n in range(40)], f"2 to {2**38}"),
         ([n + 0.5 for n in range(40)], "1.5 to 38.5"),
+        ([n + 0.1 + 0.2 for n in range(40)], "1.3 to 38.3"),
         ([None, *[3] * 38, 4], "3"),
         ([1, 2, 3, 5, 8, *range(9, 50)], "2 to 48"),
     ],
@@ -73,9 +74,17 @@ def test_a_value_out_of_turn_is_told() -> None:
     ]
 
 
-def test_rounds_of_the_program_keep_their_row() -> None:
-    added = [step("f", "0.0", added=True)] * 458
-    assert told([step("a", 1), *added, step("a", 2)]) == [(1, "a", "1"), (458, "f", "0.0"), (1, "a", "2")]
+def test_rounds_that_the_program_adds_are_shown_as_those_of_the_trace() -> None:
+    added = [step("f", n, added=True) for n in range(457)]
+    rows = told([step("a", 1), *added, step("f", 457), step("a", 2)])
+    assert rows == [(1, "a", "1"), (1, "f", "0"), (456, "f", "1 … 456"), (1, "f", "457"), (1, "a", "2")]
+
+
+def test_machines_have_added_rounds_only_once_where_they_are_the_same() -> None:
+    once = [step("g", n, added=True) for n in range(3)]
+    same = [step("f", 0, added=True), step("h", 1, added=True)] * 458
+    parts = [(part.times, [one.value for one in part.steps]) for part in repeated([step("a", 1), *once, *same, *once])]
+    assert parts == [(1, ["1"]), (1, ["0", "1", "2"]), (458, ["0", "1"]), (1, ["0", "1", "2"])]
 
 
 def test_all_steps_are_counted() -> None:

@@ -96,7 +96,7 @@ def test_rounds_are_told_and_stored_once(cspdiag: Command, tmp_path: Path) -> No
     (tmp_path / "case.csp").write_text(oven())
     file, trace = str(tmp_path / "case.csp"), tmp_path / "trace.json"
     told = cspdiag("verify", file, "--trace-out", str(trace)).err
-    assert "  2-25  24 more rounds, heat 0.0  *24" in told
+    assert "     1  sample heat 0.0           ?24\n  2-24  23 more rounds, heat 0.0  ?24\n    25  sample heat" in told
     assert "after 27 steps" in told
     (entry,) = (step for step in json.loads(trace.read_text())["steps"] if step["kind"] == "rounds")
     assert (entry["times"], [step["channel"] for step in entry["steps"]]) == (24, ["Oven.heat"])
@@ -182,4 +182,4 @@ assert Main deadlock free
     (tmp_path / "case.csp").write_text(text)
     told = cspdiag("verify", str(tmp_path / "case.csp")).err
     assert "after 60 steps" in told
-    assert "  2-59  58 more rounds, a 1 … 58  *2  *3" in told
+    assert "  2-59  58 more rounds, a 1 … 58  !2  ?3" in told
