@@ -219,9 +219,11 @@ def test_a_guard_that_is_a_port_leaves_the_sample_to_the_law() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "first"), [("terminates", 2000), ("schedulable", 5000), ("refines", 100), ("trace", 3)]
+    ("name", "first"),
+    [("terminates", 2000), ("schedulable", 5000), ("refines", 100), ("trace", 3), ("deadlock", 900037)],
 )
 def test_a_slice_of_the_hunt_finds_nothing_wrong(name: str, first: int) -> None:
+    """Of the last, the third program waits forever after a sum of 64 bits that overflows."""
     report = hunt(name, range(first, first + 5, 1 if name != "trace" else 2))
     assert not report.wrong, report.wrong[0][1].wrong
     assert report.counts["rejected"] < 3
