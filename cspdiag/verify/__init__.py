@@ -1,1 +1,1 @@
-"""Proofs and what makes them believed: counterexamples that the program itself runs, and changes that remove them."""
+"""Checks of proofs: replays of counterexamples by the program itself, and changes of the text that remove them."""

@@ -1,4 +1,4 @@
-"""Counterexamples are believed when the program itself does what they say."""
+"""Confirms counterexamples: the program itself must be able to follow them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
-"""Ends what is done inside it with LimitError when the time is up, if need be."""
+"""Ends what is done inside it with LimitError when the time is up."""
 
 
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
@@ -44,18 +44,17 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
 
 
 def replayed(network: CoreNetwork, trace: Trace, read: pipeline.Reader) -> Replay:
-    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and LimitError."""
+    """Steps the program of a network through a trace. Raises LimitError, and as ``pipeline.generate`` does."""
     from cspdiag.verify.replay.attempts import replay
 
     return replay(network, pipeline.generate(network, read, level=0), trace, exactly=True)
 
 
 class Verifier:
-    """Answers what was asked of a program, with counterexamples that its code was stepped through.
+    """Answers the questions about a program, with counterexamples through which its code was stepped.
 
-    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``,
-    SPIN looks for deadlocks. ``enforced`` ends an answer that does not come by itself when its time is up: proof,
-    replay and suggestions.
+    ``settings`` are those of the questions. ``method`` is the only method of proof to be used; with ``spin``, SPIN
+    looks for deadlocks. ``enforced`` ends an answer (proof, replay and suggestions) when its time is up.
     """
 
     def __init__(
@@ -80,8 +79,8 @@ class Verifier:
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions.
 
-        Raises VerificationError where a process has too many states of its own, where SPIN is missing, or where the
-        code cannot be run through a counterexample; OSError for a file of the program that cannot be read.
+        Raises VerificationError if a process alone has too many states, if SPIN is missing, or if the code cannot be
+        run through a counterexample; OSError for a file of the program that cannot be read.
         """
         began = time.monotonic()
         try:
@@ -111,7 +110,7 @@ class Verifier:
         return self._advised(confirmed, limits)
 
     def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
-        """The answer with another counterexample, which the program follows, where it does not follow the one that was
+        """The answer with another counterexample that the program follows, as it does not follow the one that was
         found.
         """
         from cspdiag.verify.other_counterexamples import MOST, narrower, of_the_whole
@@ -140,7 +139,7 @@ class Verifier:
         return self._kept_from_its_end(question, limits) if question.claim == "terminates" else None
 
     def _kept_from_its_end(self, question: Question, limits: Limits) -> Answer | None:
-        """A deadlock, a knot or a livelock, which keep the process from its end."""
+        """A deadlock, a knot or a livelock, by which the process does not terminate."""
         claims: tuple[Property, ...] = ("deadlock free", "livelock free")
         for claim in claims:
             if limits.remaining <= 0:
@@ -150,8 +149,8 @@ class Verifier:
             if answer.outcome != "refuted" or answer.counterexample is None:
                 continue
             found = answer.counterexample
-            told = replaced(found, failure="no termination") if claim == "livelock free" else found
-            return replaced(answer, question=question, counterexample=told)
+            without_end = replaced(found, failure="no termination") if claim == "livelock free" else found
+            return replaced(answer, question=question, counterexample=without_end)
         return None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
@@ -166,7 +165,7 @@ class Verifier:
         return answered(question, system, verdict, "deadlock", time.monotonic() - began)
 
     def _confirmed(self, answer: Answer, limits: Limits) -> Answer:
-        """The answer with its counterexample replayed; unknown where the program does not follow it."""
+        """The answer with its counterexample replayed; unknown if the program does not follow it."""
         found = answer.counterexample
         if found is None:
             return answer
@@ -201,8 +200,8 @@ class Verifier:
         return replaced(answer, replayed=True, counterexample=found)
 
     def _advised(self, answer: Answer, limits: Limits) -> Answer:
-        """A refutation with changes of the text after which the property was proved, as far as the time suffices to
-        look for them.
+        """The refutation with changes of the text after which the property was proved, as far as there is time to look
+        for them.
         """
         if answer.outcome != "refuted" or answer.counterexample is None:
             return answer
@@ -215,15 +214,13 @@ class Verifier:
             return answer
 
     def _generated(self, process: str, network: CoreNetwork) -> dict[str, str]:
-        """The package of a process, which all its counterexamples are tried on. Raises as
-        ``pipeline.generate`` does.
-        """
+        """The package of a process, for all its counterexamples. Raises as ``pipeline.generate`` does."""
         if process not in self._files:
             self._files[process] = pipeline.generate(network, self._read, level=0)
         return self._files[process]
 
     def _judge(self, answer: Answer, network: CoreNetwork, limits: Limits) -> Judge | None:
-        """Who says of a run whether it refines the specification that was asked about."""
+        """The judge of whether a run refines the specification in question; None for other questions."""
         specification = answer.question.specification
         if specification is None:
             return None

@@ -1,4 +1,4 @@
-"""Deadlocks that a run or a proof has found, for pictures."""
+"""Deadlocks found by a run or a proof, for pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def deadlock_of(report: DeadlockReport, network: CoreNetwork) -> Deadlock:
-    """What is drawn of the report of a run of a network."""
+    """What is drawn for the report of a run of a network."""
     users = {net.path: (*net.writers, *net.readers) for net in network.nets}
     besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)
     cycle = tuple(_waiting(process, users) for process in report.cycle)
@@ -30,7 +30,7 @@ def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, st
 
 
 def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
-    """What is drawn of a counterexample; None where it does not end with processes that wait for ever."""
+    """What is drawn for a counterexample; None if it does not end with processes that wait forever."""
     if not counterexample.waiting:
         return None
     steps = sum(step.shown for step in counterexample.steps)

@@ -1,4 +1,4 @@
-"""What is tried where a trace leaves something open: depth first, the last decision first."""
+"""What is tried if a trace leaves something open: depth first, the last decision first."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from random import Random
 
 
 class Decisions:
-    """The decisions of one attempt after the other; an attempt asks for them in the order in which it comes to them."""
+    """The decisions of successive attempts; an attempt makes them in the order in which it reaches them."""
 
     def __init__(self) -> None:
         self._taken: list[int] = []
         self._options: list[int] = []
         self.made = 0
-        """How many the present attempt has asked for."""
+        """The number of decisions of the present attempt so far."""
 
     def begin(self) -> None:
         """A new attempt begins."""
@@ -27,9 +27,7 @@ class Decisions:
         return self._taken[self.made - 1]
 
     def advance(self, cut: int | None = None) -> bool:
-        """Change the last decision that can be changed, of the first ``cut`` where that is given; False if all were
-        tried.
-        """
+        """Changes the last decision that can be changed, among the first ``cut`` if given; False if all were tried."""
         end = self.made if cut is None else min(cut, self.made)
         del self._taken[end:], self._options[end:]
         while self._taken and self._taken[-1] + 1 >= self._options[-1]:
@@ -42,7 +40,7 @@ class Decisions:
 
 
 class RandomDecisions(Decisions):
-    """Decisions at random, the same ones for the same number."""
+    """Random decisions, the same ones for the same number."""
 
     def __init__(self, number: int) -> None:
         super().__init__()

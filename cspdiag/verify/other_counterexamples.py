@@ -1,7 +1,8 @@
-"""Where else to look when the program does not follow a counterexample: in a part of what the proof believes it to do.
+"""Where else to look when the program does not follow a counterexample: in a part of the behaviour that the proof
+assumes.
 
-Proofs leave times and priorities out, so that a sample may be missed although nobody computes, and a delay may end too
-soon. What is most often in the way so is left out first.
+Proofs leave out times and priorities, so in them a sample may be missed although no process computes, and a delay may
+end too soon. What most often leads to wrong counterexamples is left out first.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ from cspdiag.proofs.transitions.systems.system import Event, System
 Narrowing: TypeAlias = Callable[[System], System]
 
 MOST = 5
-"""So many others are looked for."""
+"""The number of other counterexamples that are looked for."""
 
 
 def narrower(found: Counterexample) -> Iterator[Narrowing]:
-    """What to look at, one after the other; nothing of it does all of the counterexample."""
+    """Narrower systems in which to look, one after the other; none of them has the whole counterexample."""
     steps = (*found.steps, *found.cycle)
     has_misses = any(step.kind == "miss" for step in steps)
     has_time_outs = any(step.kind == "time" and is_of_time_out(step.channel) for step in steps)
@@ -34,7 +35,7 @@ def narrower(found: Counterexample) -> Iterator[Narrowing]:
     if has_time_outs:
         yield partial(without, is_left_out=is_time_out)
     if found.failure != "refinement":
-        # Without its communications a process gets stuck that does not.
+        # Without its communications a process gets stuck that otherwise does not.
         return
     known: set[tuple[str, str, str | None]] = set()
     for step in reversed(steps):
@@ -45,7 +46,7 @@ def narrower(found: Counterexample) -> Iterator[Narrowing]:
 
 
 def of_the_whole(found: Counterexample, whole: System) -> Counterexample:
-    """A counterexample of a narrower system with the parties that its time-outs have in the whole."""
+    """A counterexample of a narrower system, with the parties that its time-outs have in the whole system."""
     owners = {
         (event.channel, whole.components[party].name)
         for event in whole.events

@@ -1,4 +1,4 @@
-"""Asks the model checker SPIN (Holzmann, "The SPIN Model Checker", 2003) for deadlocks, where it is installed.
+"""Looks for deadlocks with the model checker SPIN (Holzmann, "The SPIN Model Checker", 2003), if it is installed.
 
 It searches depth first without reduction. ``-DBFS`` is never used: it finds no deadlocks of rendezvous models.
 """
@@ -19,7 +19,7 @@ from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 
 _DEPTH = 2_000_000
-"""Steps of the longest path that is followed."""
+"""The number of steps of the longest path that is followed."""
 
 _STATES = re.compile(r"^\s*([0-9.e+]+) states, stored", re.MULTILINE)
 
@@ -29,7 +29,7 @@ class SpinError(CspdiagError):
 
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:
-    """Freedom from deadlock by SPIN; it knows no knots, and its trace need not be the shortest.
+    """Freedom from deadlock by SPIN; it does not find knots, and its trace need not be the shortest.
 
     Raises SpinError.
     """

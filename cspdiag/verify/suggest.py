@@ -1,4 +1,4 @@
-"""Changes of the text that remove a deadlock, each proved to do so before it is told."""
+"""Changes of the text that remove a deadlock, each proved to do so before it is suggested."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ MOST_SUGGESTIONS = 4
 MOST_OF_A_KIND = 2
 MOST_TRIED = 24
 SECONDS = 3.0
-"""All changes together may be tried so long, and as long again on a program that is not small."""
+"""The time for trying all changes together, and again the same time for a program that is not small."""
 SMALL = 8
-"""In a program with more instances changes are first tried with a smaller constant, if it waits at the same places with
-that.
+"""In a program with more instances, changes are first tried with a smaller constant, if the program then waits at the
+same places.
 """
 SMALLER = range(3, 9)
-"""Values of constants that make a program small; a circle of two is no example for larger ones."""
+"""Values of constants that make a program small; a circle of two is not an example for larger ones."""
 
 
 @record
 class Deadlock:
-    """A program, with settings, of which something was asked, and how it gets stuck."""
+    """A program with its settings, the question about it, and how it gets stuck."""
 
     obligations: pipeline.ProofObligations
     question: Question
@@ -45,7 +45,7 @@ class Deadlock:
 
 
 def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[Suggestion, ...]:
-    """Changes of the text after which the property was proved, the least first; what time there is ``within`` is not
+    """Changes of the text after which the property was proved, the smallest first; the limits ``within`` are not
     exceeded.
     """
     network = deadlock.obligations.network(deadlock.question.process)
@@ -85,7 +85,7 @@ def _proved(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> Iterat
 
 
 def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> bool:
-    """Whether a question can be answered by a proof once the text is changed."""
+    """Whether the property is proved once the text is changed."""
     changed = suggestion.span.source.name
 
     def read_changed(path: str) -> SourceFile:
@@ -102,7 +102,7 @@ def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, li
 def _obligations(
     source: SourceFile, read: pipeline.Reader, question: Question, settings: Mapping[str, str]
 ) -> pipeline.ProofObligations | None:
-    """The same question of another program; None if it has errors."""
+    """The same question about another program; None if that has errors."""
     try:
         obligations = pipeline.proof_obligations(source, read, process=question.process, settings=settings)
     except (SettingError, SelectionError):
@@ -123,7 +123,9 @@ def _answer(obligations: pipeline.ProofObligations, limits: Limits) -> Answer | 
 
 
 def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple[Deadlock, str] | None:
-    """The same program with a smaller constant, with which it waits at the same places, and that setting."""
+    """The same program with a smaller constant, with which it waits at the same places, and that setting; None if there
+    is none.
+    """
     program, network = deadlock.obligations.checked.program, deadlock.obligations.network(deadlock.question.process)
     assert program is not None
     assert network is not None
@@ -144,12 +146,12 @@ def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple
 
 
 def _places(found: Counterexample) -> set[tuple[str, int]]:
-    """Where the text says what those do who wait."""
+    """The places of the text at which the processes wait."""
     return {(entry.span.file, entry.span.start) for entry in found.waiting if entry.span is not None}
 
 
 def _in_style(suggestion: Suggestion) -> Suggestion:
-    """The change as ``cspdiag fmt`` would write it, in a file that it wrote."""
+    """The change as formatted by ``cspdiag fmt`` if the file itself is formatted so."""
     source = suggestion.span.source
     if _formatted(source) != source.text:
         return suggestion

@@ -1,4 +1,4 @@
-"""The transition systems of the processes that are asked about, each made once."""
+"""The transition systems of the processes in question, each made once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class VerificationError(CspdiagError):
 
 
 class SystemCache:
-    """The transition systems of a program of which something was asked."""
+    """The transition systems of the processes of a program."""
 
     def __init__(self, obligations: pipeline.ProofObligations) -> None:
         self._obligations = obligations
@@ -31,7 +31,7 @@ class SystemCache:
     ) -> System:
         """The transition system of a process of the program; see ``transition_system``.
 
-        Raises VerificationError where the process has too many states of its own.
+        Raises VerificationError if the process alone has too many states.
         """
         ports = told_apart or {}
         key = process, frozenset(ports.items()), specification

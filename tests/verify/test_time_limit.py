@@ -55,7 +55,7 @@ def test_a_replay_that_comes_to_no_rest_ends(monkeypatch: pytest.MonkeyPatch) ->
     channel = frozenset({"Both.writes.c"})
     stuck = (("Both.writes", channel), ("Both.reads", channel))
     trace = Trace("Both", {}, "Both deadlock free", "deadlock", (), (), stuck, exact=True)
-    assert replayed(built.network, trace, read).divergence == "it goes on and on, and comes to no rest"
+    assert replayed(built.network, trace, read).divergence == "it runs on and on, and never comes to rest"
 
 
 STUCK = ENDLESS.replace("mu (c ! 1)", "c ! 1 ; c ! 1").replace("mu (c ? x)", "c ? x") + "\nassert Both deadlock free\n"

@@ -1,1 +1,1 @@
-"""Runs of the program on its real runtime, led to where a counterexample goes."""
+"""Runs of the program on its real runtime, led along a counterexample."""

@@ -1,4 +1,4 @@
-"""A run of the program told as a counterexample: who does what, and where the text says so."""
+"""A run of the program as a counterexample: which process does what, and where that is in the text."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _UNSEEN = SILENT | {"exception"}
 
 @record
 class _Match:
-    """An event that tells what happened, with the components that stand for the actors."""
+    """An event that is what happened, with the components that represent the actors."""
 
     event: int
     actors: tuple[int, ...]
@@ -43,8 +43,8 @@ def retold(
     network: CoreNetwork,
     round_from: int | None = None,
 ) -> Counterexample:
-    """The counterexample with the steps of another run, and with those who wait after it; from ``round_from`` on they
-    are repeated for ever.
+    """The counterexample with the steps of another run, and with the processes that wait after it; the steps from
+    ``round_from`` on are repeated forever.
     """
     types = types_of(network)
     teller = _Teller(system, network.top)
@@ -62,7 +62,7 @@ def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:
 
 
 class _Teller:
-    """Follows a run in each component by itself: in which states it may be, as far as its own steps tell."""
+    """Follows a run in each component separately: in which states it may be, as far as is known from its own steps."""
 
     def __init__(self, system: System, process: str) -> None:
         self._system = system
@@ -76,10 +76,10 @@ class _Teller:
                 self._named[event.channel].append(number)
 
     def step(self, happened: Happened, value: str | None) -> Step:
-        """What happened as a step; without places where the components do not tell them.
+        """What happened as a step, without places if the components do not give them.
 
-        Values that proofs do not follow leave a component in several states that offer the same: the place is then
-        that at which the run was.
+        Because of values that proofs do not follow, a component may be in several states that offer the same: the place
+        is then that of the run.
         """
         if happened.action == "skip":
             return Step("internal", "", None, self._untold(happened))
@@ -96,7 +96,7 @@ class _Teller:
         return tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
 
     def waiting(self, stands: Standing) -> BlockedProcess:
-        """A process that never goes on."""
+        """A process that never continues."""
         actor = stands.actor
         candidates = [
             (self._fit(actor, number), number, state)
@@ -129,12 +129,12 @@ class _Teller:
         return BlockedProcess(name, component.path, place.words, place.span, tuple(channels), tuple(others))
 
     def _waits(self, component: int, state: int) -> Sequence[int]:
-        """The events for which a component waits in a state, but for the end of all that runs beside it."""
+        """The events for which a component waits in a state, except the end of all that runs in parallel with it."""
         events = sorted({event for event, _ in self._edges(component, state)} - {INTERNAL})
         return [event for event in events if self._system.events[event].kind not in _UNSEEN - {"delivered"}]
 
     def _goes_on(self, component: int, state: int) -> bool:
-        """Whether a component leaves a state by itself, so that nobody is at rest there."""
+        """Whether a component leaves a state by itself, so it is not at rest there."""
         return any(event == INTERNAL for event, _ in self._edges(component, state))
 
     def _is_at(self, component: int, state: int, at: str | None) -> bool:
@@ -182,7 +182,7 @@ class _Teller:
         return self._system.components[component].edges[state]
 
     def _reached(self, component: int) -> Sequence[int]:
-        """The states in which a component may be, after steps that nobody sees."""
+        """The states in which a component may be after invisible steps."""
         reached = dict.fromkeys(self._states[component])
         pending = list(reached)
         while pending:
@@ -194,7 +194,7 @@ class _Teller:
         return list(reached)
 
     def _taken(self, value: str | None, best: _Match, same: Sequence[_Match], places: Mapping[int, str | None]) -> Step:
-        """The step; from now on the components are where it leads, whatever the value."""
+        """The step; from now on the components are in the states to which it leads, with any value."""
         event = self._system.events[best.event]
         parties = tuple(
             replaced(self._party(number, best.event, places.get(number)), role=event.role(number))
@@ -223,5 +223,5 @@ class _Teller:
 
 
 def is_at(place: Place, at: str | None) -> bool:
-    """Whether a place is in the line of a run's ``file.csp:12``, in which files have no folders."""
+    """Whether a place is on the line ``file.csp:12`` of a run, which names files without folders."""
     return place.span is not None and f"{place.span.file.rpartition('/')[2]}:{place.span.line}" == at

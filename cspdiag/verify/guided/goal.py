@@ -1,4 +1,4 @@
-"""Whether a run has come to what was refuted."""
+"""Whether a run has reached what was refuted."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from cspdiag.verify.runs.trace import Trace
 STANDSTILLS = frozenset({"deadlock", "knot"})
 
 Offer: TypeAlias = tuple[str, str]
-"""What a waiting process could go on with: ``to read`` or ``to write`` and a channel, or other words and nothing."""
+"""What a waiting process could continue with: ``to read`` or ``to write`` and a channel, or other words and ""."""
 
 _PART = ": "
-"""In the names of events that pass no channel: the end of a parallel, a delay."""
+"""Occurs in the names of events without a channel: the end of a parallel, a delay."""
 
 
 @record
 class Goal:
-    """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification
+    """What a run has to reach; ``outside`` are the channels of the environment, ``visible`` those that a specification
     sees.
 
-    ``cycle``: from this entry of the script on everything is repeated, after ``period`` entries. ``ends``: all is to
-    end without anything more that can be seen. ``further``: a specification may see more than the trace has; whether it
-    allows that is asked afterwards.
+    ``cycle``: from this entry of the script on everything is repeated, after ``period`` entries. ``ends``: everything
+    has to end without any further visible event. ``further``: a specification may see more than the trace has; whether
+    it allows that is checked afterwards.
     """
 
     trace: Trace
@@ -47,50 +47,52 @@ class Goal:
 
     @property
     def is_standstill(self) -> bool:
-        """Whether some, or all, are to wait for ever."""
+        """Whether some or all processes have to wait forever."""
         return self.trace.failure in STANDSTILLS
 
     def expected(self) -> tuple[str, ...]:
-        """For a refinement the channels that the specification sees, in order."""
+        """For a refinement, the channels that the specification sees, in order."""
         steps = (step for step in self.trace.steps if step.kind in {"external", "sample"})
         return tuple(step.channel for step in steps if step.channel in self.visible)
 
     def missed(self, root: Task, names: TaskNames) -> str | None:
-        """Why nobody is stuck for ever although nobody is ready; None if somebody is, or all are."""
+        """Why no process is stuck forever although none is ready; None if some or all are."""
         waiting = [
             task
             for task in _leaves(root)
             if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), list(_offers(task)))
         ]
         if not waiting:
-            return "nobody is stuck"
+            return "no process is stuck"
         stuck = self.stuck(root)
         for task in waiting:
             if task not in stuck:
                 channel = next((channel for _, channel in _offers(task) if channel), "")
-                return f"`{self.called(task, names)}` can still go on" + (f" with `{channel}`" if channel else "")
+                return f"`{self.called(task, names)}` can still continue" + (f" with `{channel}`" if channel else "")
         return None
 
     def stuck(self, root: Task) -> list[Task]:
-        """The tasks that never go on."""
+        """The tasks that never continue."""
         return self.partners.stuck(root, self.outside)
 
     def is_as_told(self, root: Task) -> bool:
-        """Whether those wait who wait in the counterexample, and for the same."""
+        """Whether the tasks that wait are those of the counterexample, and for the same channels."""
         waiting = [(path_of(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
-        told = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
+        expected = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
         everybody = self.trace.failure != "deadlock" or all(
-            any(belongs(path, of) and (waits & channels or not waits) for of, channels in told)
+            any(belongs(path, of) and (waits & channels or not waits) for of, channels in expected)
             for path, waits in waiting
         )
         return everybody and all(
             any(belongs(path, of) and waits & channels for path, waits in waiting)
-            for of, channels in told
+            for of, channels in expected
             if any(_PART not in channel for channel in channels)
         )
 
     def called(self, task: Task, names: TaskNames) -> str:
-        """What the counterexample calls a task; one that it does not name has the name that it would have there."""
+        """The name of a task in the counterexample; one that does not occur in it has the name that it would have
+        there.
+        """
         own = names.called(task)
         path, waits = path_of(task), {channel for _, channel in _offers(task) if channel}
         fitting = [
@@ -104,7 +106,7 @@ class Goal:
         return min(others, key=lambda name: not name.startswith(f"{own} ("), default=own)
 
     def standing(self, root: Task, names: TaskNames) -> Iterator[Standing]:
-        """Who waits for ever."""
+        """The tasks that wait forever."""
         for task in _leaves(root):
             offers = list(_offers(task))
             if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), offers):

@@ -1,4 +1,4 @@
-"""Leads the program, as it always runs, to where a counterexample goes."""
+"""Leads the program, on its real runtime, along a counterexample."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from cspdiag.verify.runs.trace import Trace
 from cspdiag.verify.runs.values import Values, numbers_of
 
 MOST_ACTIONS = 100_000
-"""So often may processes get on in all runs together."""
+"""The number of actions of processes in all runs together."""
 MOST_RUNS = 600
 """All together."""
 MOST_OF_ONE_KIND = 80
-"""So many runs follow one script strictly, and so many with others that go on besides."""
+"""The number of runs that follow one script strictly, and of those that follow it while other processes continue."""
 MOST_ROUNDS = 24
-"""So often is gone round in what can be done for ever, until times repeat themselves."""
+"""How many rounds of what can be repeated forever are run until times repeat themselves."""
 MOST_AT_RANDOM = 40
-"""So many runs follow no script at all."""
+"""The number of runs that follow no script."""
 AT_LEAST = 2_000
-"""So many actions a run may have, whatever others have used up."""
+"""The number of actions that every run may have, even if others have used up all."""
 
 
 class Guided:
-    """The program of a network, compiled without optimization to a package, as often as it takes."""
+    """Runs of the program of a network, compiled to a package without optimization."""
 
     def __init__(self, network: CoreNetwork, package: LoadedPackage, limits: Limits) -> None:
         self._limits = limits
@@ -65,10 +65,10 @@ class Guided:
     def follow(
         self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool, further: bool = False
     ) -> GuidedRun:
-        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest;
-        from ``cycle`` on they are repeated until the times repeat themselves.
+        """A run that reaches the goal of the entries, which with ``ends`` is the end of all processes, or the run that
+        gets furthest; entries from ``cycle`` on are repeated until the times repeat themselves.
 
-        ``further``: processes have gone round more often than the trace says. Others may do so meanwhile, also where a
+        ``further``: processes have made more rounds than the trace says. Others may do so meanwhile, even if a
         specification sees it, and what is offered once is offered late.
         """
         if further:
@@ -97,8 +97,8 @@ class Guided:
         return best
 
     def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
-        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a
-        standstill.
+        """First with the default decisions, then strictly following the script, then with decisions of every kind until
+        one reaches a standstill.
         """
         first = self._run(script, goal, Decisions(), strict=False)
         others = bool(first.happened)
@@ -115,7 +115,7 @@ class Guided:
                     break
 
     def at_random(self, trace: Trace) -> GuidedRun | None:
-        """A run to a deadlock that follows nothing; None if none was found."""
+        """A run to a deadlock that follows no script; None if none was found."""
         goal = Goal(
             trace,
             self._outside,

@@ -14,7 +14,7 @@ class GuidedRun:
     """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal,
     None if it has.
 
-    ``cut`` is the number of decisions after which it was lost.
+    ``cut`` is the number of decisions after which it left the script.
     """
 
     done: int
@@ -24,20 +24,22 @@ class GuidedRun:
     deadlock: DeadlockReport | None
     cut: int
     happened: tuple[Happened, ...] = ()
-    """All that was done, where it has come to a standstill in another way than the script has, or does more than the
-    script before everything is repeated.
+    """All that was done, if it has reached another standstill than that of the script, or does more than the script
+    before everything is repeated.
     """
     standing: tuple[Standing, ...] = ()
-    """Who waits for ever then."""
+    """The tasks that then wait forever."""
     instants: tuple[int, ...] = ()
-    """When the communications were, in nanoseconds."""
+    """The instants of the communications, in nanoseconds."""
     repeated: tuple[int, int] | None = None
-    """After so many rounds and so many nanoseconds everything is as it was before; None where nothing is repeated."""
+    """The number of rounds, and of nanoseconds, after which everything is as it was before; None if nothing is
+    repeated.
+    """
 
     round_from: int | None = None
-    """The number of those in ``happened`` before what is repeated for ever; they end with one round of it."""
+    """The number of entries in ``happened`` before what is repeated forever; they end with one round of it."""
 
     @property
     def succeeded(self) -> bool:
-        """Whether it has reached its goal as the script has it."""
+        """Whether it has reached its goal in the way of the script."""
         return self.divergence is None

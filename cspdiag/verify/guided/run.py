@@ -1,10 +1,10 @@
-"""A run of the program on its real runtime, led to where a counterexample goes.
+"""A run of the program on its real runtime, led along a counterexample.
 
-It obeys what every run obeys: who runs goes on until it must wait, processes of higher priority come first, delays end
-when they say, samples come at the ticks of their periods, and time passes only while nobody is ready or a submodel
-computes. Left to the guide are which of the ready processes of one level is next, which of the guards of ``[]`` that
-are ready is taken, how long a submodel computes, and what comes from outside, and when. What it tries otherwise in
-another attempt is a ``Decisions``.
+It obeys the rules of every run: a process runs until it must wait, processes of higher priority run first, delays end
+on time, samples arrive at the ticks of their periods, and time passes only while no process is ready or a submodel
+computes. The guide decides which of the ready processes of one level is next, which of the ready guards of ``[]`` is
+taken, how long a submodel computes, and what arrives from outside, and when. What another attempt does differently is
+in ``Decisions``.
 """
 
 from __future__ import annotations
@@ -31,21 +31,21 @@ from cspdiag.verify.runs.task_names import Key, TaskNames, path_of, task_of
 from cspdiag.verify.runs.task_places import TaskPlaces
 
 MOST_CHOICES = 6
-"""So many of the processes that are ready are tried as the next."""
+"""The number of ready processes that are tried as the next one."""
 _TRIED = "in the runs that were tried"
 _LEFT_OUT = ", and proofs leave {} out"
 
 
 class AstrayError(Exception):
-    """The run does not come to the goal; the message says why."""
+    """The run does not reach the goal; the message says why."""
 
 
 class _Enough(RunEnded):
-    """Breaks off a process that goes on for ever without ever having to wait; nothing in it catches that."""
+    """Ends a process that runs forever without ever having to wait; nothing in that process catches it."""
 
 
 class Run(Policy):
-    """One run. ``strict``: nobody does anything that is not in the script; ``free``: there is none."""
+    """One run. ``strict``: no process does anything that is not in the script; ``free``: there is no script."""
 
     def __init__(
         self,
@@ -93,7 +93,7 @@ class Run(Policy):
         self._broken_off = False
 
     def run(self) -> GuidedRun:
-        """Runs as far as it leads to the goal; the decisions have begun."""
+        """Runs until the goal is reached or missed; the decisions have begun."""
         run = self._run = StepwiseRun(self._network, self, self._observe)
         self._world.begin(run)
         divergence, deadlock = None, None
@@ -134,9 +134,7 @@ class Run(Policy):
         )
 
     def _is_told(self, period: slice) -> bool:
-        """Whether a round of what is repeated tells what goes on: something that is known of, and in a livelock nothing
-        that anybody sees.
-        """
+        """Whether a round of what is repeated can be shown: it has entries, and those of a livelock are invisible."""
         channels = {happened.channel for happened in self._happened[period]}
         return bool(channels) and not (self._goal.trace.failure == "livelock" and channels & self._goal.outside)
 
@@ -174,10 +172,10 @@ class Run(Policy):
             if self._has_repeated():
                 return
         if self._goal.period:
-            raise AstrayError("times or values change each time round, so that this may come to an end")
+            raise AstrayError("times or values change in each round, so this may end")
 
     def _has_repeated(self) -> bool:
-        """Whether all rounds to come will be as those that were: tasks, values, delays and samples are as they were
+        """Whether all further rounds will be like the past one: tasks, values, delays and samples are as they were
         before.
         """
         number = self._script.next()
@@ -203,13 +201,13 @@ class Run(Policy):
 
     @property
     def _failed(self) -> bool:
-        """Whether the program has ended by an exception that proofs know nothing of, or too early."""
+        """Whether the program has ended too early, or by an exception unknown to proofs."""
         known = isinstance(self._run.error, ProcessError) and not isinstance(self._run.error, Fault)
         return self._run.error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
 
     def _is_to_come(self) -> bool:
-        """Whether what a specification is to see in the end, or the end, has not come, though all processes have done
-        their part once.
+        """Whether the last event that a specification is to see, or the end, has not been reached although all
+        processes have done their part once.
         """
         if self._goal.ends:
             return not self._run.root.ended
@@ -218,20 +216,18 @@ class Run(Policy):
     def _concluded(self) -> bool:
         """Nobody is ready: whether that is the standstill."""
         if self._run.root.ended:
-            raise AstrayError("it ends instead of coming to a halt" if not self._script.left else self._not_come())
+            raise AstrayError("it ends instead of getting stuck" if not self._script.left else self._not_come())
         if not self._goal.is_standstill or (self._script.left and self._strict):
             return False
         missed = self._goal.missed(self._run.root, self._names)
         if missed is None and self._goal.trace.failure != "deadlock" and not self._goal.is_as_told(self._run.root):
-            missed = "others wait than the counterexample says"
+            missed = "the processes that wait are not those of the counterexample"
         if missed is not None and not self._script.left and not self._world.time_can_pass:
             raise AstrayError(missed)
         return missed is None
 
     def _next(self) -> Party | None:
-        """The process that is next: of the highest level that has any, the one of which something is wanted earliest,
-        or as decided.
-        """
+        """The next process: of the highest level that has any, the one that the script needs first, or as decided."""
         self._collect()
         level = min((level for level, entries in self._ready.items() if entries), default=None)
         if level is None:
@@ -259,7 +255,7 @@ class Run(Policy):
         return found
 
     def _offer(self) -> None:
-        """The environment offers what is wanted next."""
+        """The environment offers what is needed next."""
         number = self._script.next()
         if number is None or not self._world.can_offer(self._script.entries[number]):
             return
@@ -268,7 +264,7 @@ class Run(Policy):
             self._world.offer(self._script.entries[number])
 
     def arrives(self, task: Party) -> None:
-        """See ``Policy.arrives``: what the task wants from outside may be there just before."""
+        """See ``Policy.arrives``: what the task needs from outside may arrive just before."""
         head = self._script.head(self._key(task))
         if head is None or not self._world.can_offer(head):
             return
@@ -278,7 +274,7 @@ class Run(Policy):
             self._world.offer(head)
 
     def _pass_time(self) -> None:
-        """Nobody is ready: time goes on to the next instant, or something comes from outside."""
+        """No process is ready: time advances to the next instant, or something arrives from outside."""
         instant = self._world.next_instant() if self._world.time_can_pass else None
         if instant is not None:
             self._world.meet(instant)
@@ -307,7 +303,7 @@ class Run(Policy):
         return 0 if self._strict or len(ready) == 1 else self._decisions.choose(len(ready))
 
     def did(self, task: Party, option: Option) -> None:
-        """See ``Policy.did``: of communications it knows from elsewhere."""
+        """See ``Policy.did``; communications are reported by ``took_part``."""
         if option.channel:
             return
         action, duration = option.action, option.duration
@@ -325,9 +321,7 @@ class Run(Policy):
         self._match(party, action, channel)
 
     def _break_off(self) -> NoReturn:
-        """Ends the process that runs, which would go on without ever having to wait; the scheduler tells its
-        parent so.
-        """
+        """Ends the running process, which would never have to wait; the scheduler notifies its parent."""
         self._broken_off = True
         raise _Enough
 
@@ -341,7 +335,7 @@ class Run(Policy):
         self._happened.append(Happened(action, channel, actors, value))
 
     def _match(self, party: Party, action: str, channel: str, index: int = 0) -> bool:
-        """Whether that was wanted."""
+        """Whether the script has this next, which is then done."""
         key = self._key(party)
         number = self._script.do(key, action, channel, index)
         if number is not None:
@@ -355,14 +349,14 @@ class Run(Policy):
         return False
 
     def _other(self, party: Party, done: str, head: Passed | None) -> str:
-        words = f"at {shown(self._run.now)}, `{self._names.called(task_of(party))}` goes on with `{done}`"
+        words = f"at {shown(self._run.now)}, `{self._names.called(task_of(party))}` continues with `{done}`"
         if head is not None:
             words += f" before `{_words(head)}`"
         timed = head is not None and head.action in {"wait", "after"}
         return words + _LEFT_OUT.format("priorities" if self._run.has_levels and not timed else "times")
 
     def _lose(self, words: str) -> None:
-        """The run does something else than the script has."""
+        """Notes that the run does something else than the script."""
         if self._goal.further:
             return
         if self._cut is None:
@@ -373,10 +367,10 @@ class Run(Policy):
     def _not_come(self, when: str = "") -> str:
         number = self._script.next()
         if number is None:
-            return f"it does not come to a halt {when}".rstrip()
+            return f"it does not get stuck {when}".rstrip()
         entry = self._script.entries[number]
-        when = when or f": at {shown(self._run.now)} nothing goes on any more"
-        return f"`{entry.name or entry.path}` does not come to `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
+        when = when or f": at {shown(self._run.now)} nothing can continue"
+        return f"`{entry.name or entry.path}` does not reach `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
 
     def wrote(self, party: Party, channel: str, value: Any) -> None:
         """See ``Policy.wrote``."""
@@ -400,7 +394,7 @@ class Run(Policy):
     def _communicated(self, channel: str, value: Any) -> None:
         is_expected = self._expected is not None and channel in self._goal.visible
         if self._expected is not None and is_expected and self._seen == len(self._expected) and not self._goal.ends:
-            # What was wrong has happened already.
+            # What went wrong has already happened.
             return
         self._communications.append((channel, value))
         self._instants.append(self._run.now)

@@ -1,4 +1,4 @@
-"""What a counterexample wants of each process: the script of a run on the real runtime."""
+"""What each process does in a counterexample: the script of a run on the real runtime."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from cspdiag.base.record import record
 from cspdiag.verify.runs.task_names import Key
 
 LATER = 1 << 60
-"""The rank of a task of which nothing is wanted any more."""
+"""The rank of a task that has done all its entries."""
 
 
 @dataclass
 class Passed:
-    """Something that a task is to do; ``path`` is its process, ``name`` what proofs call the task.
+    """Something that a task has to do; ``path`` is its process, ``name`` its name in proofs.
 
-    ``action`` and ``index`` (of a guard) as in ``gates.Option``; ``miss`` where a sample is found overwritten.
-    ``together``: its order among those beside it is open, as when a submodel reads its inputs. ``value`` is what the
-    environment is to offer.
+    ``action`` and ``index`` (of a guard) are as in ``policy.Option``; ``miss`` if a sample is found overwritten.
+    ``together``: its order among adjacent entries is open, as when a submodel reads its inputs. ``value`` is what the
+    environment has to offer.
     """
 
     key: Key
@@ -39,8 +39,8 @@ class Passed:
 
 @record
 class Actor:
-    """A task that took part in something: its process, what a counterexample may call it, and the file and line of the
-    text at which it was.
+    """A task that took part in something: its process, its possible names in a counterexample, and the file and line at
+    which it was.
     """
 
     path: str
@@ -50,7 +50,8 @@ class Actor:
 
 @record
 class Happened:
-    """Something that tasks did in a run: ``communication``, or as ``Passed``; who writes is the first of the actors.
+    """Something that tasks did in a run. ``action`` is ``communication``, or as in ``Passed``; the writer is the first
+    of the actors.
 
     ``value`` is that of a communication, and the duration of a delay in nanoseconds.
     """
@@ -63,14 +64,14 @@ class Happened:
 
 @record
 class Standing:
-    """A task that waits for ever, and the channels at which it does."""
+    """A task that waits forever, and the channels at which it waits."""
 
     actor: Actor
     channels: frozenset[str]
 
 
 def put_off(entries: Sequence[Passed], channels: Container[str]) -> tuple[Passed, ...]:
-    """The same entries; those that read one of ``channels`` as late as the task that reads can wait."""
+    """The same entries, but those that read one of ``channels`` are as late as the reading task can wait."""
     waiting: dict[Key, list[Passed]] = {}
     found: list[Passed] = []
     for entry in entries:
@@ -82,8 +83,8 @@ def put_off(entries: Sequence[Passed], channels: Container[str]) -> tuple[Passed
 
 
 def to_first_round(happened: Sequence[Happened], period: slice) -> tuple[tuple[Happened, ...], int]:
-    """What happened up to the end of the first round of what is repeated, of which ``period`` is a round, and how much
-    of it comes before that round.
+    """What happened up to the end of the first round of what is repeated, and the number of entries before that round;
+    ``period`` is one of the rounds.
     """
     length = period.stop - period.start
     began = period.start
@@ -93,7 +94,7 @@ def to_first_round(happened: Sequence[Happened], period: slice) -> tuple[tuple[H
 
 
 class Script:
-    """What is wanted of all tasks, in the order of the counterexample, and what of it has been done."""
+    """What all tasks have to do, in the order of the counterexample, and which of it has been done."""
 
     def __init__(self, entries: Sequence[Passed]) -> None:
         self.entries = entries
@@ -119,21 +120,21 @@ class Script:
         return self._first if self._first < len(self._done) else None
 
     def head(self, key: Key) -> Passed | None:
-        """What a task is to do next."""
+        """What a task has to do next."""
         number = self._last(self._own.get(key))
         return None if number is None else self.entries[number]
 
     def next_read(self, channel: str) -> Passed | None:
-        """The next time that a channel is to be read by anybody, or a sample of it to be missed."""
+        """The next entry that reads a channel, or misses a sample of it."""
         number = self._last(self._ports.get(channel))
         return None if number is None else self.entries[number]
 
     def undone(self) -> Iterator[Passed]:
-        """All that is still wanted."""
+        """The entries that have not been done."""
         return (entry for entry, done in zip(self.entries, self._done, strict=True) if not done)
 
     def rank(self, key: Key) -> int:
-        """How early something is wanted of a task: of itself, of branches in it, or of the one that waits for it."""
+        """How early an entry of a task is: of itself, of a branch in it, or of the task that waits for it."""
         while True:
             number = self._last(self._inside.get(key))
             if number is not None:
@@ -143,7 +144,7 @@ class Script:
             key = key[:-1]
 
     def do(self, key: Key, action: str, channel: str, index: int) -> int | None:
-        """A task has done something: the number of the entry, if that is what is wanted of it next."""
+        """A task has done something. Returns the number of the entry if that is what it has to do next."""
         for number in self._candidates(key):
             entry = self.entries[number]
             same = entry.channel == channel if channel else entry.index == index

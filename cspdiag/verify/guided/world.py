@@ -1,4 +1,4 @@
-"""The environment of a guided run, and its time: it offers what the script wants, and gives samples at their ticks."""
+"""The environment of a guided run, and its time: it offers what the script needs, and gives samples at their ticks."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ class Lines(dict[str, _Line]):
 
 
 class World:
-    """What a program meets outside. ``defaults`` are the values of inputs, by channel, of which the script wants
-    nothing; ``met`` counts the instants.
+    """The environment of a program. ``defaults`` are the values, by channel, of inputs for which the script needs none;
+    ``met`` counts the instants.
     """
 
     def __init__(
@@ -65,13 +65,13 @@ class World:
         return frozenset({*self._events, *(port.name for port in self._sampled)})
 
     def can_offer(self, entry: Passed) -> bool:
-        """Whether something is wanted of it that it has not offered."""
+        """Whether an entry needs a value that was not offered yet."""
         if entry.action != "read" or entry.channel not in self._events:
             return False
         return not self._events[entry.channel].end_of(entry.path).fresh
 
     def offer(self, entry: Passed) -> None:
-        """Offers what is wanted, now."""
+        """Offers what the entry needs, now."""
         self._events[entry.channel].occur(entry.value)
 
     @property
@@ -80,21 +80,21 @@ class World:
         return self._run.next_timer() is not None or any(port.can_have_effect for port in self._sampled)
 
     def next_instant(self) -> int | None:
-        """The next instant at which a delay ends, or a sample comes to somebody who listens."""
+        """The next instant at which a delay ends, or at which a sample arrives at an end that listens."""
         instants = [port.ticks.after(self._run.now) for port in self._sampled if _listens(port)]
         timer = self._run.next_timer()
         return min([*instants, *([] if timer is None else [timer])], default=None)
 
     @property
     def situation(self) -> tuple[int, ...]:
-        """How long delays have still to last, and how long ago all samples came at once: what times there are to come
-        depends on that.
+        """The remaining time of each delay, and the time since all ports were sampled at once: all future instants
+        depend on these.
         """
         periods = lcm(*(port.ticks.period for port in self._sampled if _listens(port)))
         return self._run.now % periods, *sorted(instant - self._run.now for instant in self._run.instants_of_timers())
 
     def meet(self, instant: int) -> None:
-        """Time goes on to an instant: samples come, in the order of the ports, and delays end."""
+        """Advances time to an instant: samples arrive, in the order of the ports, and delays end."""
         self.met += 1
         self._run.now = instant
         for port in self._sampled:
@@ -107,15 +107,15 @@ class World:
         self._run.timers_fall_due()
 
     def pass_until(self, until: int) -> None:
-        """Time goes on while a process computes."""
+        """Advances time while a process computes."""
         while (instant := self.next_instant()) is not None and instant <= until:
             self.meet(instant)
         self._run.now = until
 
     @property
     def computing(self) -> Sequence[int]:
-        """Until when the current task may compute, the most promising first: until a sample is missed where one has to
-        be, or not at all.
+        """The instants until which the current task may compute, the most promising first: until a sample is missed if
+        one has to be, or no time at all.
         """
         following = self.next_instant()
         if following is None:

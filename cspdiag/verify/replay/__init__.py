@@ -1,1 +1,1 @@
-"""Replays of counterexamples: the program itself is stepped, and then led, to where a proof has gone."""
+"""Replays of counterexamples: the program itself is stepped, and then led, along what a proof has found."""

@@ -1,4 +1,4 @@
-"""The values of a run told in the counterexample that it followed: proofs leave them open, people want to see them."""
+"""Adds the values of a run to the counterexample that it followed: proofs leave them open, but users want them."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from cspdiag.verify.runs.agreement import PASSING, agrees, differing
 from cspdiag.verify.runs.values import types_of
 
 LONGEST = 24
-"""Longer texts of values are left out."""
+"""The longest text of a value that is shown."""
 
 
 def as_replayed(found: Counterexample, replay: Replay, network: CoreNetwork, system: System) -> Counterexample:
     """The counterexample of a system with the rounds that the replay has added, with the values at the ports of the
-    program, and with those of the communications in their order, where it has none itself or a range.
+    program, and with those of the communications in their order, where it has itself none or a range.
 
-    Left open stay other channels on which the run communicated more or less often than the counterexample says, as on
-    those with several readers of each value; a value that the run did not have there is left open, too.
+    The values remain open for other channels on which the run communicated more or less often than the counterexample,
+    such as those with several readers of each value, and for steps that the run does not have.
     """
     steps, cycle = (
         tuple(_passed(step, replay.passed.get(number)) for number, step in enumerate(part, start))

@@ -1,6 +1,6 @@
 """One run of the generated program along a trace, from gate to gate.
 
-Who gets on and what alternatives choose follows the trace. Priorities and times play no part.
+The trace determines which process continues, and what alternatives choose. Priorities and times are ignored.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ from cspdiag.verify.runs.waiting import where_instead
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
 _NOTHING_DONE = (
-    "in a round of that loop it does nothing but compute or abandon what waits, which the replay cannot see repeated"
+    "in a round of that loop it only computes or abandons what waits, which the replay cannot recognize as repeated"
 )
 _AT_A_TIME = 1_000
 _MOST_TURNS = 200
-"""So often so many processes may get on until all halt: 10,000 that begin do so a few times each."""
+"""How often ``_AT_A_TIME`` processes may continue until all halt: 10,000 that begin do so a few times each."""
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
 
 
 class Attempt:
-    """One run of the program along the trace, with certain decisions about what the trace leaves open."""
+    """One run of the program along the trace, with given decisions about what the trace leaves open."""
 
     def __init__(
         self,
@@ -75,7 +75,7 @@ class Attempt:
         self._done = 0
         self._passed: dict[int, str] = {}
         self.cycle = 0
-        """How many things processes have gone on with before what can be repeated."""
+        """The number of steps of processes before those that can be repeated."""
         self._round_from: int | None = None
 
     def run(self) -> Replay:
@@ -134,13 +134,13 @@ class Attempt:
         self._communications.append((channel, value))
 
     def _settle(self) -> None:
-        """Everybody goes on to a gate, or to where only others can help."""
+        """Lets every process continue to a gate, or until it needs others."""
         turns = 0
         while self.conductor.run.run_ready(_AT_A_TIME):
             self._limits.check()
             turns += 1
             if turns > _MOST_TURNS:
-                raise DivergenceError("it goes on and on, and comes to no rest")
+                raise DivergenceError("it runs on and on, and never comes to rest")
         error = self.conductor.run.error
         if error is not None and (isinstance(error, Fault) or not isinstance(error, ProcessError)):
             if isinstance(error, LimitError):
@@ -174,11 +174,11 @@ class Attempt:
                 self._read_after_guard(channel, task)
         for action, channel, _ in expected:
             if (action, channel) not in self.conductor.done and not step.channel.endswith(WRITTEN):
-                raise DivergenceError(f"`{step}` does not come about{self._instead(step)}")
+                raise DivergenceError(f"`{step}` does not happen{self._instead(step)}")
 
     def _choose_ready(self, step: TraceStep) -> None:
-        """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that
-        is alone in its alternative is no choice.
+        """A process takes a guard that leaves the reading to the process, or abandons a body because a guard is ready.
+        A guard that is alone in its alternative is not a choice.
         """
         path = step.parties[0][1]
         for option, candidate in self._offers(("ready", "read", "write"), step.channel):
@@ -195,7 +195,7 @@ class Attempt:
             return
 
     def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
-        """What processes at gates could do."""
+        """What the processes at gates could do."""
         candidates: list[Gate | Interruption] = [*self.conductor.halted.values(), *self.conductor.interruptions]
         return [
             (option, candidate)
@@ -205,8 +205,8 @@ class Attempt:
         ]
 
     def _choose_silently(self, step: TraceStep, *, necessary: bool = False) -> bool:
-        """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the
-        step cannot come.
+        """A process takes a guard that is always ready, if it is at one. Returns whether it did. ``necessary``:
+        otherwise the step cannot happen.
         """
         silent = [
             (option, candidate)
@@ -226,7 +226,7 @@ class Attempt:
         return True
 
     def _read_after_guard(self, channel: str, task: Task) -> None:
-        """A process that was told that it can read does so first: ``task``, or a branch of it."""
+        """A process whose guard was ready to read now reads: ``task``, or a branch of it."""
         own = self.conductor.halted.get(task)
         for gate in [own] if own is not None else list(self.conductor.halted.values()):
             for option in gate.options:
@@ -235,7 +235,7 @@ class Attempt:
                     self._settle()
                     return
         if ("read", channel) not in self.conductor.done:
-            raise DivergenceError(f"nobody reads `{channel}`")
+            raise DivergenceError(f"no process reads `{channel}`")
 
     def _supply(self, step: TraceStep) -> None:
         port = self._ports[step.channel]
@@ -268,7 +268,7 @@ class Attempt:
     def _chosen(
         self, step: TraceStep, offers: list[tuple[Option, Gate | Interruption]]
     ) -> Iterator[tuple[Option, Gate | Interruption]]:
-        """For each process of the step what it goes on with; among several that would fit, a decision."""
+        """What each process of the step continues with; a decision among several that fit."""
         taken: set[int] = set()
         for name, path in step.parties:
             if is_medium(name, step):
@@ -308,15 +308,15 @@ class Attempt:
         ]
         if changed:
             named = ", ".join(f"`{name}`" for name in changed[:3])
-            raise DivergenceError(f"each time round, {named} changes, so that this may come to an end")
+            raise DivergenceError(f"in each round, {named} changes, so this may end")
 
     @property
     def ends(self) -> bool:
-        """Whether the judge was told that all has ended."""
+        """Whether the judge was shown that all processes have ended."""
         return self._judge is not None and self._rest is None
 
     def led(self, run: GuidedRun, result: Replay) -> Replay:
-        """The result of this attempt, after the program was led through what it has found."""
+        """The result of this attempt, after the program was led along what the attempt found."""
         divergence, judgement = run.divergence, result.judgement
         if run.succeeded and self._judge is not None:
             found = self._judge(run.communications, self._rest_of(run))
@@ -338,12 +338,12 @@ class Attempt:
         )
 
     def _rest_of(self, run: GuidedRun) -> Resting | None:
-        """How the processes stand after the run: as here, unless they have gone round more often there."""
+        """What the processes offer after the run: the same as here, unless they have made more rounds there."""
         here, there = (Counter(channel for channel, _ in made) for made in (self._communications, run.communications))
         return self._rest if here == there else Resting((), goes_on=True)
 
     def _judged(self) -> str:
-        """What the judge finds wrong with what was done."""
+        """What the judge finds wrong with this attempt."""
         if self._judge is None:
             return ""
         if not self.conductor.run.root.ended:
@@ -354,8 +354,8 @@ class Attempt:
         return judgement
 
     def _end_silently(self) -> None:
-        """Nobody stays where a guard is always ready, also that of an interrupt: transition systems leave out steps
-        that make no difference.
+        """Lets processes take guards that are always ready, also those of interrupts: transition systems leave out
+        steps that make no difference.
         """
         for interruption in list(self.conductor.interruptions):
             if interruption in self.conductor.interruptions and interruption.options[0].action == "skip":
@@ -372,14 +372,16 @@ class Attempt:
                 self._settle()
 
     def _is_stuck(self, gate: Gate) -> bool:
-        """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they
-        wait.
+        """Whether a process never continues according to the trace; its parallel branches are distinguished by where
+        they wait.
         """
         waits = {option.channel for option in gate.options if option.channel}
         return any(belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
 
     def _require_stuck(self, stuck: list[Gate]) -> None:
-        """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
+        """Raises DivergenceError if a process among ``stuck`` can continue by itself, with the environment, or with
+        those that continue.
+        """
         moving = [gate for gate in self.conductor.halted.values() if gate not in stuck]
         offered = {(option.action, option.channel) for gate in moving for option in gate.options}
         for gate in stuck:
@@ -388,14 +390,14 @@ class Attempt:
                 opposite = "read" if option.action == "write" else "write"
                 if can_happen or (opposite, option.channel) in offered:
                     way = f" with `{option.channel}`" if option.channel else ""
-                    raise DivergenceError(f"`{self.conductor.names.called(gate.task)}` can still go on{way}")
+                    raise DivergenceError(f"`{self.conductor.names.called(gate.task)}` can still continue{way}")
 
     def _conclude(self) -> DeadlockReport | None:
-        """What was refuted is the case now."""
+        """Raises DivergenceError unless what was refuted is now the case."""
         if self._trace.failure not in STANDSTILLS:
             return None
         if self.conductor.run.root.ended:
-            raise DivergenceError("it ends instead of coming to a halt")
+            raise DivergenceError("it ends instead of getting stuck")
         self._end_silently()
         before = len(self._communications)
         stuck = [
@@ -408,7 +410,7 @@ class Attempt:
         self._settle()
         if len(self._communications) > before:
             channel, _ = self._communications[before]
-            raise DivergenceError(f"it goes on with `{channel}`")
+            raise DivergenceError(f"it continues with `{channel}`")
         return report_deadlock(self.conductor.run.root, self.conductor.run.now)
 
 
@@ -417,5 +419,5 @@ def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
 
 
 def _may_do_otherwise(candidate: Gate | Interruption) -> bool:
-    """Whether a process that has a guard that is always ready may go on without it."""
+    """Whether a process that has a guard that is always ready may continue otherwise."""
     return isinstance(candidate, Interruption) or any(option.action != "skip" for option in candidate.options)

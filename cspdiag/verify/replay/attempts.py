@@ -1,7 +1,7 @@
-"""Steps the generated program through a trace: does it do what the transition system was found to do?
+"""Steps the generated program through a trace, to see whether it does what the transition system does.
 
-Values that the trace leaves open are tried one after the other, and then how often loops go round. What is found so has
-still to be done by the program as it always runs, with its priorities and in exact times (``guided``).
+Values that the trace leaves open are tried one after the other, and then numbers of rounds of loops. The program must
+then be able to do what was found on its real runtime, with its priorities and exact times (``guided``).
 """
 
 from __future__ import annotations
@@ -33,12 +33,11 @@ def replay(
     *,
     exactly: bool = False,
 ) -> Replay:
-    """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the
+    """Steps the package ``files`` of ``network``, compiled without optimization, through a trace, after which the
     ``judge`` has to find something wrong.
 
-    ``exactly``: with the values that the trace gives; without, a trace of a proof is one of the program also where
-    other values pass. Raises BodyError for a hand-written body that cannot be made, and LimitError when the time of the
-    ``limits`` is up.
+    ``exactly``: only with the values of the trace; otherwise the program may pass other values. Raises BodyError for a
+    hand-written body that cannot be made, and LimitError when the time of the ``limits`` is up.
     """
     limits = limits or Limits()
     package = LoadedPackage(network.name, files)
@@ -84,7 +83,7 @@ class _Attempts:
         self._types = types_of(network) if exactly else {}
 
     def best(self, rounds: Rounds | None = None) -> Replay:
-        """The attempt that succeeds, or comes furthest."""
+        """The attempt that succeeds, or gets furthest."""
         decisions = Decisions()
         best: Replay | None = None
         for _ in range(MOST_ATTEMPTS):

@@ -1,8 +1,8 @@
-"""Where processes halt in a replay: before each communication, delay and choice, until the trace has come to it.
+"""Where processes halt in a replay: before each communication, delay and choice, until the trace has reached it.
 
-Between two gates a process runs as always, on the same runtime. So a replay changes nothing but the order in which
-processes get on, and what each alternative chooses: it is one of the runs that the program can have when its processes
-take any time.
+Between two gates a process runs on the runtime as in any run. So a replay only determines the order in which processes
+continue, and what each alternative chooses: it is one of the runs that the program can have if its processes take any
+time.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from cspdiag.verify.runs.task_names import TaskNames, path_of, task_of
 
 
 class Gate:
-    """A task that halts; what it may go on with, in text order. ``together``: with all of it, in any order."""
+    """A task that halts, and the options with which it may continue, in text order. ``together``: with all of them, in
+    any order.
+    """
 
     def __init__(self, conductor: Conductor, task: Task, options: tuple[Option, ...], *, together: bool) -> None:
         self.task = task
@@ -38,7 +40,7 @@ class Gate:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What a trace may call it: its process, or so many a branch of that."""
+        """Its possible names in a trace: its process, or a numbered branch of that."""
         return self._conductor.names.told(self.task)
 
     def withdraw(self, party: Party) -> bool:
@@ -52,7 +54,7 @@ class Gate:
 
 
 def _words(option: Option) -> str:
-    """What a task waits for at a gate, as the runtime puts it where it waits for it itself."""
+    """What a task waits for at a gate, in the words of the runtime for a task that waits for it."""
     match option.action:
         case "read" | "ready":
             return f"to read {option.channel}"
@@ -69,7 +71,7 @@ def _words(option: Option) -> str:
 
 
 class Interruption:
-    """An interrupt whose body runs."""
+    """An interrupt whose body is running."""
 
     def __init__(self, conductor: Conductor, led: LedInterrupt) -> None:
         self.task = task_of(led.task)
@@ -88,7 +90,7 @@ class Interruption:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What a trace may call it: its process, or so many a branch of that."""
+        """Its possible names in a trace: its process, or a numbered branch of that."""
         return self._conductor.names.told(self.task)
 
     @property
@@ -98,7 +100,7 @@ class Interruption:
 
 
 class Conductor(Policy):
-    """Who halts where, and what comes from outside; ``free`` lets everybody through, as in any other run."""
+    """Which tasks halt where, and what arrives from outside; ``free`` lets all tasks through, as in any other run."""
 
     leads_interrupts = True
 
@@ -111,7 +113,7 @@ class Conductor(Policy):
         self.done: list[tuple[str, str]] = []
         """Communications since it was emptied: direction and channel."""
         self.passed: list[Passed] = []
-        """All that processes have gone on with."""
+        """All that processes have continued with."""
         self.names = TaskNames()
         self.free = False
         self._interruptions: dict[LedInterrupt, Interruption] = {}
@@ -119,7 +121,7 @@ class Conductor(Policy):
 
     @property
     def interruptions(self) -> list[Interruption]:
-        """The interrupts whose bodies run."""
+        """The interrupts whose bodies are running."""
         return list(self._interruptions.values())
 
     def halt(self, task: Party, options: Sequence[Option], *, together: bool) -> Gate | None:
@@ -151,7 +153,9 @@ class Conductor(Policy):
         self.run.ready(gate.task)
 
     def note(self, task: Task, option: Option, *, together: bool = False) -> None:
-        """A task goes on with an option; one that leaves the reading to what follows is told with that."""
+        """Notes that a task continues with an option; a guard that leaves the reading to what follows is noted with
+        that.
+        """
         if option.action == "ready":
             return
         duration = option.duration
@@ -169,7 +173,7 @@ class Conductor(Policy):
         self._last[task, option.channel] = entry
 
     def took(self, task: Task, channel: str, value: Any) -> None:
-        """A task has read what the environment offers; an exception stands for a sample that was missed."""
+        """A task has read what the environment offers; an exception means a missed sample."""
         self.done.append(("read", channel))
         entry = self._last.get((task, channel))
         if entry is not None:
@@ -178,13 +182,13 @@ class Conductor(Policy):
                 entry.action = "miss"
 
     def go_free(self) -> None:
-        """From now on nobody halts, and nothing comes from outside any more."""
+        """From now on no task halts, and nothing more arrives from outside."""
         self.free = True
         self.outside.run_dry()
 
 
 class Outside(Supply):
-    """What the environment offers next, by port; an exception stands for a sample that was missed."""
+    """What the environment offers next, by port; an exception means a missed sample."""
 
     def __init__(self, conductor: Conductor) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Whether the run of a replay does what a specification forbids: proofs leave values open, a run has them."""
+"""Whether the run of a replay does what a specification forbids: proofs leave values open, but a run has them."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 def _text(value: Any, kind: Type) -> str:
-    """A value as transition systems tell it; zero is the same value with either sign."""
+    """A value as transition systems write it; zero is the same value with either sign."""
     return value_text(value + 0.0 if isinstance(value, float) else value, kind)
 
 
 def judge(question: Question, specified: Callable[[ToldApart], System], network: CoreNetwork, limits: Limits) -> Judge:
-    """Says how a run does not refine the specification, which is followed with the very values that the environment
-    gave; it raises LimitError when the limits are reached.
+    """A judge that says how a run does not refine the specification, which is followed with exactly the values that the
+    environment gave. The judge raises LimitError when the limits are reached.
     """
     hidden = Labels(System((), ()), question.unseen)
     ports = {port.name: port.type for port in network.external_ports if not hidden.hides(port.name)}
@@ -67,7 +67,7 @@ def _plain(value: Any) -> Value:
 
 
 def _offers(labels: Labels, types: Mapping[str, Type], rest: Resting | None) -> frozenset[Label] | None:
-    """What the processes offer where the specification sees it; None where they can go on unseen."""
+    """What the processes offer visibly to the specification; None if they can continue invisibly."""
     if rest is None or rest.goes_on:
         return None
     names = [(option, option.channel.partition(".")[2]) for option in rest.offers]

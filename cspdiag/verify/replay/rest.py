@@ -1,5 +1,5 @@
-"""How processes stand at the end of a replay: what they offer to the environment, and whether something goes on without
-it.
+"""The state of processes at the end of a replay: what they offer to the environment, and whether they can continue
+without it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _BY_ITSELF = frozenset({"skip", "wait", "after"})
 
 @record
 class Resting:
-    """``offers`` are options at ports of the outermost process; ``goes_on``: some process can get on by itself, or two
+    """``offers`` are options at ports of the outermost process; ``goes_on``: a process can continue by itself, or two
     with each other.
     """
 
@@ -24,7 +24,7 @@ class Resting:
 
 
 def resting(gates: Iterable[Gate | Interruption], outside: Container[str]) -> Resting:
-    """How processes that halt stand; ``outside`` are the channels of the environment."""
+    """The state of processes that halt; ``outside`` are the channels of the environment."""
     options = [(gate.task, option) for gate in gates for option in gate.options]
     offers = tuple(option for _, option in options if option.channel in outside)
     written = [(task, option.channel) for task, option in options if option.action == "write"]

@@ -12,15 +12,15 @@ from cspdiag.verify.replay.rest import Resting
 from cspdiag.verify.replay.rounds import Added
 
 Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
-"""Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""
+"""What is wrong with a run, from its communications and the state of the processes after it; None if nothing is."""
 
 
 @record
 class Replay:
     """How far the program followed a trace.
 
-    ``divergence`` says why it did not to the end; None if it did. ``communications`` are (channel, value) in order;
-    ``deadlock`` is what the runtime says at the end.
+    ``divergence`` says why it did not follow it to the end; None if it did. ``communications`` are (channel, value) in
+    order; ``deadlock`` is the report of the runtime at the end.
     """
 
     steps: int
@@ -36,24 +36,26 @@ class Replay:
     passed: Mapping[int, str] = EMPTY
     """What the environment offered, and was given where the trace leaves that open, by the number of the step."""
     other: tuple[Happened, ...] = ()
-    """What the program did instead, where it has come to a standstill in another way, or does more than the trace
-    before everything is repeated.
+    """What the program did instead, if it has reached another standstill, or does more than the trace before everything
+    is repeated.
     """
     other_round_from: int | None = None
-    """The number of those in ``other`` before what is repeated for ever."""
+    """The number of entries in ``other`` before what is repeated forever."""
     standing: tuple[Standing, ...] = ()
-    """Who waits for ever after that."""
+    """The tasks that wait forever after that."""
     instants: tuple[int, ...] = ()
-    """When the communications were, in nanoseconds; nothing where the program as it runs has them in another order."""
+    """The instants of the communications, in nanoseconds; empty if the program on its real runtime has them in another
+    order.
+    """
     round_from: int | None = None
     """The number of communications before those that are repeated for ever; they end with the last.
 
     None where nothing is repeated.
     """
     repeated: tuple[int, int] | None = None
-    """After so many rounds and so many nanoseconds everything is as it was before."""
+    """The number of rounds, and of nanoseconds, after which everything is as it was before."""
 
     @property
     def succeeded(self) -> bool:
-        """Whether the program did all of it."""
+        """Whether the program followed the whole trace."""
         return self.divergence is None

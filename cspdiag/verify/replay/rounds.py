@@ -1,9 +1,9 @@
-"""Further rounds of loops whose end is computed: proofs leave open when such a loop ends, so that a trace goes round as
-seldom as it can.
+"""Further rounds of loops whose end is computed: proofs leave open when such a loop ends, so a trace has as few rounds
+as possible.
 
-A process that is not where the trace has it goes on by itself until it is there: it reads what the environment offers,
-always the same, writes what the environment takes, and lets delays pass. Where a specification sees that, the judge of
-the whole run says in the end whether it is allowed.
+A process that is not where the trace has it continues by itself until it is there: it reads what the environment
+offers, always the same value, writes what the environment takes, and lets delays pass. If a specification sees that,
+the judge of the whole run decides in the end whether it is allowed.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values, is_told_as, types_of
 
 MOST_STEPS = 8_000
-"""So many steps are added in one attempt."""
+"""The number of steps that are added in one attempt."""
 MOST_IN_ALL = 50_000
-"""So many are added in all attempts to follow one trace."""
+"""The number of steps that are added in all attempts to follow one trace."""
 
 _MEETING = frozenset({"communication", "take", "external", "sample", "miss", "ready"})
 _LEAVING = frozenset({"exception", "failure", "end"})
@@ -39,7 +39,7 @@ _ROLES = {"read": "?", "write": "!"}
 
 @record
 class Added:
-    """A step that the trace does not have, the number of the one that it comes before, and who did it; ``role`` as in
+    """A step that the trace does not have, the number of the step that it precedes, and its actor; ``role`` as in
     ``Party``.
     """
 
@@ -66,7 +66,7 @@ class Rounds:
         self.added: list[Added] = []
 
     def begin(self, conductor: Conductor, values: Values, decisions: Decisions, settle: Callable[[], None]) -> None:
-        """A new attempt begins, with its decisions; ``settle`` lets everybody go on to a gate."""
+        """Begins a new attempt, with its decisions; ``settle`` lets all processes continue to a gate."""
         self._conductor, self._values, self._decisions, self._settle = conductor, values, decisions, settle
         self._chosen, self._offered, self.added = {}, {}, []
         self._left = min(MOST_STEPS, self._left_in_all)
@@ -77,9 +77,7 @@ class Rounds:
         return self._left_in_all <= 0
 
     def reach(self, number: int, step: TraceStep) -> None:
-        """Lets the processes of the step of this number go on until they can take it, or are at their end if that is
-        what they come to.
-        """
+        """Lets the processes of the step with this number continue until they can take it, or have ended."""
         for name, path in self._needed(step):
             if step.kind in _LEAVING:
                 self._go_on(number, name, path, partial(_has_ended, self._conductor, name, path))
@@ -87,8 +85,8 @@ class Rounds:
                 self._go_on(number, name, path, partial(self._is_ready, step, name, path))
 
     def come_to_rest(self) -> None:
-        """Lets processes go on until those that never go on are where the trace has them; if all stand still, the
-        others until their end.
+        """Lets processes continue until those that are stuck are where the trace has them and, if all are to be at
+        rest, until the others have ended.
         """
         number = len(self._trace.steps)
         if self._trace.failure not in STANDSTILLS:
@@ -112,13 +110,13 @@ class Rounds:
         while not is_there():
             if self._left <= 0:
                 raise DivergenceError(
-                    f"`{path}` goes round, and has not come to where it is wanted in {MOST_STEPS} steps"
+                    f"`{path}` goes round, and has not reached the place where it is needed in {MOST_STEPS} steps"
                 )
             if not any(self._take(number, gate) for gate in _gates(self._conductor, name, path)):
                 return
 
     def _is_ready(self, step: TraceStep, name: str, path: str) -> bool:
-        """Whether a process can take a step, in the part of it where the trace has it."""
+        """Whether a process can take a step, in the same part of it as in the trace."""
         candidates: list[Gate | Interruption] = [*self._conductor.halted.values(), *self._conductor.interruptions]
         return any(
             self._fits(step, option)
@@ -141,7 +139,7 @@ class Rounds:
         return any(belongs(gate.path, path) and _waits_at(gate, channels) for path, channels in self._trace.stuck)
 
     def _take(self, number: int, gate: Gate) -> bool:
-        """A process goes on by itself, if it can."""
+        """A process continues by itself, if it can."""
         options = tuple(filter(self._is_alone, gate.options))
         if not options:
             return False
@@ -157,11 +155,11 @@ class Rounds:
         return True
 
     def _is_alone(self, option: Option) -> bool:
-        """Whether nobody but the environment takes part."""
+        """Whether only the environment takes part."""
         return option.channel in self._ports or option.action in ("wait", "skip", "after")
 
     def _option(self, path: str, options: tuple[Option, ...]) -> Option:
-        """What a process goes on with wherever it has this choice; a sample first."""
+        """What a process continues with wherever it has this choice; samples are preferred."""
         key = path, options
         if key not in self._chosen:
             ordered = sorted(options, key=self._urgency)
@@ -196,7 +194,9 @@ class Rounds:
 
 
 def _gates(conductor: Conductor, name: str, path: str) -> list[Gate]:
-    """Where a process of a trace halts: itself or its branches, or else who runs it."""
+    """The gates at which a process of a trace halts: itself or its branches or, if there are none, the process that
+    runs it.
+    """
     ranked = [(fit(gate, name, path), gate) for gate in conductor.halted.values()]
     inside = [gate for rank, gate in ranked if rank < UNFIT - 1]
     return inside or [gate for rank, gate in ranked if rank < UNFIT]

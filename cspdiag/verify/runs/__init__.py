@@ -1,1 +1,1 @@
-"""What a run has come to: names of its tasks, what it remembers, who is stuck in it, whether it recurs."""
+"""The state of a run: names of its tasks, what it remembers, which tasks are stuck, whether it recurs."""

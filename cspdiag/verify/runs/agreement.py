@@ -1,4 +1,4 @@
-"""Whether a run has the values that a trace gives; what the proof left open may be anything."""
+"""Whether a run has the values of a trace; what the proof left open may have any value."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class _Valued(Protocol):
 
 
 def agrees(value: Any, type_: Type, told: str | None) -> bool:
-    """Whether a value of a run may be what a trace tells: that value, one of that range, or whatever it leaves open."""
+    """Whether a value of a run agrees with that of a trace: the value itself, a range with it, or None."""
     if told is None or told in HANDED_ON:
         return True
     try:
@@ -61,7 +61,7 @@ def differing(steps: Sequence[_Valued], made: Sequence[tuple[str, Any]], types: 
 
 
 def _first_unlike(told: Sequence[str | None], had: Sequence[Any], type_: Type) -> tuple[int, Any] | None:
-    """Where values of one channel are not those that are told first, and what was there instead."""
+    """Where the values of one channel first differ from those given, and the value there instead."""
     position = 0
     for number, text in enumerate(told):
         if len(told) == len(had):
@@ -78,8 +78,8 @@ def _first_unlike(told: Sequence[str | None], had: Sequence[Any], type_: Type) -
 
 
 def difference(trace: Trace, made: Sequence[tuple[str, Any]], types: Mapping[str, Type]) -> tuple[int, str] | None:
-    """The first step of a trace with another value than a run had, by its number, and what is different there; None if
-    there is none.
+    """The first step of a trace with another value than a run had: its number and a sentence; None if there is no such
+    step.
     """
     steps = (*trace.steps, *trace.cycle)
     for number, value in differing(steps, made, types).items():

@@ -13,7 +13,7 @@ _BOOKS = frozenset({"name", "source", "runs_now", "enclosing", "ends", "has_comp
 
 
 def memory(outermost: Any) -> dict[str, object]:
-    """The value of everything that a process and those inside it remember, by name; of a buffer the values in it."""
+    """The value of everything that a process and those inside it remember, by name; for a buffer, the values in it."""
     found: dict[str, object] = {}
     seen: set[int] = set()
     pending: list[Any] = [outermost]

@@ -11,13 +11,11 @@ from cspdiag.verify.runs.trace import TraceStep
 
 UNFIT = 3
 WRITTEN = " (written)"
-"""With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event
-of its own.
-"""
+"""The end of the name of an event that begins a broadcast; each reader takes the value in an event of its own."""
 
 
 def in_words(text: str, top: str) -> str:
-    """A sentence with names as people are told them: below the outermost process ``top``."""
+    """A sentence with names as people see them: below the outermost process ``top``."""
     return text.replace(f"`{top}.", "`")
 
 
@@ -35,7 +33,7 @@ def below(report: DeadlockReport, top: str) -> DeadlockReport:
 
 
 class Named(Protocol):
-    """A task in a running program: its process, and what a trace may call it."""
+    """A task in a running program: its process, and its possible names in a trace."""
 
     @property
     def path(self) -> str: ...  # noqa: D102
@@ -44,7 +42,7 @@ class Named(Protocol):
 
 
 def is_medium(name: str, step: TraceStep) -> bool:
-    """Whether a party of a step is the memory of its channel, or of one reading end of a broadcast, and no process."""
+    """Whether a party of a step is no process but the memory of its channel, or of one reading end of a broadcast."""
     channel = step.channel.removesuffix(WRITTEN)
     return name == channel or name.startswith(f"{channel} to ")
 
@@ -59,12 +57,12 @@ def fit(candidate: Named, name: str, path: str) -> int:
 
 
 def belongs(process: str, path: str) -> bool:
-    """Whether a process is the one of a path, or inside it, or runs it."""
+    """Whether a process is that of a path, is inside it, or runs it."""
     return process == path or process.startswith(f"{path}.") or path.startswith(f"{process}.")
 
 
 def duration_of(event: str) -> int | None:
-    """How long an event of time lasts, in nanoseconds, where the text says so in a number."""
+    """The duration of an event of time in nanoseconds; None if the text does not give it as a number."""
     try:
         return parse_duration(event.rpartition(": ")[2].removeprefix("after").removeprefix("wait").strip())
     except SettingError:

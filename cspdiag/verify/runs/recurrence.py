@@ -1,7 +1,8 @@
-"""When a run has come to where it was: every task stands where it stood, and what decides how it goes on has the values
-that it had.
+"""Whether a run is back at a state in which it was: every task is where it was, and what decides how it continues has
+the same values.
 
-What a state does not have is what a run is free in: who of one level gets on first, and which guard of ``[]`` is taken.
+A state does not include what a run is free to choose: which process of one level is next, and which guard of ``[]`` is
+taken.
 """
 
 from __future__ import annotations
@@ -34,20 +35,20 @@ from cspdiag.verify.runs.memory import memory
 State: TypeAlias = tuple[object, ...]
 
 _UNBOUNDED_BITS = 64
-"""Integers so wide may count for ever, as in proofs, where they do not decide a fault; narrower ones count to one."""
+"""The width of integers that may count forever, as in proofs, unless they decide a fault; narrower ones reach one."""
 
 
 class Recurrence:
     """The states of runs of one program.
 
-    ``exact``: of the values that decide nothing none is looked at, as the proof has left nothing open.
+    ``exact``: values that decide nothing are ignored, as the proof has left nothing open.
     """
 
     def __init__(self, network: CoreNetwork, *, exact: bool) -> None:
         self._ignored = _deciding_nothing(network) if exact else frozenset()
 
     def state(self, outermost: Any, root: Task) -> State:
-        """Where a run is: ``root`` executes the process ``outermost``."""
+        """The state of a run in which ``root`` executes the process ``outermost``."""
         remembered = memory(outermost)
         kept = ((name, _kept(value)) for name, value in remembered.items() if name not in self._ignored)
         counts = ((name, len(value)) for name, value in remembered.items() if isinstance(value, tuple))
@@ -55,18 +56,20 @@ class Recurrence:
 
 
 def _kept(value: object) -> str:
-    """A value that is not changed with the run, to be compared: two reals are one only if they look alike."""
+    """A copy of a value, for comparison, that does not change with the run: two reals are equal only if their texts
+    are.
+    """
     return repr(value)
 
 
 def counting_to_faults(network: CoreNetwork) -> frozenset[str]:
-    """What decides nothing but whether something ends in a fault, by path: no proof follows it."""
+    """What decides only whether something ends in a fault, by path: no proof follows it."""
     return _deciding_nothing(network, faults=False) - _deciding_nothing(network)
 
 
 def _deciding_nothing(network: CoreNetwork, *, faults: bool = True) -> frozenset[str]:
-    """What may count for ever, and neither a condition nor a delay depends on it, nor ``faults``: variables, buffers
-    and states of control laws, by path.
+    """Variables, buffers and states of control laws, by path, that may count forever and on which no condition and no
+    delay depends nor, with ``faults``, a fault.
     """
     decides = deciding(Program(network), faults=faults)
     names = {
@@ -94,9 +97,7 @@ def _may_count(of: Type) -> bool:
 
 
 def _standing(root: Task) -> Iterator[tuple[object, ...]]:
-    """Where in the code each task stands, in the order of the branches, and how often it has gone round in what is
-    replicated.
-    """
+    """Where in the code each task is, in the order of the branches, and its number of rounds in what is replicated."""
     pending = [root]
     while pending:
         task = pending.pop()
@@ -114,7 +115,7 @@ def _frames(task: Task) -> Iterator[tuple[object, ...]]:
 
 
 def _running() -> Iterator[FrameType]:
-    """The frames of processes from here outwards: those of the current task."""
+    """The frames of the processes of the current task, from here outwards."""
     frame: FrameType | None = sys._getframe()
     while frame is not None:
         if isinstance(frame.f_locals.get("self"), Process):

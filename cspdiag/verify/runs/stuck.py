@@ -1,8 +1,8 @@
-"""Who never goes on, in a state that a run has really come to: the greatest set of tasks of which every possible
-partner is in it or has ended.
+"""Which tasks never continue, in a state that a run has reached: the greatest set of tasks of which every possible
+partner is in the set or has ended.
 
-A task that waits for a delay, a sample or the environment is not in it, and so nobody is for whom it may still come,
-wherever it is now.
+A task that waits for a delay, a sample or the environment is not in the set, and so neither is a task that it may still
+communicate with, wherever it is now.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from cspdiag.verify.runs.task_names import path_of
 from cspdiag.verify.runs.yet_to_come import channels_to_come
 
 NEVER = frozenset({"forever, at stop", "for an alternative of which no guard is enabled"})
-"""What is waited for in vain, whoever goes on."""
+"""What is waited for in vain, whatever other tasks do."""
 
 Wait: TypeAlias = tuple[str, Any]
 """``to read`` or ``to write`` and the end of a channel, or other words and None."""
 
 
 class Partners:
-    """Who may take part in what, by the channels of a program."""
+    """Which processes may take part in which communication, by the channels of a program."""
 
     def __init__(self, network: CoreNetwork) -> None:
         self._writers = {net.path: tuple(path for path, _ in net.writers) for net in network.nets}
@@ -48,7 +48,7 @@ class Partners:
         self._raising += [instance.path for instance in network.instances if instance.class_name in raising]
 
     def stuck(self, root: Task, outside: Collection[str]) -> list[Task]:
-        """The tasks below ``root`` that never go on and do not wait for branches of their own; ``outside`` are the
+        """The tasks below ``root`` that never continue and do not wait for branches of their own; ``outside`` are the
         channels of the environment.
         """
         leaves, parents = _tasks(root)
@@ -70,13 +70,11 @@ class Partners:
             found -= freed
 
     def _channels_of(self, task: Task) -> set[int]:
-        """Those that a task may still come to, as far as that is known: of what is written by hand, all that it can
-        reach.
-        """
+        """The channels that a task may still use, as far as known: for code written by hand, all that it can reach."""
         return channels_used_by(task) if path_of(task) in self._by_hand else channels_to_come(task)
 
     def _may_come(self, task: Task, wait: Wait, live: list[Task], uses: dict[Task, set[int]]) -> bool:
-        """Whether somebody who goes on may come to what a task waits for."""
+        """Whether a task that continues may reach what a task waits for."""
         words, end = wait
         if end is None:
             return False
@@ -89,7 +87,7 @@ class Partners:
         )
 
     def _may_be_cancelled(self, task: Task, stuck: set[Task]) -> bool:
-        """Whether a branch beside a task, or beside one around it, goes on and may raise an exception."""
+        """Whether a branch in parallel with a task, or with one around it, continues and may raise an exception."""
         inside, join = task, task.join
         while isinstance(join, Branches):
             for branch in join.tasks:
@@ -115,7 +113,7 @@ def waits_of(task: Task) -> Iterator[Wait]:
 
 
 def _tasks(root: Task) -> tuple[list[Task], dict[Task, set[Task]]]:
-    """The tasks that do not wait for branches of their own, and of the others all that run below them."""
+    """The tasks that do not wait for branches of their own and, for each of the others, all tasks below it."""
     leaves: list[Task] = []
     parents: defaultdict[Task, set[Task]] = defaultdict(set)
     pending: list[tuple[Task, tuple[Task, ...]]] = [(root, ())]

@@ -35,8 +35,8 @@ class TaskNames:
         return tuple(reversed(numbers))
 
     def told(self, task: Task) -> tuple[str, ...]:
-        """What a trace may call a task: the path of the process that it executes, and its number among the parallel
-        branches of that.
+        """The possible names of a task in a trace: the path of the process that it executes and, for a parallel branch
+        of it, that path with the number of the branch.
         """
         path = path_of(task)
         join = task.join
@@ -46,8 +46,8 @@ class TaskNames:
         return (path, f"{path}.{self._position(task, join) + 1}") if isinstance(join, Branches) else (path,)
 
     def called(self, task: Task) -> str:
-        """What proofs call a task that has no other name: its process, or that with its number if it is a parallel
-        branch inside of it.
+        """The name in proofs of a task that has no other name: its process, with the number of the branch if it is a
+        parallel branch in it.
         """
         path = path_of(task)
         join = task.join
@@ -61,7 +61,7 @@ class TaskNames:
         return path
 
     def _position(self, task: Task, join: Branches) -> int:
-        """The number of a branch; those of a branch that is nothing but a parallel count as branches of the
+        """The number of a branch; the branches of a branch that is itself only a parallel count as branches of the
         outer one.
         """
         self._number(task, join)
@@ -94,7 +94,7 @@ def task_of(party: Party) -> Task:
 
 
 def _parallel_of(body: object) -> tuple[object, ...] | None:
-    """The branches of a body that is a parallel, and nothing before or after it, while it runs; None for others."""
+    """The branches of a body that is only a parallel, while it runs; None for others."""
     frame = getattr(body, "cr_frame", None)
     if frame is not None:
         body = frame.f_locals.get("body")
@@ -105,6 +105,6 @@ def _parallel_of(body: object) -> tuple[object, ...] | None:
 
 
 def _width(body: object) -> int:
-    """As how many branches a branch counts."""
+    """The number of branches that a branch counts for."""
     branches = _parallel_of(body)
     return 1 if branches is None else sum(map(_width, branches))

@@ -1,4 +1,4 @@
-"""Where the text says what a task of a run does: of those that wait, and of the one that runs."""
+"""Where in the text a task of a run is: of those that wait, and of the one that runs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.stepwise import StepwiseRun
 
 _OUTSIDE = StepwiseRun.run_one.__code__
-"""What calls it is not the program."""
+"""The code that calls this function is not the program's."""
 
 
 class TaskPlaces:
@@ -21,7 +21,7 @@ class TaskPlaces:
         self._known: dict[tuple[CodeType, int], str | None] = {}
 
     def of(self, task: Task, current: Task | None) -> str | None:
-        """Where a task is, of which ``current`` is the one that runs and has called this; None if that is unknown."""
+        """Where a task is; None if unknown. ``current`` is the running task, which has called this."""
         if task is not current:
             frames = list(frames_of(task))
             return self._place(frames[-1]) if frames else None

@@ -15,7 +15,7 @@ _ROUNDS = "rounds"
 
 
 class TraceError(CspdiagError, ValueError):
-    """The file is no trace to replay; the message is one line."""
+    """The file is not a trace to replay; the message is one line."""
 
 
 class DivergenceError(CspdiagError):
@@ -24,8 +24,8 @@ class DivergenceError(CspdiagError):
 
 @record
 class TraceStep:
-    """What is to happen next; ``parties`` are the processes that take part: their names, and the paths of the instances
-    that they belong to.
+    """What has to happen next; ``parties`` are the processes that take part: their names, and the paths of the
+    instances that they belong to.
     """
 
     kind: str
@@ -38,7 +38,7 @@ class TraceStep:
 
     @property
     def shown(self) -> bool:
-        """Whether the table of the counterexample has it."""
+        """Whether it is in the table of the counterexample."""
         return is_shown(self.kind, len(self.parties))
 
 
@@ -46,8 +46,8 @@ class TraceStep:
 class Trace:
     """A counterexample of ``process``, compiled with ``settings``.
 
-    ``stuck`` are the processes that never go on after it, each with the channels at which it waits. ``exact``: the
-    proof left nothing open, so that what was done once can be done again and again.
+    ``stuck`` are the processes that never continue after it, each with the channels at which it waits. ``exact``: the
+    proof left nothing open, so what was done once can be repeated.
     """
 
     process: str
@@ -61,18 +61,18 @@ class Trace:
     hidden: frozenset[str] = frozenset()
     """Channels of the environment that a specification does not see."""
     stuck_names: tuple[str, ...] = ()
-    """What those of ``stuck`` are called, in their order."""
+    """The names of the processes in ``stuck``, in the same order."""
     rounds: bool = False
     """Whether it has rounds of loops whose end the proof left open."""
 
     def shown_before(self, number: int) -> int:
-        """How many of its first steps, those of its cycle included, the table of the counterexample has."""
+        """How many of its first ``number`` steps, including those of its cycle, are in the table."""
         return sum(step.shown for step in (*self.steps, *self.cycle)[:number])
 
     @property
     def round(self) -> str:
-        """What is repeated for ever where nothing is communicated: the delays, or who does something that no diagram
-        shows.
+        """What is repeated forever without a communication: the delays, or the processes that do something that no
+        diagram shows.
         """
         delays = [
             f"`{step.channel.rpartition(': ')[2]}` of {self._names(step)}" for step in self.cycle if step.kind == "time"
@@ -120,9 +120,9 @@ def read_trace(text: str) -> Trace:
     try:
         whole = json.loads(text)
     except ValueError as problem:
-        raise TraceError(f"no JSON: {problem}") from None
+        raise TraceError(f"not JSON: {problem}") from None
     if not isinstance(whole, dict) or whole.get("format") != FORMAT:
-        raise TraceError("no trace that `cspdiag verify --trace-out` wrote")
+        raise TraceError("not a trace written by `cspdiag verify --trace-out`")
     try:
         return Trace(
             process=_text(whole["process"]),
@@ -138,7 +138,7 @@ def read_trace(text: str) -> Trace:
             stuck_names=tuple(_whole(entry["process"], whole["process"]) for entry in whole["waiting"]),
         )
     except (KeyError, TypeError, AttributeError) as problem:
-        raise TraceError(f"a trace that is not whole ({type(problem).__name__}: {problem})") from None
+        raise TraceError(f"an incomplete trace ({type(problem).__name__}: {problem})") from None
 
 
 def _steps(entry: Mapping[str, Any], process: str) -> list[TraceStep]:
@@ -149,7 +149,7 @@ def _steps(entry: Mapping[str, Any], process: str) -> list[TraceStep]:
 
 
 def _failure(failure: str, *, repeats: bool) -> str:
-    """What is to be seen in the program: one that does not end, and repeats nothing, comes to a halt."""
+    """The failure that the program must show: one that does not terminate, and repeats nothing, gets stuck."""
     return "deadlock" if failure == "no termination" and not repeats else failure
 
 
@@ -165,10 +165,10 @@ def _step(entry: Mapping[str, Any], process: str) -> TraceStep:
 
 def _text(value: object) -> str:
     if not isinstance(value, str):
-        raise TypeError(f"a text is wanted, not {value!r}")
+        raise TypeError(f"a text is needed, not {value!r}")
     return value
 
 
 def _whole(name: object, process: str) -> str:
-    """The hierarchical name of a process that is told below the outermost one."""
+    """The hierarchical name of a process whose name is given below the outermost one."""
     return process if name == process else f"{process}.{_text(name)}"

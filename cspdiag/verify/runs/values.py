@@ -34,13 +34,11 @@ _REALS = (0.0, 1.0, -1.0)
 _OTHER_REALS = (1000.0, -1000.0, 0.001)
 _MOST = 64
 HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None)), strict=True)}
-"""Values of which only is told that they are handed on: one, and any other."""
+"""Values that proofs only follow as they are handed on: one of them, and any other."""
 
 
 class Values:
-    """Values of the types of a program, as its package has them; ``numbers`` are those on which it may depend what
-    happens.
-    """
+    """Values of the types of a program, as its package has them; ``numbers`` are those on which the run may depend."""
 
     def __init__(self, types: ModuleType | None, numbers: Iterable[int | float]) -> None:
         self._types = types
@@ -50,9 +48,7 @@ class Values:
         self._reals = tuple(dict.fromkeys((*_REALS, *reals, *_OTHER_REALS)))
 
     def candidates(self, type_: Type, told: str | None) -> Sequence[Any]:
-        """What may be offered at a port, the simplest first: the value that the trace tells, or a choice of all that
-        there are.
-        """
+        """What may be offered at a port, the simplest first: the value of the trace, or a selection of all values."""
         found = list(islice(self._all(type_), _MOST))
         if told is None:
             return found
@@ -107,7 +103,7 @@ def types_of(network: CoreNetwork) -> Mapping[str, Type]:
 
 
 def is_told_as(value: Any, type_: Type, told: str) -> bool:
-    """Whether a value is the one that a transition system writes so, or in the range that it writes so."""
+    """Whether a value is the one, or in the range, that a transition system writes in this form."""
     ends = _ends(type_, told)
     return value_text(value, type_) == told if ends is None else ends[0] <= value <= ends[1]
 
@@ -129,8 +125,8 @@ def _number(type_: Type, told: str) -> int:
 
 
 def numbers_of(network: CoreNetwork) -> Iterator[int | float]:
-    """Whole numbers that a program mentions, and their neighbours; thresholds of floating-point numbers, and numbers
-    between them: conditions turn on them.
+    """The whole numbers in a program, and their neighbours; thresholds of floating-point numbers, and numbers between
+    them: conditions depend on them.
     """
     found: dict[int, None] = {}
     for constant in network.constants:

@@ -1,4 +1,4 @@
-"""Where the processes of a step wait that does not come, in the words of the diagram."""
+"""Where the processes of a step that does not happen wait instead, in the words of the diagram."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from cspdiag.verify.runs.task_names import TaskNames, path_of
 from cspdiag.verify.runs.trace import TraceStep
 
 _MOST_NAMED = 3
-"""Where more processes than these wait, the sentence leaves out the others."""
+"""The number of processes that the sentence names; it leaves out others."""
 
 
 def where_instead(step: TraceStep, root: Task, names: TaskNames, top: str) -> str:
-    """Where the tasks below ``root`` wait that fit the parties of a step best; "" if none does.
+    """Where those tasks below ``root`` wait that fit the parties of a step best; "" if there are none.
 
     Channels have their names below the outermost process ``top``.
     """
@@ -35,7 +35,7 @@ def _fitting(step: TraceStep, candidates: list[_Waiting]) -> Iterator[_Waiting]:
 
 
 class _Waiting:
-    """A task that waits, to be compared with what a trace calls it."""
+    """A task that waits, for comparison with names in a trace."""
 
     def __init__(self, task: Task, names: TaskNames) -> None:
         self._task = task

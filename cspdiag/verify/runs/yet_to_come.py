@@ -1,8 +1,8 @@
-"""Which channels a task that waits may still come to: those that are named after the place where it waits, in whatever
-may follow there.
+"""Which channels a waiting task may still use: those that occur in the code after the place where it waits, on any
+path.
 
-A statement of generated code waits at most once, when all that it names has been looked up. What a loop goes over and
-the handler of an interrupt are looked up before and used later: then all counts that the function names.
+A statement of generated code waits at most once, when all its names have been looked up. What a loop iterates over, and
+the handler of an interrupt, are looked up earlier and used later: then all names in the function count.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from cspdiag.runtime.deadlock import channel_identity, channels_used_by, names_i
 from cspdiag.runtime.kernel.scheduler import Task
 
 _LEAVING = ("RETURN_", "RAISE_VARARGS", "RERAISE", "JUMP_FORWARD", "JUMP_BACKWARD")
-"""Instructions whose names begin so are not followed by the next one."""
+"""The beginnings of the names of instructions after which the next one is not executed."""
 
 
 def channels_to_come(task: Task) -> set[int]:
-    """Identities of the channels at which the task waits, and of those that it may come to."""
+    """Identities of the channels at which the task waits, and of those that it may still use."""
     waits = {channel_identity(end) for _, end in task.waits() if end is not None}
     return waits | channels_used_by(task, _names_to_come)
 
@@ -33,13 +33,13 @@ def _names_to_come(task: Task, frame: FrameType) -> set[str]:
 
 
 def _entries(code: CodeType) -> list[Any]:
-    """Of the table of exceptions: from which instruction to which, and where it goes on."""
+    """The entries of the table of exceptions: the first and last instruction of each, and where execution continues."""
     return list(dis.Bytecode(code).exception_entries)  # type: ignore[attr-defined]
 
 
 @lru_cache(maxsize=4096)
 def _names_after(code: CodeType, position: int) -> frozenset[str]:
-    """The names in what can be executed after the instruction at a position; -1 is the beginning."""
+    """The names in the instructions that can be executed after the one at a position; -1 is the beginning."""
     instructions = list(dis.get_instructions(code))
     numbers = {instruction.offset: number for number, instruction in enumerate(instructions)}
     handlers = [(entry.start, entry.end, entry.target) for entry in _entries(code)]

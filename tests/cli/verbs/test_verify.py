@@ -318,9 +318,9 @@ def test_nothing_is_written_where_nothing_was_refuted(cspdiag: Command, proved: 
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("[", "no JSON"),
-        ("[]", "no trace that `cspdiag verify --trace-out` wrote"),
-        ('{"format": "cspdiag trace 1"}', "a trace that is not whole (KeyError: 'process')"),
+        ("[", "not JSON"),
+        ("[]", "not a trace written by `cspdiag verify --trace-out`"),
+        ('{"format": "cspdiag trace 1"}', "an incomplete trace (KeyError: 'process')"),
     ],
 )
 def test_a_file_that_is_no_trace(cspdiag: Command, refuted: Path, tmp_path: Path, text: str, reason: str) -> None:

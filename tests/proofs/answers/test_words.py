@@ -83,7 +83,7 @@ def test_who_would_have_ended_is_not_said_to_have_ended() -> None:
     """
     answer = answer_to(READS_IN_TIME)
     assert answer.outcome == "unknown"
-    assert "`3` does not come to `after 2 ms`" in answer.reason
+    assert "`3` does not reach `after 2 ms`" in answer.reason
     assert answer.candidate == (
         "after `wait 1 ms` of `3`, `after 2 ms` of `3`:",
         "`1` waits to write c (case.csp:9), for `3`, which would have ended",

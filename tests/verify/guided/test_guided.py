@@ -62,7 +62,7 @@ def test_delays_end_when_they_say(delay: str, comes_too_late: bool) -> None:
 
 def test_the_reason_says_which_delay_is_over_before_which() -> None:
     answer = answer_to(RACE.replace("DELAY", "wait 5 ms"))
-    assert "at 5 ms, `waits` goes on with `slow.done` before `after 10 ms`, and proofs leave times out" in (
+    assert "at 5 ms, `waits` continues with `slow.done` before `after 10 ms`, and proofs leave times out" in (
         answer.reason
     )
 

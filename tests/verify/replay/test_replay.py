@@ -108,7 +108,7 @@ def test_what_priorities_exclude_is_no_refutation() -> None:
     """Without priorities `tell` may be chosen, and then everything stops; with them `ask` is always there before."""
     (answer,) = answers_to({"case.csp": PRIORITIES})
     assert answer.outcome == "unknown"
-    assert "`chooses` goes on with `urgent.ask` before `later.tell`" in answer.reason
+    assert "`chooses` continues with `urgent.ask` before `later.tell`" in answer.reason
     (answer,) = answers_to({"case.csp": PRIORITIES.replace("||>", "||")})
     assert (answer.outcome, answer.replayed) == ("refuted", True)
 
@@ -153,7 +153,7 @@ assert Both livelock free
 def test_a_loop_that_counts_is_no_endless_one() -> None:
     (answer,) = answers_to({"case.csp": COUNTED})
     assert answer.outcome == "unknown"
-    assert "each time round, `ping.count` changes" in answer.reason
+    assert "in each round, `ping.count` changes" in answer.reason
     (answer,) = answers_to({"case.csp": COUNTED.replace(" until count == 1000", "")})
     assert (answer.outcome, answer.replayed) == ("refuted", True)
 

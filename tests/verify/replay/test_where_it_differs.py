@@ -42,7 +42,7 @@ def test_names_channels_and_places_are_those_of_the_counterexample(
 ) -> None:
     result = cspdiag("run", trace[0], "--replay", trace[1], "--set", "n=0")
     assert result.code == 1
-    assert "`q 0` does not come about: `1` waits to write b (d.csp:11)\n" in result.err
+    assert "`q 0` does not happen: `1` waits to write b (d.csp:11)\n" in result.err
     assert "Top.b" not in result.err
 
 
