@@ -13,14 +13,14 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import answered, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
-from cspdiag.proofs.transitions.classes.told_apart import AsSpecification
+from cspdiag.proofs.transitions.classes.distinguished import AsSpecification
 from cspdiag.proofs.verdict import LimitError, Limits, Method
 from cspdiag.verify.systems import SystemCache, VerificationError
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
-    from cspdiag.proofs.transitions.classes.told_apart import ToldApart
+    from cspdiag.proofs.transitions.classes.distinguished import Distinguished
     from cspdiag.proofs.transitions.systems.system import System
     from cspdiag.verify.other_counterexamples import Narrowing
     from cspdiag.verify.replay.result import Judge, Replay
@@ -98,32 +98,32 @@ class Verifier:
             assert network is not None, "asked for a process with errors"
             return schedulable(question, network)
         if self._spin and question.claim == "deadlock free":
-            answer = self._asked_spin(question, limits)
+            answer = self._answer_by_spin(question, limits)
         else:
             answer = prove(question, self._systems.of, limits, self._method)
         confirmed = self._confirmed(answer, limits)
         if answer.counterexample is not None and confirmed.outcome == "unknown":
             try:
-                return self._otherwise(answer.counterexample, question, limits) or confirmed
+                return self._other_counterexample(answer.counterexample, question, limits) or confirmed
             except LimitError:
                 return confirmed
-        return self._advised(confirmed, limits)
+        return self._with_suggestions(confirmed, limits)
 
-    def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
+    def _other_counterexample(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
         """The answer with another counterexample that the program follows, as it does not follow the one that was
         found.
         """
-        from cspdiag.verify.other_counterexamples import MOST, narrower, of_the_whole
+        from cspdiag.verify.other_counterexamples import MOST, in_whole_system, narrower
 
         for narrowing in islice(narrower(found), MOST):
 
             def narrowed(
                 process: str,
-                told_apart: ToldApart | None = None,
+                distinguished: Distinguished | None = None,
                 specification: AsSpecification | None = None,
                 narrowing: Narrowing = narrowing,
             ) -> System:
-                whole = self._systems.of(process, told_apart, specification)
+                whole = self._systems.of(process, distinguished, specification)
                 return narrowing(whole) if specification is None else whole
 
             if limits.remaining <= 0:
@@ -132,13 +132,13 @@ class Verifier:
             answer = prove(question, narrowed, rest, self._method)
             if answer.counterexample is None:
                 continue
-            other = of_the_whole(answer.counterexample, self._systems.of(question.process))
+            other = in_whole_system(answer.counterexample, self._systems.of(question.process))
             answer = self._confirmed(replaced(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
-                return self._advised(answer, limits)
-        return self._kept_from_its_end(question, limits) if question.claim == "terminates" else None
+                return self._with_suggestions(answer, limits)
+        return self._non_termination(question, limits) if question.claim == "terminates" else None
 
-    def _kept_from_its_end(self, question: Question, limits: Limits) -> Answer | None:
+    def _non_termination(self, question: Question, limits: Limits) -> Answer | None:
         """A deadlock, a knot or a livelock, by which the process does not terminate."""
         claims: tuple[Property, ...] = ("deadlock free", "livelock free")
         for claim in claims:
@@ -153,7 +153,7 @@ class Verifier:
             return replaced(answer, question=question, counterexample=without_end)
         return None
 
-    def _asked_spin(self, question: Question, limits: Limits) -> Answer:
+    def _answer_by_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.verify import spin
 
         began = time.monotonic()
@@ -171,7 +171,7 @@ class Verifier:
             return answer
         from cspdiag.codegen import target_errors
         from cspdiag.simulate.run.execute import BodyError
-        from cspdiag.verify.guided.account import retold
+        from cspdiag.verify.guided.account import with_steps_of
         from cspdiag.verify.replay.account import as_replayed
         from cspdiag.verify.replay.attempts import replay
         from cspdiag.verify.runs.names import in_words
@@ -185,7 +185,7 @@ class Verifier:
             result = replay(network, files, read_trace(trace_of(answer, {})), judge, limits)
             if result.other:
                 system = self._systems.of(answer.question.process)
-                other = retold(found, system, result.other, result.standing, network, result.other_round_from)
+                other = with_steps_of(found, system, result.other, result.standing, network, result.other_round_from)
                 trace = read_trace(trace_of(replaced(answer, counterexample=other), {}))
                 again = replay(network, files, trace, judge, limits)
                 found, result = (other, again) if again.succeeded else (found, result)
@@ -199,7 +199,7 @@ class Verifier:
         found = replaced(found, reason=result.judgement or found.reason)
         return replaced(answer, replayed=True, counterexample=found)
 
-    def _advised(self, answer: Answer, limits: Limits) -> Answer:
+    def _with_suggestions(self, answer: Answer, limits: Limits) -> Answer:
         """The refutation with changes of the text after which the property was proved, as far as there is time to look
         for them.
         """
@@ -227,4 +227,4 @@ class Verifier:
         from cspdiag.verify.replay.refinement import judge
 
         role = AsSpecification(frozenset(answer.question.free))
-        return judge(answer.question, lambda apart: self._systems.of(specification, apart, role), network, limits)
+        return judge(answer.question, lambda values: self._systems.of(specification, values, role), network, limits)

@@ -45,7 +45,7 @@ def narrower(found: Counterexample) -> Iterator[Narrowing]:
             yield partial(without, is_left_out=partial(_is_same, step))
 
 
-def of_the_whole(found: Counterexample, whole: System) -> Counterexample:
+def in_whole_system(found: Counterexample, whole: System) -> Counterexample:
     """A counterexample of a narrower system, with the parties that its time-outs have in the whole system."""
     owners = {
         (event.channel, whole.components[party].name)
@@ -55,13 +55,13 @@ def of_the_whole(found: Counterexample, whole: System) -> Counterexample:
     }
     prefix = f"{found.process}."
 
-    def told(step: Step) -> Step:
+    def with_parties(step: Step) -> Step:
         if step.kind != "time":
             return step
         own = [party for party in step.parties if _is_owner(step.channel, party.name, owners, prefix)]
         return replaced(step, parties=tuple(own) or step.parties[:1])
 
-    return replaced(found, steps=tuple(map(told, found.steps)), cycle=tuple(map(told, found.cycle)))
+    return replaced(found, steps=tuple(map(with_parties, found.steps)), cycle=tuple(map(with_parties, found.cycle)))
 
 
 def _is_owner(channel: str, name: str, owners: set[tuple[str, str]], prefix: str) -> bool:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from cspdiag import pipeline
 from cspdiag.base.errors import CspdiagError
 from cspdiag.proofs.transitions import transition_system
-from cspdiag.proofs.transitions.classes.told_apart import Apart, AsSpecification
+from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 
 if TYPE_CHECKING:
-    from cspdiag.proofs.transitions.classes.told_apart import ToldApart
+    from cspdiag.proofs.transitions.classes.distinguished import Distinguished
     from cspdiag.proofs.transitions.systems.system import System
 
 
@@ -24,16 +24,16 @@ class SystemCache:
 
     def __init__(self, obligations: pipeline.ProofObligations) -> None:
         self._obligations = obligations
-        self._made: dict[tuple[str, frozenset[tuple[str, Apart]], AsSpecification | None], System] = {}
+        self._made: dict[tuple[str, frozenset[tuple[str, Distinction]], AsSpecification | None], System] = {}
 
     def of(
-        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+        self, process: str, distinguished: Distinguished | None = None, specification: AsSpecification | None = None
     ) -> System:
         """The transition system of a process of the program; see ``transition_system``.
 
         Raises VerificationError if the process alone has too many states.
         """
-        ports = told_apart or {}
+        ports = distinguished or {}
         key = process, frozenset(ports.items()), specification
         if key not in self._made:
             network = self._obligations.network(process)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from cspdiag.model.types import BoolType
 from cspdiag.network.checks.agreement import Agreement
-from cspdiag.network.diagnostics.composition.alternatives import ReleaseNotToldApart
+from cspdiag.network.diagnostics.composition.alternatives import ReleaseNotDistinguished
 from cspdiag.network.flow.code import Code, Select, Watch
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.own_uses import own_reads
@@ -34,10 +34,10 @@ def check_releases(placed: Placed, agreement: Agreement) -> None:
         key, variable = end_key(branch.event.source), branch.event.target.channel
         if variable not in looked_at and reads[key] == 1:
             agreement.found(
-                ReleaseNotToldApart(span=branch.event.span, port=key, variable=variable, is_interrupt=is_interrupt)
+                ReleaseNotDistinguished(span=branch.event.span, port=key, variable=variable, is_interrupt=is_interrupt)
             )
         else:
-            agreement.refuted(ReleaseNotToldApart, branch.event.span)
+            agreement.refuted(ReleaseNotDistinguished, branch.event.span)
 
 
 def _guards(code: Code) -> Iterator[tuple[Branch, bool]]:

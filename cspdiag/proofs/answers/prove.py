@@ -9,7 +9,7 @@ from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Failure, counterexample
-from cspdiag.proofs.transitions.classes.told_apart import Apart, AsSpecification, ToldApart
+from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction, Distinguished
 from cspdiag.proofs.transitions.systems.system import Abstraction, System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
@@ -18,7 +18,7 @@ class Systems(Protocol):
     """Has the transition systems of processes as the outermost ones."""
 
     def __call__(
-        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+        self, process: str, distinguished: Distinguished | None = None, specification: AsSpecification | None = None
     ) -> System:
         """That of the process of this name. See ``transition_system``."""
 
@@ -51,9 +51,9 @@ def _asked(question: Question, systems: Systems) -> tuple[System, System | None]
 
     role = AsSpecification(frozenset(question.free))
     specification = systems(question.specification, None, role)
-    ports = Labels(specification, question.unseen).told_apart
-    system = systems(question.process, {port: specification.apart.get(port, Apart()) for port in ports})
-    both = {port: apart for port, apart in system.apart.items() if port in ports}
+    ports = Labels(specification, question.unseen).distinguished
+    system = systems(question.process, {port: specification.distinctions.get(port, Distinction()) for port in ports})
+    both = {port: distinction for port, distinction in system.distinctions.items() if port in ports}
     return system, systems(question.specification, both, role)
 
 

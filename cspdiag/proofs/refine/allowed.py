@@ -52,7 +52,7 @@ def violation(
 
 def _allowed(walk: Walk, states: Iterable[State], labels: Labels) -> frozenset[Label]:
     """What may come next: of inputs not only the values of this run."""
-    apart = labels.specification.apart
+    apart = labels.specification.distinctions
     return frozenset(
         (port, None) if port in apart and apart[port].values else (port, value)
         for state in states

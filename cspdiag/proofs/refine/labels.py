@@ -24,7 +24,7 @@ class Labels:
     hidden: Collection[str] = ()
 
     @cached_property
-    def told_apart(self) -> frozenset[str]:
+    def distinguished(self) -> frozenset[str]:
         """The ports of which the specification distinguishes values."""
         return frozenset(
             port(event)
@@ -36,11 +36,11 @@ class Labels:
         """The label, or None if the specification does not see the event."""
         if not event.visible or self.hides(port(event)):
             return None
-        return port(event), event.value if port(event) in self.told_apart else None
+        return port(event), event.value if port(event) in self.distinguished else None
 
     def of_value(self, name: str, value: str) -> Label:
         """The label of a communication at a port that is not hidden, with a value as transition systems write it."""
-        return name, value if name in self.told_apart else None
+        return name, value if name in self.distinguished else None
 
     def hides(self, name: str) -> bool:
         """Whether the specification does not see a port."""

@@ -99,7 +99,7 @@ def _undecided(nodes: tuple[NormalNode, ...], labels: Labels) -> str | None:
     for node in nodes:
         written: dict[str, list[Label]] = {}
         for label in node.offered:
-            if label[0] not in labels.specification.apart:
+            if label[0] not in labels.specification.distinctions:
                 written.setdefault(label[0], []).append(label)
         for name, found in written.items():
             if len(found) > 1 and any(map(is_open, found)):

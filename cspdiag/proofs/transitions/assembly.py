@@ -95,7 +95,7 @@ class Assembly(Meetings):
         for medium, uses in self._uses.items():
             self.meet(medium, uses)
             if medium.coarse:
-                what = f"of the values in `{medium.name}` only ranges are told apart"
+                what = f"of the values in `{medium.name}` only ranges are distinguished"
                 self.abstractions[Abstraction(what, medium.span)] = None
         for key in self._forks:
             self._composition(key, shapes)

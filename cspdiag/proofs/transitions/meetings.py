@@ -141,8 +141,8 @@ class Meetings:
                 assert_never(medium.kind)
 
     def _value(self, medium: MediumFacts, label: Valued) -> Known:
-        """The value of a label, if the medium's values are told apart."""
-        return medium.told_apart(label.value) if medium.relevant and medium.values is not None else UNKNOWN
+        """The value of a label, if the medium's values are distinguished."""
+        return medium.distinguished(label.value) if medium.relevant and medium.values is not None else UNKNOWN
 
     def _rendezvous(self, medium: MediumFacts, uses: list[Use]) -> None:
         writing: dict[Known, list[tuple[Strand, Write | Guarded]]] = defaultdict(list)
@@ -180,7 +180,7 @@ class Meetings:
 
     def _limit(self, medium: MediumFacts, meetings: int) -> None:
         if meetings > MOST_MEETINGS:
-            raise TransitionError(f"on `{medium.name}` {meetings} ways to communicate would have to be told apart")
+            raise TransitionError(f"on `{medium.name}` {meetings} ways to communicate would have to be distinguished")
 
     def _alone(self, medium: MediumFacts, use: Use, value: Known) -> None:
         strand, label = use
@@ -207,7 +207,7 @@ class Meetings:
         writes = self._with(medium, uses, number, (Write, Guarded), "communication")
         reads = self._with(medium, uses, number, (Read,), "take")
         if media.counts_only(medium, [*writes, *reads]):
-            self.abstractions[Abstraction(f"the values in `{medium.name}` are not told apart", medium.span)] = None
+            self.abstractions[Abstraction(f"the values in `{medium.name}` are not distinguished", medium.span)] = None
         self._add(media.queue(medium, writes, reads))
 
     def _variable(self, medium: MediumFacts, uses: list[Use]) -> None:
@@ -305,7 +305,7 @@ class Meetings:
 
 
 def _text(value: Known, kind: Any) -> str | None:
-    """A value as far as it is told apart; zero is one value with either sign."""
+    """A value as far as it is distinguished; zero is one value with either sign."""
     match value:
         case Range():
             return range_text(value, kind)

@@ -13,10 +13,10 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Attachment, ConstantEnd, DiscardEnd, ProcessClass
+from cspdiag.proofs.transitions.classes.distinguished import Distinction
 from cspdiag.proofs.transitions.classes.facts import Facts
 from cspdiag.proofs.transitions.classes.items import Item
 from cspdiag.proofs.transitions.classes.program import Class, Program
-from cspdiag.proofs.transitions.classes.told_apart import Apart
 from cspdiag.proofs.transitions.ranges import Cell, Range, cell_of, cells, limits_of, pieces, with_examples
 from cspdiag.proofs.transitions.values import (
     ANY,
@@ -45,9 +45,9 @@ PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 class MediumFacts:
     """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
 
-    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. Numbers
-    of which there are too many are told apart by ``cells``, if there are any; then the medium is ``coarse``. A variable
-    is ``shared`` if more than one component accesses it.
+    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. If
+    there are too many numbers, only their ``cells``, if any, are distinguished; then the medium is ``coarse``. A
+    variable is ``shared`` if more than one component accesses it.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class MediumFacts:
         self.relevant = relevant
         self.cells: tuple[Cell, ...] = cells(type_, boundaries) if relevant else ()
         self.given: tuple[Known, ...] = given or (UNKNOWN,)
-        """What the environment may give, as far as it is told apart."""
+        """What the environment may give, as far as it is distinguished."""
         self.coarse = False
         self.sampling: Sampling | None = None
         self.is_contended = kind == "any"
@@ -101,12 +101,12 @@ class MediumFacts:
         found = cell_of(value, self.cells) if isinstance(value, int | Range) else None
         return UNKNOWN if found is None else found
 
-    def told_apart(self, value: Known) -> Known:
-        """A value as far as it is told apart from others here."""
+    def distinguished(self, value: Known) -> Known:
+        """A value as far as it is distinguished from others here."""
         return self.coarsened(value) if self.coarse else value
 
     def pieces(self, value: Known) -> tuple[Known, ...]:
-        """A value, or the parts of a range that are told apart here."""
+        """A value, or the parts of a range that are distinguished here."""
         if not isinstance(value, Range):
             return (value,)
         parts = pieces(value, self.cells)
@@ -116,7 +116,7 @@ class MediumFacts:
 
     @property
     def domain(self) -> tuple[Known, ...] | None:
-        """The values in a stable order, None if they are not told apart."""
+        """The values in a stable order, None if they are not distinguished."""
         if self.values is None or not self.relevant:
             return None
         return tuple(sorted(self.values, key=lambda value: (value is UNKNOWN, str(type(value)), value)))
@@ -233,21 +233,21 @@ class World:
         self.facts = facts
         network = program.network
         media: dict[tuple[str, int | None], MediumFacts] = {}
-        self.inputs: dict[str, Apart] = {}
-        """How the values of inputs that matter are told apart."""
+        self.inputs: dict[str, Distinction] = {}
+        """How the values of inputs that matter are distinguished."""
         for port in network.external_ports:
             base = port.name.split("[", 1)[0]
             index = port.index
             kind: MediumKind = "output" if port.direction == "out" else "event" if port.sampling is None else "sampled"
             item: Item = ("port", network.top, base)
-            apart = facts.apart(port.name)
+            distinction = facts.distinction(port.name)
             name, relevant = f"{network.top}.{port.name}", item in facts.relevant
             given: tuple[Known, ...] = ()
             if port.direction == "in" and relevant:
-                self.inputs[port.name] = apart
-                given = _given(port.type, apart, free=facts.is_free(port.name))
+                self.inputs[port.name] = distinction
+                given = _given(port.type, distinction, free=facts.is_free(port.name))
             medium = MediumFacts(
-                name, kind, port.type, relevant=relevant, boundaries=apart.cuts, span=port.span, given=given
+                name, kind, port.type, relevant=relevant, boundaries=distinction.cuts, span=port.span, given=given
             )
             medium.sampling = port.sampling
             medium.is_contended = port.kind == "any"
@@ -256,20 +256,20 @@ class World:
         self.top = Occurrence(self, network.top, program.top, arguments, media)
 
 
-def _given(kind: Type, apart: Apart, *, free: bool) -> tuple[Known, ...]:
+def _given(kind: Type, distinction: Distinction, *, free: bool) -> tuple[Known, ...]:
     """What the environment may give at an input whose values matter, or at a ``free`` one its specification."""
     few = values_of_type(kind)
     if few is not None:
         return few
-    if apart.values:
-        return apart.values
-    told = cells(kind, apart.cuts)
-    if not apart.copied:
-        return told
+    if distinction.values:
+        return distinction.values
+    among = cells(kind, distinction.cuts)
+    if not distinction.copied:
+        return among
     if free:
-        return told or (ANY,)
+        return among or (ANY,)
     if limits_of(kind) is None:
         return GIVEN
-    every = with_examples(told, kind)
+    every = with_examples(among, kind)
     ranges = (replaced(entry, copied=True) for entry in every if isinstance(entry, Range))
     return (*(entry for entry in every if not isinstance(entry, Range)), *ranges)

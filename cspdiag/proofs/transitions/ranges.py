@@ -1,4 +1,4 @@
-"""Whole numbers that are not told apart: a range of them stands for each.
+"""Whole numbers that are not distinguished: a range of them stands for each.
 
 The numbers that a variable or a channel may have are cut into **cells** where the conditions of the program begin to
 hold or cease to, so that a condition on it holds for all numbers of a cell or for none. The arithmetic is that of
@@ -42,7 +42,7 @@ Cell: TypeAlias = "int | Range"
 """A number, or several that follow each other."""
 
 MOST_CELLS = 40
-"""Numbers with more cells are not told apart at all."""
+"""Numbers with more cells are not distinguished at all."""
 
 
 def cell(low: int, high: int) -> Cell:
@@ -71,7 +71,7 @@ def limits_of(kind: Type | None) -> tuple[int, int] | None:
 
 
 def cells(kind: Type | None, boundaries: Iterable[int]) -> tuple[Cell, ...]:
-    """All numbers of a type, cut before each of the boundaries; nothing where they are not to be told apart."""
+    """All numbers of a type, cut before each of the boundaries; nothing where they are not to be distinguished."""
     limits = limits_of(kind)
     if limits is None:
         return ()

@@ -1,7 +1,7 @@
 """Values of expressions while a process is followed: known ones, ranges of whole numbers, and the unknown.
 
 A variable has a known value, a range in which it is (what the environment gave, or what takes too many values to be
-told apart), or ``UNKNOWN``: what a control law computed.
+distinguished), or ``UNKNOWN``: what a control law computed.
 """
 
 from __future__ import annotations
@@ -252,7 +252,7 @@ def values_of_type(kind: Type) -> tuple[Value, ...] | None:
 
 
 MOST_VALUES = 64
-"""More values of a variable or a channel are not told apart."""
+"""More values of a variable or a channel are not distinguished."""
 _FEW = 8
 
 

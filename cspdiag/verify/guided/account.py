@@ -35,7 +35,7 @@ class _Match:
     fit: int
 
 
-def retold(
+def with_steps_of(
     found: Counterexample,
     system: System,
     run: Sequence[Happened],
@@ -47,9 +47,9 @@ def retold(
     ``round_from`` on are repeated forever.
     """
     types = types_of(network)
-    teller = _Teller(system, network.top)
-    steps = tuple(teller.step(happened, _text(happened, types)) for happened in run)
-    waiting = tuple(map(teller.waiting, standing))
+    follower = _Follower(system, network.top)
+    steps = tuple(follower.step(happened, _text(happened, types)) for happened in run)
+    waiting = tuple(map(follower.waiting, standing))
     cycle = () if round_from is None else steps[round_from:]
     return replaced(found, steps=steps[:round_from], cycle=cycle, waiting=waiting, ring=ring(waiting))
 
@@ -61,7 +61,7 @@ def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:
     return value_text(happened.value, type_)
 
 
-class _Teller:
+class _Follower:
     """Follows a run in each component separately: in which states it may be, as far as is known from its own steps."""
 
     def __init__(self, system: System, process: str) -> None:
@@ -82,7 +82,7 @@ class _Teller:
         is then that of the run.
         """
         if happened.action == "skip":
-            return Step("internal", "", None, self._untold(happened))
+            return Step("internal", "", None, self._without_places(happened))
         for actors in (happened.actors, happened.actors[1:], happened.actors[:1]):
             matches = list(self._matches(happened, actors, value)) if actors else []
             if matches:
@@ -90,9 +90,9 @@ class _Teller:
                 places = {number: actor.place for number, actor in zip(best.actors, actors, strict=True)}
                 same = [match for match in matches if match.actors == best.actors]
                 return self._taken(value, best, same, places)
-        return Step("communication", happened.channel, value, self._untold(happened))
+        return Step("communication", happened.channel, value, self._without_places(happened))
 
-    def _untold(self, happened: Happened) -> tuple[Party, ...]:
+    def _without_places(self, happened: Happened) -> tuple[Party, ...]:
         return tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
 
     def waiting(self, stands: Standing) -> BlockedProcess:
@@ -110,7 +110,7 @@ class _Teller:
             return BlockedProcess(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
         _, number, state = min(
             candidates,
-            key=lambda one: (one[0], self._goes_on(one[1], one[2]), not self._is_at(one[1], one[2], actor.place)),
+            key=lambda one: (one[0], self._can_continue(one[1], one[2]), not self._is_at(one[1], one[2], actor.place)),
         )
         component, events = (
             self._system.components[number],
@@ -133,7 +133,7 @@ class _Teller:
         events = sorted({event for event, _ in self._edges(component, state)} - {INTERNAL})
         return [event for event in events if self._system.events[event].kind not in _UNSEEN - {"delivered"}]
 
-    def _goes_on(self, component: int, state: int) -> bool:
+    def _can_continue(self, component: int, state: int) -> bool:
         """Whether a component leaves a state by itself, so it is not at rest there."""
         return any(event == INTERNAL for event, _ in self._edges(component, state))
 
@@ -168,8 +168,8 @@ class _Teller:
             for number in self._named.get(happened.channel, ())
             if (self._system.events[number].kind == "miss") == missed
         ]
-        told = [number for number in possible if self._system.events[number].value == value]
-        return told or possible
+        with_value = [number for number in possible if self._system.events[number].value == value]
+        return with_value or possible
 
     def _fit(self, actor: Actor, party: int) -> int:
         component = self._system.components[party]

@@ -75,7 +75,7 @@ class Goal:
         """The tasks that never continue."""
         return self.partners.stuck(root, self.outside)
 
-    def is_as_told(self, root: Task) -> bool:
+    def has_expected_waits(self, root: Task) -> bool:
         """Whether the tasks that wait are those of the counterexample, and for the same channels."""
         waiting = [(path_of(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
         expected = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
@@ -110,7 +110,7 @@ class Goal:
         for task in _leaves(root):
             offers = list(_offers(task))
             if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), offers):
-                actor = Actor(path_of(task), names.told(task), place_of_wait(task))
+                actor = Actor(path_of(task), names.possible_names(task), place_of_wait(task))
                 yield Standing(actor, frozenset(channel for _, channel in offers if channel))
 
     def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:

@@ -102,9 +102,9 @@ class Run(Policy):
         try:
             self._go()
             if self._goal.is_standstill and (
-                self._free or self._script.left or not self._goal.is_as_told(self._run.root)
+                self._free or self._script.left or not self._goal.has_expected_waits(self._run.root)
             ):
-                divergence, happened = self._lost or self._not_come(), tuple(self._happened)
+                divergence, happened = self._lost or self._unreached(), tuple(self._happened)
                 standing = tuple(self._goal.standing(self._run.root, self._names))
             if self._goal.is_standstill:
                 stuck = self._goal.stuck(self._run.root)
@@ -117,7 +117,7 @@ class Run(Policy):
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
         round_from = None
-        if divergence is None and self._besides and self._is_told(self._period):
+        if divergence is None and self._besides and self._can_be_shown(self._period):
             happened, round_from = to_first_round(self._happened, self._period)
         return GuidedRun(
             done,
@@ -133,7 +133,7 @@ class Run(Policy):
             round_from,
         )
 
-    def _is_told(self, period: slice) -> bool:
+    def _can_be_shown(self, period: slice) -> bool:
         """Whether a round of what is repeated can be shown: it has entries, and those of a livelock are invisible."""
         channels = {happened.channel for happened in self._happened[period]}
         return bool(channels) and not (self._goal.trace.failure == "livelock" and channels & self._goal.outside)
@@ -142,7 +142,7 @@ class Run(Policy):
         return self._goal.called(task, self._names)
 
     def _go(self) -> None:
-        while self._script.left or self._goal.is_standstill or self._is_to_come():
+        while self._script.left or self._goal.is_standstill or self._is_unfinished():
             self._offer()
             party = self._next()
             if party is None:
@@ -159,7 +159,7 @@ class Run(Policy):
                 return
             if self._broken_off:
                 if self._script.left or self._goal.is_standstill:
-                    raise AstrayError(self._not_come(_TRIED))
+                    raise AstrayError(self._unreached(_TRIED))
                 return
             if isinstance(self._run.error, LimitError):
                 raise self._run.error
@@ -168,7 +168,7 @@ class Run(Policy):
             if self._problem is not None:
                 raise AstrayError(self._problem)
             if self._actions > self._limit:
-                raise AstrayError(self._not_come(_TRIED))
+                raise AstrayError(self._unreached(_TRIED))
             if self._has_repeated():
                 return
         if self._goal.period:
@@ -205,7 +205,7 @@ class Run(Policy):
         known = isinstance(self._run.error, ProcessError) and not isinstance(self._run.error, Fault)
         return self._run.error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
 
-    def _is_to_come(self) -> bool:
+    def _is_unfinished(self) -> bool:
         """Whether the last event that a specification is to see, or the end, has not been reached although all
         processes have done their part once.
         """
@@ -216,11 +216,15 @@ class Run(Policy):
     def _concluded(self) -> bool:
         """Nobody is ready: whether that is the standstill."""
         if self._run.root.ended:
-            raise AstrayError("it ends instead of getting stuck" if not self._script.left else self._not_come())
+            raise AstrayError("it ends instead of getting stuck" if not self._script.left else self._unreached())
         if not self._goal.is_standstill or (self._script.left and self._strict):
             return False
         missed = self._goal.missed(self._run.root, self._names)
-        if missed is None and self._goal.trace.failure != "deadlock" and not self._goal.is_as_told(self._run.root):
+        if (
+            missed is None
+            and self._goal.trace.failure != "deadlock"
+            and not self._goal.has_expected_waits(self._run.root)
+        ):
             missed = "the processes that wait are not those of the counterexample"
         if missed is not None and not self._script.left and not self._world.time_can_pass:
             raise AstrayError(missed)
@@ -281,7 +285,7 @@ class Run(Policy):
             return
         entry = next(filter(self._world.can_offer, self._script.undone()), None)
         if entry is None:
-            raise AstrayError(self._not_come())
+            raise AstrayError(self._unreached())
         self._world.offer(entry)
 
     def computes(self) -> None:
@@ -331,7 +335,9 @@ class Run(Policy):
             self._break_off()
         tasks = [task_of(party) for party in parties if party is not None]
         current = self._run.current
-        actors = tuple(Actor(path_of(task), self._names.told(task), self._places.of(task, current)) for task in tasks)
+        actors = tuple(
+            Actor(path_of(task), self._names.possible_names(task), self._places.of(task, current)) for task in tasks
+        )
         self._happened.append(Happened(action, channel, actors, value))
 
     def _match(self, party: Party, action: str, channel: str, index: int = 0) -> bool:
@@ -364,7 +370,7 @@ class Run(Policy):
         if self._strict:
             self._problem = self._lost
 
-    def _not_come(self, when: str = "") -> str:
+    def _unreached(self, when: str = "") -> str:
         number = self._script.next()
         if number is None:
             return f"it does not get stuck {when}".rstrip()

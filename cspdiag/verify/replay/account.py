@@ -44,8 +44,8 @@ def as_replayed(found: Counterexample, replay: Replay, network: CoreNetwork, sys
     for channel, value in replay.communications:
         if channel in types:
             happened[channel].append(value)
-    values = {channel: iter(told) for channel, told in happened.items() if len(told) == times[channel]}
-    every = [_told(step, values, types) for step in every]
+    values = {channel: iter(had) for channel, had in happened.items() if len(had) == times[channel]}
+    every = [_with_value(step, values, types) for step in every]
     unlike = {every[number].channel for number in differing(every, replay.communications, types_of(network))}
     every = [replaced(step, value=None) if step.channel in unlike else step for step in every]
     return replaced(found, steps=tuple(every[: len(found.steps)]), cycle=tuple(every[len(found.steps) :]))
@@ -62,7 +62,7 @@ def _passed(step: Step, text: str | None) -> Step:
     return step if text is None or len(text) > LONGEST else replaced(step, value=text)
 
 
-def _told(step: Step, values: Mapping[str, Iterator[Any]], types: Mapping[str, Type]) -> Step:
+def _with_value(step: Step, values: Mapping[str, Iterator[Any]], types: Mapping[str, Type]) -> Step:
     if step.kind not in PASSING or step.channel not in values:
         return step
     value = next(values[step.channel])

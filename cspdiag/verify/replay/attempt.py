@@ -94,7 +94,7 @@ class Attempt:
                 self._perform(step)
                 self._done += 1
             if self._rounds is not None and not self._trace.cycle:
-                self._rounds.come_to_rest()
+                self._rounds.bring_to_rest()
             self.cycle = len(self.conductor.passed)
             if self._trace.cycle:
                 self._round_from = len(self._communications)
@@ -104,7 +104,7 @@ class Attempt:
             if self._trace.cycle and len(self.conductor.passed) == self.cycle:
                 raise DivergenceError(_NOTHING_DONE)
             if self._trace.cycle:
-                self._go_round_again(network.process)
+                self._repeat_cycle(network.process)
             judgement = self._judged()
             deadlock = self._conclude()
         except DivergenceError as problem:
@@ -286,10 +286,11 @@ class Attempt:
         where = where_instead(step, self.conductor.run.root, self.conductor.names, self._network.top)
         return f": {where}" if where else ""
 
-    def _go_round_again(self, process: object) -> None:
-        """What leaves everything as it was can be done for ever; the first time round may still have brought it there.
+    def _repeat_cycle(self, process: object) -> None:
+        """Repeats the cycle until a round leaves everything as it was, so it can be repeated forever; the first may
+        only lead there.
 
-        Where the proof has left nothing open, that is all that does not merely decide whether something faults.
+        If the proof left nothing open, values that only decide whether something faults do not count.
         """
         matters = counting_to_faults(self._network) if self._trace.exact else None
         if matters is not None and not matters:
@@ -340,7 +341,7 @@ class Attempt:
     def _rest_of(self, run: GuidedRun) -> Resting | None:
         """What the processes offer after the run: the same as here, unless they have made more rounds there."""
         here, there = (Counter(channel for channel, _ in made) for made in (self._communications, run.communications))
-        return self._rest if here == there else Resting((), goes_on=True)
+        return self._rest if here == there else Resting((), can_continue=True)
 
     def _judged(self) -> str:
         """What the judge finds wrong with this attempt."""
@@ -404,7 +405,7 @@ class Attempt:
             gate for gate in self.conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
         ]
         self._require_stuck(stuck)
-        self.conductor.go_free()
+        self.conductor.let_all_through()
         for gate in stuck:
             self.conductor.release(gate, None)
         self._settle()

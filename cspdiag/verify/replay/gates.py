@@ -41,7 +41,7 @@ class Gate:
     @property
     def names(self) -> tuple[str, ...]:
         """Its possible names in a trace: its process, or a numbered branch of that."""
-        return self._conductor.names.told(self.task)
+        return self._conductor.names.possible_names(self.task)
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waitable.withdraw``."""
@@ -91,7 +91,7 @@ class Interruption:
     @property
     def names(self) -> tuple[str, ...]:
         """Its possible names in a trace: its process, or a numbered branch of that."""
-        return self._conductor.names.told(self.task)
+        return self._conductor.names.possible_names(self.task)
 
     @property
     def path(self) -> str:
@@ -181,7 +181,7 @@ class Conductor(Policy):
             if isinstance(value, BaseException):
                 entry.action = "miss"
 
-    def go_free(self) -> None:
+    def let_all_through(self) -> None:
         """From now on no task halts, and nothing more arrives from outside."""
         self.free = True
         self.outside.run_dry()

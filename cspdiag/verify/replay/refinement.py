@@ -11,7 +11,7 @@ from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.refine.allowed import Rest, violation
 from cspdiag.proofs.refine.labels import Label, Labels
-from cspdiag.proofs.transitions.classes.told_apart import Apart, ToldApart
+from cspdiag.proofs.transitions.classes.distinguished import Distinction, Distinguished
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.transitions.values import MOST_VALUES
 from cspdiag.proofs.verdict import Limits
@@ -27,14 +27,16 @@ def _text(value: Any, kind: Type) -> str:
     return value_text(value + 0.0 if isinstance(value, float) else value, kind)
 
 
-def judge(question: Question, specified: Callable[[ToldApart], System], network: CoreNetwork, limits: Limits) -> Judge:
+def judge(
+    question: Question, specified: Callable[[Distinguished], System], network: CoreNetwork, limits: Limits
+) -> Judge:
     """A judge that says how a run does not refine the specification, which is followed with exactly the values that the
     environment gave. The judge raises LimitError when the limits are reached.
     """
     hidden = Labels(System((), ()), question.unseen)
     ports = {port.name: port.type for port in network.external_ports if not hidden.hides(port.name)}
     inputs = {port.name for port in network.external_ports if port.direction == "in" and port.name in ports}
-    followed = specified({}).apart
+    followed = specified({}).distinctions
 
     def judged(communications: Sequence[tuple[str, Any]], rest: Resting | None) -> str | None:
         seen = [(name, value) for channel, value in communications if (name := channel.partition(".")[2]) in ports]
@@ -48,12 +50,12 @@ def judge(question: Question, specified: Callable[[ToldApart], System], network:
     return judged
 
 
-def _given(communications: Sequence[tuple[str, Any]]) -> ToldApart:
+def _given(communications: Sequence[tuple[str, Any]]) -> Distinguished:
     """The values that inputs had."""
     found: dict[str, dict[Value, None]] = {}
     for name, value in communications:
         found.setdefault(name, {})[_plain(value)] = None
-    return {name: Apart(values=tuple(values)) for name, values in found.items() if len(values) <= MOST_VALUES}
+    return {name: Distinction(values=tuple(values)) for name, values in found.items() if len(values) <= MOST_VALUES}
 
 
 def _plain(value: Any) -> Value:
@@ -68,7 +70,7 @@ def _plain(value: Any) -> Value:
 
 def _offers(labels: Labels, types: Mapping[str, Type], rest: Resting | None) -> frozenset[Label] | None:
     """What the processes offer visibly to the specification; None if they can continue invisibly."""
-    if rest is None or rest.goes_on:
+    if rest is None or rest.can_continue:
         return None
     names = [(option, option.channel.partition(".")[2]) for option in rest.offers]
     if any(name not in types for _, name in names):

@@ -15,12 +15,12 @@ _BY_ITSELF = frozenset({"skip", "wait", "after"})
 
 @record
 class Resting:
-    """``offers`` are options at ports of the outermost process; ``goes_on``: a process can continue by itself, or two
-    with each other.
+    """``offers`` are options at ports of the outermost process; ``can_continue``: whether a process can continue by
+    itself, or two with each other.
     """
 
     offers: tuple[Option, ...]
-    goes_on: bool
+    can_continue: bool
 
 
 def resting(gates: Iterable[Gate | Interruption], outside: Container[str]) -> Resting:
@@ -28,10 +28,10 @@ def resting(gates: Iterable[Gate | Interruption], outside: Container[str]) -> Re
     options = [(gate.task, option) for gate in gates for option in gate.options]
     offers = tuple(option for _, option in options if option.channel in outside)
     written = [(task, option.channel) for task, option in options if option.action == "write"]
-    goes_on = any(option.action in _BY_ITSELF for _, option in options) or any(
+    can_continue = any(option.action in _BY_ITSELF for _, option in options) or any(
         channel == option.channel and task is not writer and channel not in outside
         for writer, channel in written
         for task, option in options
         if option.action in ("read", "ready")
     )
-    return Resting(offers, goes_on)
+    return Resting(offers, can_continue)

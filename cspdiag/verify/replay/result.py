@@ -48,9 +48,9 @@ class Replay:
     order.
     """
     round_from: int | None = None
-    """The number of communications before those that are repeated for ever; they end with the last.
+    """The number of communications before those that are repeated forever; they end with the last.
 
-    None where nothing is repeated.
+    None if nothing is repeated.
     """
     repeated: tuple[int, int] | None = None
     """The number of rounds, and of nanoseconds, after which everything is as it was before."""

@@ -24,7 +24,7 @@ from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.task_places import TaskPlaces
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
-from cspdiag.verify.runs.values import Values, is_told_as, types_of
+from cspdiag.verify.runs.values import Values, is_written_as, types_of
 
 MOST_STEPS = 8_000
 """The number of steps that are added in one attempt."""
@@ -84,7 +84,7 @@ class Rounds:
             else:
                 self._go_on(number, name, path, partial(self._is_ready, step, name, path))
 
-    def come_to_rest(self) -> None:
+    def bring_to_rest(self) -> None:
         """Lets processes continue until those that are stuck are where the trace has them and, if all are to be at
         rest, until the others have ended.
         """
@@ -133,7 +133,7 @@ class Rounds:
             return False
         if option.action != "write" or step.value is None:
             return True
-        return is_told_as(option.value, self._types[option.channel], step.value)
+        return is_written_as(option.value, self._types[option.channel], step.value)
 
     def _is_stuck(self, gate: Gate) -> bool:
         return any(belongs(gate.path, path) and _waits_at(gate, channels) for path, channels in self._trace.stuck)

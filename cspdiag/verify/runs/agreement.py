@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.dump.expression import value_text
 from cspdiag.verify.runs.trace import Trace
-from cspdiag.verify.runs.values import HANDED_ON, is_told_as
+from cspdiag.verify.runs.values import HANDED_ON, is_written_as
 
 PASSING = frozenset({"communication", "external", "sample"})
 """The kinds of steps in which a value passes."""
@@ -26,12 +26,12 @@ class _Valued(Protocol):
     def value(self) -> str | None: ...
 
 
-def agrees(value: Any, type_: Type, told: str | None) -> bool:
+def agrees(value: Any, type_: Type, expected: str | None) -> bool:
     """Whether a value of a run agrees with that of a trace: the value itself, a range with it, or None."""
-    if told is None or told in HANDED_ON:
+    if expected is None or expected in HANDED_ON:
         return True
     try:
-        return is_told_as(value, type_, told) or (isinstance(type_, RealType) and float(told) == value)
+        return is_written_as(value, type_, expected) or (isinstance(type_, RealType) and float(expected) == value)
     except ValueError:
         return False
 
@@ -52,19 +52,19 @@ def differing(steps: Sequence[_Valued], made: Sequence[tuple[str, Any]], types: 
         values[channel].append(value)
     found = {}
     for channel, of_channel in numbers.items():
-        told = [steps[number].value for number in of_channel]
-        unlike = _first_unlike(told, values[channel], types[channel])
+        expected = [steps[number].value for number in of_channel]
+        unlike = _first_unlike(expected, values[channel], types[channel])
         if unlike is not None:
             position, value = unlike
             found[of_channel[position]] = value
     return dict(sorted(found.items()))
 
 
-def _first_unlike(told: Sequence[str | None], had: Sequence[Any], type_: Type) -> tuple[int, Any] | None:
+def _first_unlike(given: Sequence[str | None], had: Sequence[Any], type_: Type) -> tuple[int, Any] | None:
     """Where the values of one channel first differ from those given, and the value there instead."""
     position = 0
-    for number, text in enumerate(told):
-        if len(told) == len(had):
+    for number, text in enumerate(given):
+        if len(given) == len(had):
             if not agrees(had[number], type_, text):
                 return number, had[number]
             continue

@@ -19,8 +19,8 @@ from cspdiag.runtime.choice.interrupt import _Body
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.deadlock import channel_identity, channels_used_by
 from cspdiag.runtime.kernel.scheduler import Task
+from cspdiag.verify.runs.reachable import reachable_channels
 from cspdiag.verify.runs.task_names import path_of
-from cspdiag.verify.runs.yet_to_come import channels_to_come
 
 NEVER = frozenset({"forever, at stop", "for an alternative of which no guard is enabled"})
 """What is waited for in vain, whatever other tasks do."""
@@ -53,7 +53,7 @@ class Partners:
         """
         leaves, parents = _tasks(root)
         waits = {task: list(waits_of(task)) for task in leaves}
-        found = {task for task in leaves if not any(_comes_by_itself(wait, outside) for wait in waits[task])}
+        found = {task for task in leaves if not any(_can_end_by_itself(wait, outside) for wait in waits[task])}
         uses: dict[Task, set[int]] = {}
         while True:
             waiting_parents = {parent for parent, branches in parents.items() if not found.isdisjoint(branches)}
@@ -62,7 +62,7 @@ class Partners:
             freed = {
                 task
                 for task in found
-                if any(self._may_come(task, wait, live, uses) for wait in waits[task])
+                if any(self._can_be_reached(task, wait, live, uses) for wait in waits[task])
                 or self._may_be_cancelled(task, found | waiting_parents)
             }
             if not freed:
@@ -71,9 +71,9 @@ class Partners:
 
     def _channels_of(self, task: Task) -> set[int]:
         """The channels that a task may still use, as far as known: for code written by hand, all that it can reach."""
-        return channels_used_by(task) if path_of(task) in self._by_hand else channels_to_come(task)
+        return channels_used_by(task) if path_of(task) in self._by_hand else reachable_channels(task)
 
-    def _may_come(self, task: Task, wait: Wait, live: list[Task], uses: dict[Task, set[int]]) -> bool:
+    def _can_be_reached(self, task: Task, wait: Wait, live: list[Task], uses: dict[Task, set[int]]) -> bool:
         """Whether a task that continues may reach what a task waits for."""
         words, end = wait
         if end is None:
@@ -128,7 +128,7 @@ def _tasks(root: Task) -> tuple[list[Task], dict[Task, set[Task]]]:
     return leaves, dict(parents)
 
 
-def _comes_by_itself(wait: Wait, outside: Collection[str]) -> bool:
+def _can_end_by_itself(wait: Wait, outside: Collection[str]) -> bool:
     words, end = wait
     return end.name in outside if end is not None else words not in NEVER
 

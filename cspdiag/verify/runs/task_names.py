@@ -34,7 +34,7 @@ class TaskNames:
             join = task.join
         return tuple(reversed(numbers))
 
-    def told(self, task: Task) -> tuple[str, ...]:
+    def possible_names(self, task: Task) -> tuple[str, ...]:
         """The possible names of a task in a trace: the path of the process that it executes and, for a parallel branch
         of it, that path with the number of the branch.
         """

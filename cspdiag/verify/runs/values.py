@@ -47,27 +47,27 @@ class Values:
         reals = (number for number in given if isinstance(number, float))
         self._reals = tuple(dict.fromkeys((*_REALS, *reals, *_OTHER_REALS)))
 
-    def candidates(self, type_: Type, told: str | None) -> Sequence[Any]:
+    def candidates(self, type_: Type, text: str | None) -> Sequence[Any]:
         """What may be offered at a port, the simplest first: the value of the trace, or a selection of all values."""
         found = list(islice(self._all(type_), _MOST))
-        if told is None:
+        if text is None:
             return found
-        if told in HANDED_ON:
-            return found[HANDED_ON[told]]
+        if text in HANDED_ON:
+            return found[HANDED_ON[text]]
         try:
-            return [value for value in found if is_told_as(value, type_, told)] or self._read(type_, told)
+            return [value for value in found if is_written_as(value, type_, text)] or self._read(type_, text)
         except ValueError:
             return []
 
-    def _read(self, type_: Type, told: str) -> list[Any]:
-        ends = _ends(type_, told)
+    def _read(self, type_: Type, text: str) -> list[Any]:
+        ends = _ends(type_, text)
         if ends is not None:
             return [min(ends, key=abs)]
         match type_:
             case IntType() | TimeType():
-                return [_number(type_, told)]
+                return [_number(type_, text)]
             case RealType():
-                return [float(told)]
+                return [float(text)]
             case BoolType() | TextType() | EnumType() | StructType() | ArrayType() | UnknownType():
                 return []
             case _:
@@ -102,26 +102,26 @@ def types_of(network: CoreNetwork) -> Mapping[str, Type]:
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
-def is_told_as(value: Any, type_: Type, told: str) -> bool:
+def is_written_as(value: Any, type_: Type, text: str) -> bool:
     """Whether a value is the one, or in the range, that a transition system writes in this form."""
-    ends = _ends(type_, told)
-    return value_text(value, type_) == told if ends is None else ends[0] <= value <= ends[1]
+    ends = _ends(type_, text)
+    return value_text(value, type_) == text if ends is None else ends[0] <= value <= ends[1]
 
 
-def _ends(type_: Type, told: str) -> tuple[int, int] | None:
+def _ends(type_: Type, text: str) -> tuple[int, int] | None:
     """The smallest and the greatest number of a range as transition systems write it; None for other values."""
     limits = limits_of(type_)
-    if limits is None or ".." not in told:
+    if limits is None or ".." not in text:
         return None
-    low, high = (_number(type_, text) if text else limit for text, limit in zip(told.split(".."), limits, strict=True))
+    low, high = (_number(type_, end) if end else limit for end, limit in zip(text.split(".."), limits, strict=True))
     return low, high
 
 
-def _number(type_: Type, told: str) -> int:
+def _number(type_: Type, text: str) -> int:
     """Raises ValueError."""
     if isinstance(type_, TimeType):
-        return parse_duration(told)
-    return int(told)
+        return parse_duration(text)
+    return int(text)
 
 
 def numbers_of(network: CoreNetwork) -> Iterator[int | float]:

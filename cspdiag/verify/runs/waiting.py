@@ -49,7 +49,7 @@ class _Waiting:
     @property
     def names(self) -> tuple[str, ...]:
         """What a trace may call it."""
-        return self._names.told(self._task)
+        return self._names.possible_names(self._task)
 
     def sentence(self, top: str) -> str:
         """Name, what it waits for, and where."""

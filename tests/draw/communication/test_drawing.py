@@ -1,4 +1,4 @@
-"""Drawn communication diagrams: everything is shown, told apart without colour, and can be hidden or marked."""
+"""Drawn communication diagrams: everything is shown, distinguished without colour, and can be hidden or marked."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def _types(network: Network) -> dict[str, Type]:
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
-def is_told_as(value: str, told: str | None) -> bool:
+def is_written_as(value: str, told: str | None) -> bool:
     """Whether a value that passed is one of those that an event stands for."""
     if told is None or ".." not in told:
         return told in (None, value)
@@ -134,7 +134,7 @@ def follow(
             if known is not None and known.kind in OBSERVED and known.channel not in unseen:
                 step += _readers(system, known)
                 if step > len(communications) or not all(
-                    known.channel == channel and is_told_as(value, known.value)
+                    known.channel == channel and is_written_as(value, known.value)
                     for channel, value in communications[done:step]
                 ):
                     continue

@@ -7,7 +7,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.proofs.transitions.classes.told_apart import AsSpecification
+from cspdiag.proofs.transitions.classes.distinguished import AsSpecification
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.replay.refinement import judge
 from cspdiag.verify.replay.rest import Resting
@@ -71,7 +71,7 @@ def test_run(run: list[tuple[str, object]], says: str | None) -> None:
     judged = judge(
         question, lambda apart: SystemCache(obligations).of("Demands", apart, AsSpecification()), network, Limits()
     )
-    said = judged([(f"Has.{port}", value) for port, value in run], Resting((), goes_on=True))
+    said = judged([(f"Has.{port}", value) for port, value in run], Resting((), can_continue=True))
     assert (said is None) == (says is None)
     assert (said or "").startswith(says or "")
 

@@ -168,7 +168,7 @@ class TimeOutNeverElapses(Diagnostic):
 
 
 @record
-class ReleaseNotToldApart(Diagnostic):
+class ReleaseNotDistinguished(Diagnostic):
     code = "W0616"
     title = "guard that takes a release for a press"
     severity = "warning"

@@ -44,14 +44,14 @@ COMPARISONS = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!=
 """The operators, and those that say the same of the operands in the other order."""
 
 
-def boundaries(program: Program, told_apart: Mapping[str, Collection[int]]) -> Boundaries:
-    """Those of everything in a program; ``told_apart`` has further ones for inputs of the outermost process.
+def boundaries(program: Program, distinguished: Mapping[str, Collection[int]]) -> Boundaries:
+    """Those of everything in a program; ``distinguished`` has further ones for inputs of the outermost process.
 
     What is only handed on is cut wherever it may come to be compared.
     """
     found: defaultdict[Item, set[int]] = defaultdict(set)
     origins: defaultdict[Item, set[Item]] = defaultdict(set)
-    for port, more in told_apart.items():
+    for port, more in distinguished.items():
         found["port", program.top.name, port.split("[", 1)[0]].update(more)
     arguments = Arguments(program.network)
     for one in program.classes.values():

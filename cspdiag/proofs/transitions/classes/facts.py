@@ -45,33 +45,33 @@ from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.classes.cuts import boundaries, handed_to
+from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction, Distinguished
 from cspdiag.proofs.transitions.classes.faults import Faults
 from cspdiag.proofs.transitions.classes.items import Item, all_items_in, items_in, items_of
 from cspdiag.proofs.transitions.classes.program import Class, Node, Program
-from cspdiag.proofs.transitions.classes.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.proofs.transitions.values import values_of_type
 
-NOTHING: ToldApart = {}
-"""No port is told apart."""
+NOTHING: Distinguished = {}
+"""No port is distinguished."""
 
 
 class Facts:
-    """What follows from the classes of a program alone, from how the values at its ports are to be ``told_apart``, and
-    from its being a ``specification``.
+    """What follows from the classes of a program, how the values at its ports are ``distinguished``, and whether it is
+    a ``specification``.
     """
 
     def __init__(
-        self, program: Program, told_apart: ToldApart = NOTHING, specification: AsSpecification | None = None
+        self, program: Program, distinguished: Distinguished = NOTHING, specification: AsSpecification | None = None
     ) -> None:
         self.program = program
         self.specification = specification
-        self._told_apart = told_apart
-        self.boundaries = boundaries(program, {port: apart.cuts for port, apart in told_apart.items()})
+        self._distinguished = distinguished
+        self.boundaries = boundaries(program, {port: apart.cuts for port, apart in distinguished.items()})
         outputs = {port.name for port in program.network.external_ports if port.direction == "out"}
         self.durations = Durations(program.network)
         self.relevant = _relevant(
             program,
-            {*told_apart, *(outputs if specification is not None else ())},
+            {*distinguished, *(outputs if specification is not None else ())},
             _parameters_of_delays(program, self.durations),
         )
         self._copied = handed_to(program, outputs) if specification is not None else frozenset()
@@ -85,12 +85,12 @@ class Facts:
             for part in parts(one.definition.body)
         )
 
-    def apart(self, port: str) -> Apart:
-        """How the values at an input of the outermost process are told apart."""
+    def distinction(self, port: str) -> Distinction:
+        """How the values at an input of the outermost process are distinguished."""
         item: Item = ("port", self.program.network.top, _base(port))
-        told = self._told_apart.get(port, Apart())
-        copied = told.copied or item in self._copied
-        return Apart(self.boundaries.get(item, frozenset()), copied, told.values)
+        given = self._distinguished.get(port, Distinction())
+        copied = given.copied or item in self._copied
+        return Distinction(self.boundaries.get(item, frozenset()), copied, given.values)
 
     def is_free(self, port: str) -> bool:
         """Whether a specification chooses itself what comes at an input."""
@@ -220,7 +220,7 @@ def _base(port: str) -> str:
     return port.split("[", 1)[0]
 
 
-def _relevant(program: Program, told_apart: set[str], others: Iterable[Item] = ()) -> frozenset[Item]:
+def _relevant(program: Program, distinguished: set[str], others: Iterable[Item] = ()) -> frozenset[Item]:
     """What decides a condition or one of ``others``."""
     flows: defaultdict[Item, set[Item]] = defaultdict(set)
     seeds = set(others)
@@ -232,7 +232,7 @@ def _relevant(program: Program, told_apart: set[str], others: Iterable[Item] = (
                 seeds |= items_in(condition, one)
     for port in program.network.external_ports:
         has_few = values_of_type(port.type) is not None
-        if port.name in told_apart or (has_few and port.direction == "out"):
+        if port.name in distinguished or (has_few and port.direction == "out"):
             seeds.add(("port", program.network.top, _base(port.name)))
     return frozenset(reached(seeds, flows.__getitem__))
 

@@ -1,4 +1,4 @@
-"""Compositions as trees of nodes that are told apart by where they stand, and what is asked of a class again
+"""Compositions as trees of nodes that are distinguished by where they stand, and what is asked of a class again
 and again.
 """
 

@@ -24,7 +24,7 @@ def queue(
 ) -> Component:
     """A ``buffer``, or with ``overwrite`` one that drops its oldest value.
 
-    ``writes`` and ``reads`` are the events by value. The contents are told apart where there are few, else only how
+    ``writes`` and ``reads`` are the events by value. The contents are distinguished where there are few, else only how
     many there are.
     """
     values = list(dict.fromkeys([*writes, *reads]))
@@ -52,7 +52,7 @@ def queue(
 
 
 def counts_only(medium: MediumFacts, values: Sequence[Known]) -> bool:
-    """Whether a queue has too many contents for its values to be told apart when they are read."""
+    """Whether a queue has too many contents for its values to be distinguished when they are read."""
     return _contents(list(values), medium.capacity) is None
 
 
@@ -113,5 +113,5 @@ def variable(
     edges = tuple(
         (*((event, number) for event in loads.get(value, ())), *changes) for number, value in enumerate(values)
     )
-    initial = UNKNOWN if domain is None else medium.told_apart(medium.initial)
+    initial = UNKNOWN if domain is None else medium.distinguished(medium.initial)
     return Component(medium.name, edges, initial=numbers[initial], process=False, path=medium.name)

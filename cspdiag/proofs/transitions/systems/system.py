@@ -17,7 +17,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import EMPTY, record
-from cspdiag.proofs.transitions.classes.told_apart import Apart
+from cspdiag.proofs.transitions.classes.distinguished import Distinction
 
 INTERNAL = -1
 """The event of an edge that a component takes on its own, unseen."""
@@ -71,7 +71,7 @@ class Event:
 
 
 def with_value(channel: str, value: str | None) -> str:
-    """The name of an event on a channel, with its value if that is told apart: ``key.2``, and ``key 3..`` for
+    """The name of an event on a channel, with its value if that is distinguished: ``key.2``, and ``key 3..`` for
     a range.
     """
     if value is None:
@@ -133,14 +133,14 @@ class System:
 
     A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a
     channel that no process uses from the other side. In ``terminal`` are also the states in which a process waits for
-    its branches, or to be started: what is stuck then is another component. ``apart`` says how the values of inputs are
-    told apart, by port.
+    its branches, or to be started: what is stuck then is another component. ``distinctions`` says how the values of
+    inputs are distinguished, by port.
     """
 
     components: tuple[Component, ...]
     events: tuple[Event, ...]
     abstractions: tuple[Abstraction, ...] = ()
-    apart: Mapping[str, Apart] = EMPTY
+    distinctions: Mapping[str, Distinction] = EMPTY
 
     @cached_property
     def initial(self) -> tuple[int, ...]:

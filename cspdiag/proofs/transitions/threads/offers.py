@@ -196,7 +196,7 @@ class Offers(Abandoning):
         """An alternative with conditions that may hold or not: none of them does, or one.
 
         Where several hold, the alternative does what it does where one of them holds, and refuses less: more need not
-        be told apart.
+        be distinguished.
         """
         node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, ir.Choice)

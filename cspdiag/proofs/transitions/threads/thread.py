@@ -235,7 +235,7 @@ class Thread:
         return self.medium(key).coarsened(value) if key in self.widened else value
 
     def pieces(self, reference: Reference, value: Known) -> tuple[Known, ...]:
-        """A value, or the parts of a range that are told apart in a medium: which of them it is, is left open."""
+        """A value, or the parts of a range that are distinguished in a medium: which of them it is, is left open."""
         medium = self.medium(reference)
         parts = medium.pieces(value)
         if len(parts) > 1 and reference not in self.widened:

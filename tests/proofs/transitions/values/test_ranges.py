@@ -123,7 +123,7 @@ def test_input_that_is_handed_on_is_told_apart_by_who_compares_it() -> None:
 
 
 def test_input_with_many_ranges_is_given_up_where_there_are_too_many_states() -> None:
-    """Three inputs of 17 ranges each: 4913 combinations, of which none is told apart."""
+    """Three inputs of 17 ranges each: 4913 combinations, of which none is distinguished."""
     conditions = " ; ".join(f"(if {name} == {number} then b ! true)" for name in "xyz" for number in range(0, 16, 2))
     text = f"""process Main {{
       in a : int

@@ -219,7 +219,7 @@ class Computing:
 
     def _shown(self, c: Configuration, context: Context, medium: MediumFacts, expression: Expression) -> Known:
         """What a specification, or who is held against one, writes to an output. What is computed from numbers that are
-        not told apart may be any number.
+        not distinguished may be any number.
         """
         value = UNKNOWN if isinstance(expression, PresentTime) else self.evaluate(c, context, expression)
         if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):

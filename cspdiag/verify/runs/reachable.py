@@ -20,13 +20,13 @@ _LEAVING = ("RETURN_", "RAISE_VARARGS", "RERAISE", "JUMP_FORWARD", "JUMP_BACKWAR
 """The beginnings of the names of instructions after which the next one is not executed."""
 
 
-def channels_to_come(task: Task) -> set[int]:
+def reachable_channels(task: Task) -> set[int]:
     """Identities of the channels at which the task waits, and of those that it may still use."""
     waits = {channel_identity(end) for _, end in task.waits() if end is not None}
-    return waits | channels_used_by(task, _names_to_come)
+    return waits | channels_used_by(task, _reachable_names)
 
 
-def _names_to_come(task: Task, frame: FrameType) -> set[str]:
+def _reachable_names(task: Task, frame: FrameType) -> set[str]:
     if isinstance(task.waiting, _Body):
         return names_in_code(frame.f_code)
     return set(_names_after(frame.f_code, frame.f_lasti))

@@ -1,4 +1,4 @@
-"""How closely the values at the ports of the outermost process are told apart, where a question asks for more than
+"""How closely the values at the ports of the outermost process are distinguished, where a question asks for more than
 conditions do.
 """
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 @record
-class Apart:
-    """How the values at a port are told apart.
+class Distinction:
+    """How the values at a port are distinguished.
 
     Whole numbers of an input are cut before each of the ``cuts``. ``copied``: a specification hands them on, so that of
-    those that are not told apart one is chosen that stands for each. ``values``: the environment gives no others.
+    those that are not distinguished one is chosen that stands for each. ``values``: the environment gives no others.
     """
 
     cuts: frozenset[int] = frozenset()
@@ -26,7 +26,7 @@ class Apart:
     values: tuple[Value, ...] = ()
 
 
-ToldApart: TypeAlias = Mapping[str, Apart]
+Distinguished: TypeAlias = Mapping[str, Distinction]
 """By port; those of the others matter only where conditions depend on them."""
 
 
