@@ -118,7 +118,7 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
     "two of one name": (lambda whole: replaced(whole, classes=(*whole.classes, whole.classes[-1])),
      "there are 2 times"),
     "classes the wrong way round": (
-        lambda whole: replaced(whole, classes=whole.classes[::-1]), "does not come before"
+        lambda whole: replaced(whole, classes=whole.classes[::-1]), "is not before it"
     ),
     "instance that is not there": (
         lambda whole: replaced(whole, instances=whole.instances[:1]), "`Main.cell` is not listed"

@@ -123,7 +123,7 @@ def _wrong_in_process(
     yield from composition.wrong()
     for instance in entry.instances:
         if instance.class_name not in inside:
-            yield f"the class `{instance.class_name}` of `{instance.name}` does not come before"
+            yield f"the class `{instance.class_name}` of `{instance.name}` is not before it"
         else:
             yield from _wrong_in_instance(instance, inside[instance.class_name], composition)
     if "specialize" in passes:

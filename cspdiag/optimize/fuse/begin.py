@@ -75,7 +75,7 @@ def _ends(step: Communication) -> Iterator[tuple[ir.End, ir.Target | None, Expre
 
 
 def delay(world: Surroundings, duration: Expression | None) -> Wait:
-    """A delay; None: for ever. Raises NotStaticError where its length is not known."""
+    """A delay; None: forever. Raises NotStaticError where its length is not known."""
     return Wait(None if duration is None else _time(world, duration))
 
 

@@ -18,7 +18,7 @@ def same_schedule(one: Path, other: Path, ignored: frozenset[str]) -> bool:
     """Whether the same happens at the same instants, in the same order, with the same exits; assignments to ``ignored``
     variables do not count, nor does where processes end, which shows in the samples that are taken and missed.
 
-    Each is a beginning and a loop. Two such sequences that agree for as long as both are together agree for ever.
+    Each is a beginning and a loop. Two such sequences that agree for as long as both are together agree forever.
     """
     return _same_from((one, 0, 0), (other, 0, 0), ignored)
 
@@ -77,7 +77,7 @@ def _same_turn(one: Turn, other: Turn) -> bool:
 
 
 def _unrolled(part: Part, length: int, ignored: frozenset[str]) -> Iterator[tuple[int, int, Happening]]:
-    """What happens, with its position and instant; of what goes on for ever, ``length`` things."""
+    """What happens, with its position and instant; of what continues forever, ``length`` things."""
     path, position, began = part
     shift = -began
     given = 0

@@ -22,7 +22,7 @@ MOST_TURNS = 1_000
 
 
 class NotStaticError(Exception):
-    """The order of communications cannot be told at compile time; the text says why."""
+    """The order of communications is not known at compile time; the text says why."""
 
     def __init__(self, reason: str, span: Span | None = None) -> None:
         super().__init__(reason if span is None else f"{reason} ({span})")

@@ -15,7 +15,7 @@ When that can be done, and why nothing else can be seen from outside:
 - *What is not known does not matter.* Inputs without a period (events), interrupts, handlers of ``Fault`` and
   ``Timeout``, processes and control laws written by hand, variables that may be read before they are written, and
   guards and delays that depend on values are refused. A decision that depends on a value may have one way that goes on
-  for ever; the other is followed to the end of the program, and stands in the fused process as an exit.
+  forever; the other is followed to the end of the program, and is an exit of the fused process.
 - *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their
   next communication, which nobody sees: there is nobody left to look at their variables. For the same reason processes
   that are cancelled by an exception end where they are; a program that looks at their variables afterwards is refused

@@ -1,6 +1,6 @@
 """Finds the schedule of a program: what happens first, and what then happens again and again.
 
-Where the program goes on depending on a value, both ways are followed. At most one of them may go on for ever; the
+Where the program continues depending on a value, both paths are followed. At most one of them may continue forever; the
 other is an exit, after which the program ends.
 """
 

@@ -12,7 +12,7 @@ from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
 
 _MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
 _MOST_LINES = 3
-"""So many lines in which a process does something in a round are shown side by side."""
+"""How many lines in which a process does something in a round are shown side by side."""
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
 

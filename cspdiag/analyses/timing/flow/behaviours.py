@@ -27,7 +27,7 @@ class Behaviour:
 
     @property
     def ends(self) -> bool:
-        """Whether it may come to an end, or stand still for ever, while others continue."""
+        """Whether it may end, or wait forever, while others continue."""
         return self.ways.ends
 
     def at(self, wait: int) -> Iterator[Job]:
@@ -66,7 +66,7 @@ class Behaviour:
 
 
 def behaviour(number: int, thread: Thread, level: int, refusals: list[Refusal]) -> Behaviour | None:
-    """How a thread goes from wait to wait; None where its work has no bound, which is told."""
+    """How a thread gets from wait to wait; None if its work has no bound, which is reported."""
     samples = thread.has_samples()
     try:
         ways = Jobs(thread, meets=samples)

@@ -290,7 +290,7 @@ class Jobs:
         return settled
 
     def _note_end(self, number: int, books: Books) -> None:
-        """A thread that has ended, or stands still for ever, takes no samples any more."""
+        """A thread that has ended, or waits forever, takes no more samples."""
         place = self.thread.places[number]
         if not place.is_end:
             return

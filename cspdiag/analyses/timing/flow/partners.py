@@ -23,7 +23,7 @@ class Together:
     """A loop with the partners it waits for: their work for one of its samples is one piece, at the level of the least
     urgent of them.
 
-    Whoever of them is ready runs, so that the work is done when nothing of it and nothing more urgent is left to do.
+    Whichever of them is ready runs, so the work is done when nothing of it and nothing more urgent is left.
     """
 
     work: int
@@ -70,7 +70,7 @@ class Partners:
     def _is_answer(self, channel: str, writes: bool) -> bool:
         """Whether the loop waits there for who it has asked before."""
         return any(
-            offer.end == (channel, not writes) and self._who_has_asked(one, wait, offer) is self.owner
+            offer.end == (channel, not writes) and self._requester(one, wait, offer) is self.owner
             for one in self.demands.taking_part(channel, writes=not writes)
             for wait in one.waits
             for offer in one.thread.places[wait].offers
@@ -153,7 +153,7 @@ class Partners:
             job for job in server.jobs
             for wait in job.path.stops
             for offer in server.thread.places[wait].offers
-            if offer.end == end and self._who_has_asked(server, wait, offer) is self.owner
+            if offer.end == end and self._requester(server, wait, offer) is self.owner
         ]  # fmt: skip
         return bool(asked) and all(
             server.thread.places[wait].offers_end(channel, writes) for job in asked for wait in job.path.stops
@@ -239,7 +239,7 @@ class Partners:
         """What the partner itself waits for at another channel, before it comes back to this one."""
         if offer.kind != "partner" or partner.thread.places[wait].is_idle:
             return
-        asking = self._who_has_asked(partner, wait, offer)
+        asking = self._requester(partner, wait, offer)
         if asking is None:
             self._add(found, partner, (offer.channel, not offer.writes), count, 0)
         else:
@@ -248,7 +248,7 @@ class Partners:
             if asking is not self.owner:
                 self._check_order(asking, partner, offer.channel, not offer.writes)
 
-    def _who_has_asked(self, server: Behaviour, wait: int, answer: Offer) -> Behaviour | None:
+    def _requester(self, server: Behaviour, wait: int, answer: Offer) -> Behaviour | None:
         """The one thread that has made the server come to this wait, and now waits for its answer with nothing in
         between; None if that is not so for certain.
         """

@@ -54,7 +54,7 @@ class Spinning:
         return [*spinning.values(), *self._endless(supplied)]
 
     def _endless(self, supplied: dict[ChannelSide, set[int]]) -> Iterator[Refusal]:
-        """The loops that may go round for ever without waiting or communicating."""
+        """The loops that may run forever without waiting or communicating."""
         for number, thread in enumerate(self._threads):
             for circle in thread.circles:
                 if self._goes_round_silently(number, circle, supplied) and not circle.ends():

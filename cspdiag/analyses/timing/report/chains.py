@@ -79,7 +79,7 @@ def _in_sample(passing: Passing, at: int, entries: frozenset[Spot]) -> dict[Spot
             continue
         known[spot, left] = waited
         for hop in passing.hops(at, spot):
-            if hop.in_sample and _comes_in_time(passing, at, left, hop.spot):
+            if hop.in_sample and _is_in_time(passing, at, left, hop.spot):
                 others = (*left, spot) if hop.spot[0] != spot[0] else left
                 pending.append((hop.spot, tuple(part for part in others if part[0] != hop.spot[0]), waited + hop.waits))
     here: dict[Spot, int] = {}
@@ -88,7 +88,7 @@ def _in_sample(passing: Passing, at: int, entries: frozenset[Spot]) -> dict[Spot
     return here
 
 
-def _comes_in_time(passing: Passing, at: int, left: tuple[Spot, ...], spot: Spot) -> bool:
+def _is_in_time(passing: Passing, at: int, left: tuple[Spot, ...], spot: Spot) -> bool:
     """Whether a value that comes back to a thread comes before what is done there next; ``left`` are the spots at which
     it left threads.
     """

@@ -9,7 +9,7 @@ from cspdiag.base import Diagnostic, Span
 
 
 def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
-    """What is wrong, told at ``span``; None where the program is schedulable."""
+    """The diagnostic at ``span``; None if the program is schedulable."""
     if report.is_schedulable:
         return None
     if report.missing:
@@ -23,8 +23,8 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
             span, report.process, report.reason, tuple((words, place) for place, words in places.items()), advice
         )
     if report.refusals:
-        told = tuple(dict.fromkeys((part.reason, part.span) for part in report.refusals))
-        return NoTimingBound(span, report.process, report.reason, told, report.refusals[0].help)
+        reasons = tuple(dict.fromkeys((part.reason, part.span) for part in report.refusals))
+        return NoTimingBound(span, report.process, report.reason, reasons, report.refusals[0].help)
     advice = "shorten execution times or steps, or lengthen periods; `cspdiag verify --timing` shows what adds up"
     if report.advice is not None:
         advice = f"these priorities meet every deadline: `{' ||> '.join(report.advice)}`"

@@ -20,7 +20,7 @@ _LARGEST_NUMBER_OF_BARS = 4000
 def gantt_svg(report: TimingReport) -> str:
     """The chart of everything that recurs, all periods beginning together and every job taking its longest time.
 
-    Where a hyperperiod has more steps than can be told apart, its beginning is shown.
+    If a hyperperiod has more steps than can be distinguished, its beginning is shown.
     """
     tasks = [task for task in report.tasks if task.period < ONCE and task.work]
     if not tasks:
@@ -82,7 +82,7 @@ def _chart(report: TimingReport, tasks: Sequence[Task], schedule: Schedule, left
 
 
 def _ticks(length: int, most: int) -> Iterator[int]:
-    """Round instants, at most so many."""
+    """Round instants, up to a limit."""
     step = 1
     while length / step > most:
         step = next(step * factor for factor in (2, 5, 10) if length / (step * factor) <= most or factor == 10)

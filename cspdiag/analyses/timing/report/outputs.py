@@ -60,7 +60,7 @@ def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
 
 
 def _first(ticks: Sampling, grid: int, least: int) -> int:
-    """The least time from a sample to a tick, of those of at least so many nanoseconds: samples come at the multiples
+    """The least time from a sample to a tick, of those of at least the given nanoseconds: samples come at the multiples
     of their period, and so all such times differ by multiples of the grid.
     """
     return least + (ticks.offset - least) % grid

@@ -133,8 +133,8 @@ def time(nanoseconds: int) -> str:
 
 
 def _aligned(rows: Sequence[tuple[str, ...]], right: int | None = None) -> Iterator[str]:
-    """Columns: the first and the last to the left, the rest to the right; with ``right`` only the last so many to the
-    right.
+    """Columns: the first and the last to the left, the rest to the right; ``right`` is how many of the last ones are to
+    the right instead.
     """
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     last = len(widths) - 1

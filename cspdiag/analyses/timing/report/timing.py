@@ -314,7 +314,7 @@ class _Analysis:
         return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
 
     def chains(self, network: CoreNetwork, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
-        """How values pass through the loops, and whether that is told in full."""
+        """How values pass through the loops, and whether that is complete."""
         bounded = [(loop, row.response) for loop, row in zip(self.loops, rows, strict=True) if row.response is not None]
         stages = [self._stage(loop, response) for loop, response in bounded]
         passing = Passing(network, self.behaviours, stages)

@@ -41,7 +41,7 @@ def find_witness(
 
 def is_overloaded(threads: Sequence[Thread], behaviours: Sequence[Behaviour]) -> bool:
     """Whether there is more work than time for certain: in one sample, whichever way it goes, or by loops alone that
-    all run for ever and go but one way.
+    all run forever and have only one path.
     """
     if _may_fail(threads):
         return False
@@ -105,7 +105,7 @@ def _chosen_outside(one: Behaviour, wait: int) -> list[Job]:
 
 
 def _start_together(threads: Sequence[Thread]) -> bool:
-    """Whether all threads run from the beginning and for ever."""
+    """Whether all threads run from the beginning and forever."""
     root, *others = threads
     return len(root.forks) == (1 if others else 0) and not any(thread.forks for thread in others)
 

@@ -73,7 +73,7 @@ class Counting:
         return found
 
     def ends(self, loop: Loop) -> bool:
-        """Whether the loop surely comes to its end, if nothing in it waits for ever. A fault ends it, too."""
+        """Whether the loop surely ends, if nothing in it waits forever. A fault ends it, too."""
         return self._draws_nearer(loop) or self._is_followed(loop)
 
     # What is known after actions.

@@ -123,8 +123,8 @@ class Place:
 @record
 class Circle:
     """A loop of a thread: each round begins anew at the place ``again`` and passes others from there on, up to ``end``.
-    ``ends`` says whether it surely comes to its end if nothing in it waits for ever; ``turns`` how many rounds it has,
-    where that is known though they are too many to be followed one by one.
+    ``ends`` says whether it surely ends if nothing in it waits forever; ``turns`` how many rounds it has, where that is
+    known though they are too many to be followed one by one.
     """
 
     again: int

@@ -150,7 +150,7 @@ class Alternatives(Values):
             yield if_(negated(ready), *self.known(), assign(ready, waiting))
 
     def _only_wakes(self, event: ir.Event) -> bool:
-        """Whether the end of a guard need not be told that an alternative waits."""
+        """Whether the end of a guard need not be notified that an alternative waits."""
         if isinstance(event, ir.InputEvent | ir.ReadyEvent):
             return self.spelling.medium(event.source).kind in ("sync", "event", "buffer", "overwrite", "any")
         return isinstance(event, ir.SkipEvent)

@@ -162,7 +162,7 @@ class Counting:
 
 
 def is_wide(kind: Type) -> bool:
-    """Whether a type has 64 bits, and counting does not come to its end."""
+    """Whether a type has 64 bits, so counting does not reach its end."""
     return isinstance(kind, TimeType) or (isinstance(kind, IntType) and kind.bits == 64)
 
 

@@ -5,8 +5,8 @@ that carries it, and moves them all at once (the synchronization of CSP, Roscoe,
 chapter 4). Events with a single party are those of the environment, of time and of variables: they can happen whenever
 their party offers them. ``INTERNAL`` edges belong to one component and carry no event.
 
-A state without edges that is not ``terminal`` never goes on (``stop``); in a terminal state the process has ended,
-which is no deadlock.
+A process in a state without edges that is not ``terminal`` never continues (``stop``); in a terminal state it has
+ended, which is not a deadlock.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ EventKind: TypeAlias = Literal[
 
 @record
 class Event:
-    """Something that happens to all its parties at once.
+    """Something that all its parties take part in at once.
 
     ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible``
     events are those that a specification sees: they pass an external port. ``instant`` is a delay that may be over at
     once, so that no time need pass. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something
-    else, ``.`` is no process; nothing where that is not told.
+    else, ``.`` is not a process; empty if unknown.
     """
 
     channel: str

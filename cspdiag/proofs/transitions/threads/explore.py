@@ -73,7 +73,7 @@ def _explored(thread: Thread) -> Template:
         template.spots.append(spot(thread, configuration))
         if _is_terminal(configuration.stack[0], thread.role):
             template.terminal.add(number)
-    _tell_what_was_widened(thread)
+    _note_widening(thread)
     return minimized(template)
 
 
@@ -84,7 +84,7 @@ def _is_terminal(frame: frames.Frame, role: Role) -> bool:
     return isinstance(frame, frames.Idle | frames.Ended | frames.Over | frames.Faulted | frames.Join)
 
 
-def _tell_what_was_widened(thread: Thread) -> None:
+def _note_widening(thread: Thread) -> None:
     for reference in sorted(thread.widened | thread.dropped, key=str):
         medium = thread.medium(reference)
         name = medium.name.rsplit(".", 1)[-1]

@@ -264,7 +264,7 @@ class ForeignPort(NamedTuple):
 
 
 class Again(NamedTuple):
-    """The body of a loop has come to its end."""
+    """The body of a loop has ended."""
 
     node: Node
     context: Context
@@ -290,14 +290,14 @@ class Catch(NamedTuple):
 
 
 class Leave(NamedTuple):
-    """A process comes to its end."""
+    """A process ends."""
 
     context: Context
     kind: Literal["leave"] = "leave"
 
 
 class Diverges(NamedTuple):
-    """It goes round for ever without a communication."""
+    """The thread loops forever without a communication."""
 
     kind: Literal["diverges"] = "diverges"
 
@@ -309,13 +309,13 @@ class Idle(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """It has come to its end, and its parent does not know."""
+    """The thread has ended, and its parent has not been notified."""
 
     kind: Literal["ended"] = "ended"
 
 
 class Over(NamedTuple):
-    """It has come to its end for good."""
+    """The thread has ended for good."""
 
     kind: Literal["over"] = "over"
 

@@ -50,9 +50,9 @@ def join_edges(
     """What the parent waits for. ``stage`` is where it is.
 
     ``wait``: for the end of all branches, or an exception of one; ``cancelling``, with the exception: the branches are
-    told; ``failing``: it waits for their end, and raises it; ``abandon`` and ``abandoned``: the same after an interrupt
-    or its own cancellation. Of several exceptions the first counts, also that of a branch that is cancelled and raises
-    it before its next communication.
+    notified; ``failing``: it waits for their end, and raises it; ``abandon`` and ``abandoned``: the same after an
+    interrupt or its own cancellation. Of several exceptions the first counts, also that of a branch that is cancelled
+    and raises it before its next communication.
     """
     node, context = frame.node, frame.context
     parallel = (context.path, node)

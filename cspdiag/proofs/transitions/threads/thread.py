@@ -46,7 +46,7 @@ class Configuration(NamedTuple):
 
 class Role(NamedTuple):
     """What a thread is to others: the outermost process or a branch; one that may be cancelled; one whose faults are
-    caught by whoever started it; one that runs ``once`` at most.
+    caught by the process that started it; one that runs ``once`` at most.
     """
 
     outermost: bool
@@ -249,8 +249,8 @@ class Thread:
         less.add(key)
 
     def count(self, configuration: Configuration) -> None:
-        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told
-        apart; one that counts turns may have as many, as where a thread is in the loop says which it is.
+        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are
+        distinguished; one that counts turns may have as many, as where a thread is in the loop says which it is.
         """
         for slot, value in enumerate(configuration.variables):
             values = self._values[slot]

@@ -20,7 +20,7 @@ from cspdiag.proofs.transitions.threads.thread import Configuration, NeedsLoad, 
 from cspdiag.proofs.transitions.values import ANY, UNKNOWN, EvaluationFault, Known
 
 _MANY_STEPS = 5_000
-"""After so many silent steps the variables that change are not followed any longer."""
+"""The number of silent steps after which the variables that change are no longer followed."""
 
 
 Step: TypeAlias = Callable[[Configuration, Node, Context, Stack], Configuration | None]
@@ -42,7 +42,7 @@ class Follower(GuardSteps):
         return {}
 
     def settled(self, start: Configuration) -> Configuration:
-        """Where the thread is once it can do nothing more on its own. A circle of silent steps ends in a frame
+        """Where the thread is once it can do nothing more by itself. A circle of silent steps ends in a frame
         ``diverges``.
         """
         choices: list[Configuration] = []
