@@ -172,7 +172,7 @@ class Assembly(Meetings):
             case Fork() | Join():
                 self._forks.setdefault(parallel_key(strand.occurrence, label.parallel), []).append(strand)
             case Internal() | Cancel() | Thrown() | Start() | End() | Cancelled() | Throw():
-                pass  # Nobody takes part, or ``_composition`` makes its event.
+                pass  # No process takes part, or ``_composition`` makes its event.
             case _:
                 assert_never(label)
 

@@ -1,4 +1,4 @@
-"""Who meets whom on each channel: the labels of threads there become events with parties."""
+"""Which threads communicate on each channel: their labels there become events with parties."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Meetings:
         self.threads = strands.all()
         self.events: list[Event] = []
         self.extra: list[Component] = []
-        """Components that are no threads."""
+        """Components that are not threads."""
         self.abstractions: dict[Abstraction, None] = {}
         self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
         self._echoes: list[dict[Label, list[int]]] = [{} for _ in self.threads]

@@ -1,4 +1,4 @@
-"""Instances at their paths, and the channels and outside ports that they share, made when something asks for them."""
+"""Instances at their paths, and the channels and outside ports that they share, made when they are needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the states of a thread are called, in the words of the diagram."""
+"""Descriptions of the states of a thread, in the words of the diagram."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.proofs.transitions.threads.threads import Strand
 
 
 class Places(Mapping[int, Place]):
-    """The places of a thread, put into words when somebody asks."""
+    """The places of a thread, put into words when they are needed."""
 
     def __init__(self, spots: list[Spot], strand: Strand) -> None:
         self._spots = spots

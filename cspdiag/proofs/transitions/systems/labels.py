@@ -15,7 +15,7 @@ Side: TypeAlias = Literal["read", "write"]
 
 
 class Internal(NamedTuple):
-    """Nothing that others take part in or see."""
+    """A step that others neither take part in nor see."""
 
     kind: Literal["internal"] = "internal"
 
@@ -65,7 +65,7 @@ class Bound(NamedTuple):
 
 
 class Delivered(NamedTuple):
-    """The writer of a broadcast goes on."""
+    """The writer of a broadcast continues."""
 
     reference: Reference
     kind: Literal["delivered"] = "delivered"
@@ -79,7 +79,7 @@ class Withdrawn(NamedTuple):
 
 
 class Input(NamedTuple):
-    """An event comes from outside."""
+    """An event arrives from outside."""
 
     reference: Reference
     value: Known
@@ -102,7 +102,7 @@ class Miss(NamedTuple):
 
 
 class Ready(NamedTuple):
-    """Something from outside is there, and not taken yet."""
+    """Something from outside has arrived, and has not been taken yet."""
 
     reference: Reference
     kind: Literal["ready"] = "ready"
@@ -125,7 +125,7 @@ class Time(NamedTuple):
 
 
 class Alarm(NamedTuple):
-    """Somebody else would communicate there on a side, seen at the end of a guard."""
+    """Another process would communicate there on a side, as seen at the end of a guard."""
 
     reference: Reference
     side: Side
@@ -134,7 +134,7 @@ class Alarm(NamedTuple):
 
 
 class Load(NamedTuple):
-    """A shared variable is looked at."""
+    """A shared variable is read."""
 
     reference: Reference
     value: Known
@@ -208,7 +208,7 @@ Offer: TypeAlias = Read | Write | Guarded | Withdrawn
 """What others may be offered, and what takes it back."""
 
 Alone: TypeAlias = Input | Output | Sample | Miss | Ready
-"""What involves nobody else but the outside."""
+"""What involves only the environment."""
 
 OnMedium: TypeAlias = Read | Write | Guarded | Bind | Bound | Delivered | Withdrawn | Load | Store
 """What becomes events of a medium with all that others do there."""

@@ -1,4 +1,6 @@
-"""Components that are no processes: channels with memory, the places of a broadcast, shared variables, and nobody."""
+"""Components that are not processes: channels with memory, the reading ends of a broadcast, shared variables, and
+nobody.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ _MOST_CONTENTS = 300
 
 
 def nobody() -> Component:
-    """A partner that never comes: of a channel whose other side no process that runs ever uses."""
+    """A partner that never arrives, for a channel whose other side is used by no process."""
     return Component("nobody", ((),), frozenset({0}), process=False)
 
 

@@ -1,4 +1,4 @@
-"""Templates with states merged that no observer can tell apart.
+"""Templates in which states are merged that no observer can distinguish.
 
 Such states differ in the value of a variable that is written before it is read again. The states are refined until all
 of a class lead to the same classes by the same labels (strong bisimulation, Kanellakis and Smolka 1983); only states

@@ -144,7 +144,7 @@ class Abandoning(Communications):
                 assert_never(frame)
 
     def is_always_ready(self, context: Context, branch: Branch) -> bool:
-        """Whether a guard never has to wait for anybody."""
+        """Whether a guard never has to wait for another process."""
         return is_always_ready(branch.event, lambda end: self.thread.medium(context.reference(end)).kind)
 
 

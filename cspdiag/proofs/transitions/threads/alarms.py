@@ -2,8 +2,8 @@
 made yet.
 
 If the offer is withdrawn before it is made, only the guard is left to wait for. An offer can be withdrawn by an
-alternative that takes another guard, a process that is cancelled or interrupted where it waits, and on ``any`` by
-somebody who is faster.
+alternative that takes another guard, a process that is cancelled or interrupted where it waits, and on ``any`` by a
+process that is faster.
 """
 
 from __future__ import annotations

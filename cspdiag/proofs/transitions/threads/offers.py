@@ -47,7 +47,7 @@ class Offers(Abandoning):
         self.laws = LawParallels(thread, follower)
 
     def moves(self, c: Configuration) -> list[Move]:
-        """All edges out of a settled configuration; what they lead to is not settled."""
+        """All edges out of a settled configuration; the configurations they lead to are not settled."""
         assert c.stack is not None
         frame, rest = c.stack
         if is_point(frame) and self.is_abandoned_at_once(rest):
@@ -303,7 +303,7 @@ class Offers(Abandoning):
 
     def _foreign(self, c: Configuration, frame: frames.Foreign, rest: Stack) -> list[Move]:
         """A process written in another language: it may communicate on any of its ports, one after the other, and end
-        whenever it likes.
+        at any time.
         """
         context, node = frame.context, frame.node
         self.thread.abstracted(

@@ -1,4 +1,4 @@
-"""A thread of control: what its names stand for, its variables, and its configurations."""
+"""A thread of control: the meaning of its names, its variables, and its configurations."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class NeedsLoad(Exception):  # noqa: N818 - a step that is to be taken first
 
 
 class Restart(Exception):  # noqa: N818
-    """Something turned out that the whole thread has to be followed with."""
+    """The whole thread has to be followed again, with what was found out."""
 
 
 class Thread:

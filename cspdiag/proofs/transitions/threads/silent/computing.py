@@ -49,7 +49,7 @@ class Computing:
         self.thread = thread
 
     def finished(self, configuration: Configuration) -> Configuration | None:
-        """The thread has come to its end."""
+        """The thread has ended."""
         return configuration._replace(stack=(frames.Ended(), None), doomed=False, fetched=None, loaded=())
 
     def abandoned(self, configuration: Configuration) -> Configuration:
@@ -62,7 +62,7 @@ class Computing:
         return configuration._replace(stack=(frames.Ended(), None), doomed=False, fetched=None, loaded=())
 
     def thrown(self, configuration: Configuration, exception: str) -> Configuration:
-        """An exception goes up to who catches it, or ends the thread."""
+        """An exception propagates to the ``catch`` that catches it, or ends the thread."""
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
