@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from cspdiag import pipeline
 from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
-from cspdiag.proofs.answers.prove import answered, not_replayed, prove
+from cspdiag.proofs.answers.prove import answered, not_followed, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification
 from cspdiag.proofs.verdict import LimitError, Limits, Method
@@ -192,9 +192,9 @@ class Verifier:
         except (BodyError, target_errors()) as problem:
             raise VerificationError(str(problem)) from problem
         except LimitError as stop:
-            return not_replayed(answer, str(stop))
+            return not_replayed(answer, stop)
         if result.divergence is not None:
-            return not_replayed(answer, in_words(result.divergence, network.top))
+            return not_followed(answer, in_words(result.divergence, network.top))
         found = as_replayed(found, result, network, self._systems.of(answer.question.process))
         found = replaced(found, reason=result.judgement or found.reason)
         return replaced(answer, replayed=True, counterexample=found)

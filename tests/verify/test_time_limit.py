@@ -80,6 +80,8 @@ def test_the_limit_covers_everything(where: str, monkeypatch: pytest.MonkeyPatch
     assert entered == [where]
     assert answer.outcome == ("unknown" if where == "replay" else "refuted")
     assert not answer.suggestions
+    if where == "replay":
+        assert answer.reason == "a counterexample was found, but it was not replayed: the time limit of 1 s was reached"
 
 
 def test_what_is_limited_includes_the_transition_system() -> None:

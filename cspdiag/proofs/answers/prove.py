@@ -167,13 +167,22 @@ def _candidate(question: Question, system: System, unknown: Unknown) -> tuple[st
     return tuple(lines)
 
 
-def not_replayed(answer: Answer, divergence: str) -> Answer:
-    """The answer when its counterexample could not be replayed by the program itself."""
+def not_followed(answer: Answer, divergence: str) -> Answer:
+    """The answer when the program itself does not follow its counterexample."""
+    return _not_believed(answer, f"the program does not follow it: {divergence}")
+
+
+def not_replayed(answer: Answer, stop: LimitError) -> Answer:
+    """The answer when the time, or the memory, was up before its counterexample was replayed."""
+    return _not_believed(answer, f"it was not replayed: {stop}")
+
+
+def _not_believed(answer: Answer, but: str) -> Answer:
     found = answer.counterexample
     assert found is not None
     left_open = "; ".join(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
     believed = f" ({found.reason})" if found.reason else ""
-    reason = f"a counterexample was found{believed}, but the program does not follow it: {divergence}"
+    reason = f"a counterexample was found{believed}, but {but}"
     if left_open:
         reason += f" (left open in the proof: {left_open})"
     return replaced(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_supposed(found))
