@@ -33,7 +33,7 @@ from cspdiag.verify.runs.memory import memory
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.recurrence import counting_to_faults
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
-from cspdiag.verify.runs.values import Values, numbers_of
+from cspdiag.verify.runs.values import Values
 from cspdiag.verify.runs.waiting import where_instead
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
@@ -55,6 +55,7 @@ class Attempt:
         package: LoadedPackage,
         trace: Trace,
         judge: Judge | None,
+        values: Values,
         decisions: Decisions,
         rounds: Rounds | None,
         limits: Limits,
@@ -68,8 +69,7 @@ class Attempt:
         self._decisions = decisions
         self.conductor = Conductor()
         self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
-        types = package.module("types") if network.enums or network.structs else None
-        self._values = Values(types, numbers_of(network))
+        self._values = values
         self._communications: list[tuple[str, Any]] = []
         self._rest: Resting | None = None
         self._done = 0

@@ -18,8 +18,9 @@ from cspdiag.verify.replay.attempt import Attempt
 from cspdiag.verify.replay.result import Judge, Replay
 from cspdiag.verify.replay.rounds import Rounds
 from cspdiag.verify.runs.agreement import difference
+from cspdiag.verify.runs.faulting import numbers_at_faults
 from cspdiag.verify.runs.trace import Trace
-from cspdiag.verify.runs.values import types_of
+from cspdiag.verify.runs.values import Values, numbers_of, types_of
 
 MOST_ATTEMPTS = 400
 
@@ -81,6 +82,9 @@ class _Attempts:
         self._guided = guided
         self._limits = limits
         self._types = types_of(network) if exactly else {}
+        types = package.module("types") if network.enums or network.structs else None
+        at_faults = () if exactly or trace.exact else numbers_at_faults(network)
+        self._values = Values(types, numbers_of(network), at_faults)
 
     def best(self, rounds: Rounds | None = None) -> Replay:
         """The attempt that succeeds, or gets furthest."""
@@ -100,7 +104,16 @@ class _Attempts:
 
     def _made(self, decisions: Decisions, rounds: Rounds | None) -> Replay:
         self._limits.check()
-        attempt = Attempt(self._network, self._package, self._trace, self._judge, decisions, rounds, self._limits)
+        attempt = Attempt(
+            self._network,
+            self._package,
+            self._trace,
+            self._judge,
+            self._values,
+            decisions,
+            rounds,
+            self._limits,
+        )
         result = attempt.run()
         if not result.succeeded:
             return result

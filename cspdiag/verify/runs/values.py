@@ -38,26 +38,66 @@ HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None
 
 
 class Values:
-    """Values of the types of a program, as its package has them; ``numbers`` are those on which the run may depend."""
+    """Values of the types of a program, as its package has them; ``numbers`` are those on which the run may
+    depend, ``at_faults`` those at which operations may fault.
+    """
 
-    def __init__(self, types: ModuleType | None, numbers: Iterable[int | float]) -> None:
+    def __init__(
+        self, types: ModuleType | None, numbers: Iterable[int | float], at_faults: Sequence[int | float] = ()
+    ) -> None:
         self._types = types
         given = tuple(numbers)
         self._integers = tuple(dict.fromkeys((0, 1, *(number for number in given if isinstance(number, int)))))
         reals = (number for number in given if isinstance(number, float))
         self._reals = tuple(dict.fromkeys((*_REALS, *reals, *_OTHER_REALS)))
+        self._numbers_at_faults = at_faults
 
     def candidates(self, type_: Type, text: str | None) -> Sequence[Any]:
-        """What may be offered at a port, the simplest first: the value of the trace, or a selection of all values."""
+        """What may be offered at a port, the simplest first: the value of the trace, or a selection of all values.
+
+        Last come those at which operations may fault, whatever range the trace has: proofs do not know in which they
+        do.
+        """
         found = list(islice(self._all(type_), _MOST))
-        if text is None:
-            return found
-        if text in HANDED_ON:
-            return found[HANDED_ON[text]]
+        if text is None or text in HANDED_ON:
+            found = self._and_at_faults(found, type_)
+            return found if text is None else found[HANDED_ON[text]]
         try:
-            return [value for value in found if is_written_as(value, type_, text)] or self._read(type_, text)
+            fitting = [value for value in found if is_written_as(value, type_, text)] or self._read(type_, text)
         except ValueError:
             return []
+        return self._and_at_faults(fitting, type_)
+
+    def _and_at_faults(self, found: list[Any], type_: Type) -> list[Any]:
+        every = list(found)
+        for value in self._at_faults(type_):
+            if value not in every:
+                every.append(value)
+        return every
+
+    def _at_faults(self, type_: Type) -> Iterator[Any]:
+        if not self._numbers_at_faults:
+            return
+        match type_:
+            case IntType(minimum=minimum, maximum=maximum):
+                whole = (number for number in self._numbers_at_faults if isinstance(number, int))
+                yield from (number for number in whole if minimum <= number <= maximum)
+                yield from (maximum, minimum)
+            case TimeType():
+                yield from reversed(limits_of(type_) or ())
+            case RealType():
+                yield from (number for number in self._numbers_at_faults if isinstance(number, float))
+            case StructType(name=name, fields=fields):
+                simplest = [next(iter(self._all(field)), None) for _, field in fields]
+                for at, (_, field) in enumerate(fields):
+                    for value in self._at_faults(field):
+                        yield getattr(self._types, name)(*simplest[:at], value, *simplest[at + 1 :])
+            case ArrayType(element=element, size=size):
+                yield from ((value,) * (size or 0) for value in self._at_faults(element))
+            case BoolType() | EnumType() | TextType() | UnknownType():
+                return
+            case _:
+                assert_never(type_)
 
     def _read(self, type_: Type, text: str) -> list[Any]:
         ends = _ends(type_, text)

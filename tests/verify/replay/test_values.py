@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.model.types import INT, TimeType, Type
+from cspdiag.model.types import INT, IntType, RealType, TimeType, Type
 from cspdiag.verify.runs.values import Values
 from tests.cli.conftest import Command, cspdiag  # noqa: F401 - a fixture
 from tests.support.verifying import answers_to
@@ -54,6 +54,20 @@ def test_values_are_told_as_the_text_writes_them(
 )
 def test_a_range_is_offered_as_one_of_its_numbers(told: str, kind: Type, offered: list[int]) -> None:
     assert Values(None, ()).candidates(kind, told) == offered
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "offered"),
+    [
+        ("30..40", INT, [30, 0, 128, (1 << 63) - 1, -(1 << 63)]),
+        ("2", IntType(bits=8), [2, 0, 127, -128]),
+        (None, IntType(bits=8), [0, 1, 127, -128]),
+        ("0.0", RealType(), [0.0, 128.0]),
+        ("1 ms", TimeType(), [1_000_000, (1 << 63) - 1, -(1 << 63)]),
+    ],
+)
+def test_last_come_numbers_at_which_operations_fault(text: str | None, kind: Type, offered: list[float]) -> None:
+    assert Values(None, (), (0, 128, 128.0, (1 << 63) - 1)).candidates(kind, text) == offered
 
 
 def test_counterexample_tells_what_the_environment_offered() -> None:
