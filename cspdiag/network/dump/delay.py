@@ -22,6 +22,12 @@ def delay_text(delay: WaitStep | AfterEvent) -> str:
             assert_never(delay)
 
 
+def until_instant(words: str) -> str:
+    """The part of such words that is of the delay, where it lasts until an instant: ``at t + 5 ms``; or nothing."""
+    delay = words.rpartition(": ")[2]
+    return delay if delay.startswith(("at ", "wait until ")) else ""
+
+
 def is_of_time_out(words: str) -> bool:
     """Whether words of an event, with the process in front or not, are those of a guard: ``Top.law: after 5 ms``."""
     return words.rpartition(": ")[2].startswith(("after ", "at "))

@@ -52,12 +52,11 @@ def _lines(answer: Answer, colour: bool) -> Iterator[str]:
         yield from _explanation(answer)
     if answer.abstractions and answer.outcome == "unknown":
         yield "  left open in the proof:"
-        for abstraction in answer.abstractions[:_MOST_ABSTRACTIONS]:
-            yield f"    {abstraction.what}" + (
-                "" if abstraction.span is None else f" ({on_one_line(abstraction.span)})"
-            )
-        if len(answer.abstractions) > _MOST_ABSTRACTIONS:
-            yield f"    and {len(answer.abstractions) - _MOST_ABSTRACTIONS} more"
+        places = (one.what + ("" if one.span is None else f" ({on_one_line(one.span)})") for one in answer.abstractions)
+        lines = list(dict.fromkeys(places))
+        yield from (f"    {line}" for line in lines[:_MOST_ABSTRACTIONS])
+        if len(lines) > _MOST_ABSTRACTIONS:
+            yield f"    and {len(lines) - _MOST_ABSTRACTIONS} more"
 
 
 _MOST_ABSTRACTIONS = 6

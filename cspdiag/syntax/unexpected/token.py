@@ -160,7 +160,7 @@ _MISTAKES = (
     structure.unclosed,
     structure.closes_nothing,
     structure.operators_without_parentheses,
-    words.offset_alone,
+    words.without_period,
     habits.until_without_mu,
     _keyword_as_name,
     habits.counting,

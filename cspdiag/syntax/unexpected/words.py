@@ -31,6 +31,12 @@ _BEFORE_A_NAME = {
 }
 """By block, the keywords in it that a name follows."""
 
+_BEHIND_A_PERIOD = {
+    "offset": "an offset stands behind the period from which it counts: `@ 10 ms offset 2 ms`",
+    "immediate": "`immediate` stands behind the period of an output: `@ 10 ms immediate`; "
+    "without a period each value is written at once",
+}
+
 _AFTER_A_KEYWORD = frozenset(["NAME", "NUMBER", "QUANTITY", "DURATION", "TRUE", "FALSE", "NOT", "LPAR"])
 
 _NO_FRACTION = re.compile(r"(?<![A-Za-z0-9_.])[0-9]+\.\Z")
@@ -44,12 +50,12 @@ _SPACED_UNIT = re.compile(
 )
 
 
-def offset_alone(situation: Situation) -> Finding | None:
-    """``in x : int offset 2 ms``: an offset from nothing."""
-    if situation.text != "offset" or situation.block() not in {"PROCESS", "DRIVER"}:
+def without_period(situation: Situation) -> Finding | None:
+    """``in x : int offset 2 ms`` and ``out y : int immediate``: words that belong to a period."""
+    rule = _BEHIND_A_PERIOD.get(situation.text)
+    if rule is None or situation.block() not in {"PROCESS", "DRIVER"}:
         return None
-    rule = "an offset stands behind the period from which it counts: `@ 10 ms offset 2 ms`"
-    return WrongPlace(situation.span, "`offset`", rule), None
+    return WrongPlace(situation.span, f"`{situation.text}`", rule), None
 
 
 def misspelled(situation: Situation) -> Finding | None:

@@ -427,6 +427,8 @@ def _words_of(option: Option) -> str:
 
 
 def _words(entry: Passed) -> str:
+    if entry.words:
+        return entry.words
     if entry.action in {"wait", "after"}:
         return f"{entry.action} {shown(entry.duration)}"
     if entry.action == "miss":

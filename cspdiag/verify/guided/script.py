@@ -20,7 +20,7 @@ class Passed:
 
     ``action`` and ``index`` (of a guard) are as in ``policy.Option``; ``miss`` if a sample is found overwritten.
     ``together``: its order among adjacent entries is open, as when a submodel reads its inputs. ``value`` is what the
-    environment has to offer.
+    environment has to offer, ``words`` a delay until an instant as the text has it.
     """
 
     key: Key
@@ -32,6 +32,7 @@ class Passed:
     together: bool = False
     value: Any = None
     name: str = ""
+    words: str = ""
 
     def __str__(self) -> str:
         return self.channel or self.action

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from cspdiag.base.record import replaced
-from cspdiag.network.dump.delay import is_of_time_out
+from cspdiag.network.dump.delay import is_of_time_out, until_instant
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.verdict import LimitError, Limits
@@ -167,6 +167,8 @@ class Attempt:
                 candidate.fire()
             else:
                 self.conductor.release(candidate, option)
+            if step.kind == "time":
+                self.conductor.passed[-1].words = until_instant(step.channel)
             expected.append((option.action, option.channel, candidate.task))
             self._settle()
         for action, channel, task in expected:

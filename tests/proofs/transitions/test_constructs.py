@@ -304,7 +304,7 @@ def test_fault_is_left_open_only_where_it_is_caught() -> None:
     composition = "a ? x ; (b ! 10 / x) catch Fault -> b ! -1"
     ports = "in a : int out b : int"
     caught = system_of(main("var x : int", composition, ports))
-    assert [abstraction.what for abstraction in caught.abstractions] == ["a computation may end in a fault or not"]
+    assert [abstraction.what for abstraction in caught.abstractions] == ["`10 / x` in `Main` may end in a fault or not"]
     assert not system_of(main("var x : int", "a ? x ; b ! 10 / x", ports)).abstractions
     assert not system_of(main("var x : int", composition.replace("10 / x", "x / 10"), ports)).abstractions
 

@@ -25,9 +25,10 @@ Stage: TypeAlias = Literal["wait", "cancelling", "failing", "abandon", "abandone
 
 
 class Risk(NamedTuple):
-    """Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
+    """Stands for a shared variable that is loaded: the fault that ``what`` may end in, which it does not."""
 
     span: Span | None = None
+    what: str = ""
 
 
 RISK: Final = Risk()

@@ -154,7 +154,7 @@ class Offers(Abandoning):
                         found.append((label, assigning(given.at(rest), context, action.target, value)))
                 return found
             case ir.WaitStep():
-                takes_time = self.follower.takes_time(c, context, action.duration)
+                takes_time = self.follower.takes_time(c, context, action)
                 label = self.follower.delay(delay_text(action), takes_time)
                 return [(label, after._replace(loaded=()))]
             case ir.StopStep():
@@ -292,7 +292,7 @@ class Offers(Abandoning):
 
     def _load(self, c: Configuration, reference: Reference | Risk, rest: Stack) -> list[Move]:
         if isinstance(reference, Risk):
-            self.thread.abstracted("a computation may end in a fault or not", reference.span)
+            self.thread.abstracted(f"{reference.what} may end in a fault or not", reference.span)
             safe = c._replace(stack=rest, loaded=(*c.loaded, (RISK, True)))
             return [(INTERNAL, self.follower.thrown(safe, FAULT)), (INTERNAL, safe)]
         domain = self.thread.domain(reference)

@@ -18,6 +18,8 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
+from cspdiag.network.dump.action import target_text
+from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
@@ -121,17 +123,17 @@ class Computing:
         if not (facts.catches_faults or facts.specification is not None):
             return
         if facts.faults.of_expression(expression, context.definition.name):
-            self.risk(configuration, expression.span)
+            what = _computed(expression, context)
+            self.risk(configuration, what, expression.span)
             if facts.specification is not None:
-                what = f"`{_as_written(expression)}` in `{context.definition.name}` may end in a fault or not"
-                self.thread.abstracted(what, expression.span)
+                self.thread.abstracted(f"{what} may end in a fault or not", expression.span)
 
-    def risk(self, configuration: Configuration, span: Span | None) -> None:
-        """A step that may end in a fault, where faults are caught."""
+    def risk(self, configuration: Configuration, what: str, span: Span | None) -> None:
+        """A step of which ``what`` may end in a fault, where faults are caught."""
         if not self.thread.facts.catches_faults or any(loaded == RISK for loaded, _ in configuration.loaded):
             return
         if self.faults_are_caught(configuration):
-            raise NeedsLoad(Risk(span))
+            raise NeedsLoad(Risk(span, what))
 
     def faults_are_caught(self, configuration: Configuration) -> bool:
         """Whether a ``catch Fault`` is around what the thread does."""
@@ -191,7 +193,7 @@ class Computing:
             return configuration
         faults = self.thread.facts.faults
         if target.indexes and faults.of_target(target, context.definition.name):
-            self.risk(configuration, target.indexes[0].span)
+            self.risk(configuration, f"`{target_text(target)}` in `{context.definition.name}`", target.indexes[0].span)
         reference = context.channel(target.channel)
         if not self.thread.medium(reference).relevant:
             _check_indexes(target, self.thread.medium(reference).type)
@@ -225,7 +227,7 @@ class Computing:
         if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):
             return value
         if _has_real(expression.type):
-            self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
+            self.risk(c, _computed(expression, context), expression.span)  # NaN and infinity are no values of outputs.
         what = "of a control law" if isinstance(expression, PresentTime) else f"of `{_as_written(expression)}`"
         self.not_shown(context, medium, what, expression.span)
         return UNKNOWN
@@ -243,9 +245,9 @@ class Computing:
             return c
         return c._replace(variables=tuple(UNKNOWN if value == ANY else value for value in c.variables))
 
-    def takes_time(self, c: Configuration, context: Context, duration: Expression) -> bool:
+    def takes_time(self, c: Configuration, context: Context, delay: ir.WaitStep | ir.AfterEvent) -> bool:
         """Whether a delay that begins here surely lasts longer than zero."""
-        durations = self.thread.facts.durations
+        durations, duration = self.thread.facts.durations, delay.duration
         name = context.definition.name
         if durations.surely_takes_time(name, duration):
             return True
@@ -256,7 +258,7 @@ class Computing:
         if isinstance(value, int | Range):
             return bounds(value)[0] > 0
         if self.thread.facts.specification is None and not durations.is_over_at_once(name, duration):
-            self.thread.abstracted(f"`{expression_text(duration)}` in `{name}` may be no time at all", duration.span)
+            self.thread.abstracted(f"`{delay_text(delay)}` in `{name}` may be no time at all", duration.span)
         return False
 
     def delay(self, words: str, takes_time: Known) -> Time:
@@ -271,7 +273,7 @@ class Computing:
         match event:
             case ir.AfterEvent():
                 self.compute_risk(c, context, event.duration)
-                return self.takes_time(c, context, event.duration)
+                return self.takes_time(c, context, event)
             case ir.OutputEvent():
                 reference = context.reference(event.sink)
                 value = self.communicated(c, context, reference, event.value)
@@ -295,8 +297,13 @@ class Computing:
         if isinstance(expression, LiteralValue):
             return expression.value
         if _has_real(expression.type):
-            self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
+            self.risk(c, _computed(expression, context), expression.span)  # NaN and infinity are no values of outputs.
         return UNKNOWN
+
+
+def _computed(expression: Expression, context: Context) -> str:
+    """What is computed, in words."""
+    return f"`{_as_written(expression)}` in `{context.definition.name}`"
 
 
 def _as_written(expression: Expression) -> str:

@@ -216,7 +216,7 @@ class Follower(GuardSteps):
             value = self.thread.value_of(c, reference)
         faults = self.thread.facts.faults
         if value is UNKNOWN and faults.of_read(action.source, context.definition.name):
-            self.risk(c, action.span)
+            self.risk(c, f"the read in `{context.definition.name}`", action.span)
         return self.assigned(c.at(rest), context, action.target, value)._replace(loaded=())
 
     def _target_relevant(self, context: Context, target: ir.Target) -> bool:

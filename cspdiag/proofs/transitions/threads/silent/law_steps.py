@@ -32,7 +32,7 @@ class LawSteps(Computing):
         if remaining is None:
             instance_of = context.definition.instances[instance]
             if self.thread.facts.faults.of_inputs(instance_of, context.definition.name):
-                self.risk(c, instance_of.span)
+                self.risk(c, f"what `{instance}` reads", instance_of.span)
             inputs = self.connections(context, instance, "in")
             waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in PATIENT]
             if c.fetched is not None:
@@ -54,7 +54,7 @@ class LawSteps(Computing):
         outputs = self.connections(context, instance, "out")
         shown = any(self.thread.medium(reference).kind == "output" for _, reference in outputs)
         if shown or self.thread.facts.faults.of_law(law):
-            self.risk(c, context.definition.instances[instance].span)
+            self.risk(c, f"a sample of the control law `{instance}`", context.definition.instances[instance].span)
         c = c._replace(stack=(frames.Writing(context, instance, node, None), rest), loaded=())
         for connection, reference in outputs:
             if self.thread.medium(reference).kind == "var":
