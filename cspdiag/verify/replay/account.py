@@ -55,7 +55,8 @@ def _step(added: Added, parties: AddedParties) -> Step:
     """An added step as counterexamples have it."""
     step = added.step
     value = step.value if step.value is None or len(step.value) <= LONGEST else None
-    return Step(step.kind, step.channel, value, (parties.of(added),))  # type: ignore[arg-type]
+    party, channel = parties.of(added)
+    return Step(step.kind, channel, value, (party,))  # type: ignore[arg-type]
 
 
 def _passed(step: Step, text: str | None) -> Step:

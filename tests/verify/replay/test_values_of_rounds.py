@@ -16,6 +16,7 @@ COUNTER = """process Main {
   out o : int
   communication {
     var v : int = 0
+    var t : time = 0 s
     var k : int8 = START
   }
   composition {
@@ -40,24 +41,28 @@ def rows(text: str) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (counter(126, period="@ 10 ms"), ["1 sample x 0 ?9", "2 o 127 !9", "3 sample x 0 ?9"]),
+        (counter(126, period="@ 10 ms"), ["1 sample x 0 ?10", "2 o 127 !10", "3 sample x 0 ?10"]),
         (
             counter(0),
             [
-                *["1 x 0 ?9", "2 o 1 !9", "3-252 125 more rounds, x 0, o 2 … 126 ?!9"],
-                *["253 x 0 ?9", "254 o 127 !9", "255 x 0 ?9"],
+                *["1 x 0 ?10", "2 o 1 !10", "3-252 125 more rounds, x 0, o 2 … 126 ?!10"],
+                *["253 x 0 ?10", "254 o 127 !10", "255 x 0 ?10"],
             ],
         ),
         (
             counter(125, "k := k + 1 ; o ! int(k) ;\n     wait 1 ms ; (if k == 0 then x ? v)"),
-            ["1 o 126 !9", "2 wait 1 ms *10", "3 o 127 !9", "4 wait 1 ms *10"],
+            ["1 o 126 !10", "2 wait 1 ms *11", "3 o 127 !10", "4 wait 1 ms *11"],
         ),
         (
             counter(100, "k := k + 1 ; o ! int(k) ;\n     wait 1 ms ; (if k == 0 then x ? v)"),
             [
-                *["1 o 101 !9", "2 wait 1 ms *10", "3-52 25 more rounds, o 102 … 126 !9 *10"],
-                *["53 o 127 !9", "54 wait 1 ms *10"],
+                *["1 o 101 !10", "2 wait 1 ms *11", "3-52 25 more rounds, o 102 … 126 !10 *11"],
+                *["53 o 127 !10", "54 wait 1 ms *11"],
             ],
+        ),
+        (
+            counter(124, "k := k + 1 ; o ! int(k) ; t := t + 5 ms ;\n     wait until t ; (if k == 0 then x ? v)"),
+            [row for n in (1, 2, 3) for row in (f"{2 * n - 1} o {124 + n} !10", f"{2 * n} wait until t *11")],
         ),
     ],
 )
@@ -105,7 +110,7 @@ def test_machines_have_values_and_places_of_added_rounds(cspdiag: Command, tmp_p
     assert [step["value"] for step in entry["steps"]] == [text for k in range(121, 128) for text in (str(k), "0")]
     for step in entry["steps"]:
         (party,) = step["parties"]
-        assert (party["process"], party["line"]) == ("Main", 9)
+        assert (party["process"], party["line"]) == ("Main", 10)
         assert party["before"] == {"Main.x": "waits to read x", "Main.o": "waits to write o"}[step["channel"]]
     replay = cspdiag("run", str(tmp_path / "case.csp"), "--replay", str(trace))
     assert (replay.code, replay.err.count("  o  ")) == (0, 7)
