@@ -17,6 +17,7 @@ from .compiled.routine import Routine
 from .composition import end_all, task_for
 from .deadlock import report_deadlock
 from .kernel.clock import Clock, RealClock, VirtualClock
+from .kernel.durations import END_OF_TIME
 from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of
 from .kernel.observer import Observer
 from .kernel.party import Party
@@ -164,7 +165,7 @@ class _Run:
         run_ready = self._running()
         timers = self._scheduler.timers
         instants = self._instants
-        until = self._until
+        until = END_OF_TIME if self._until is None else min(self._until, END_OF_TIME)
         root = self._root
         tick = instants.after(0)
         while True:
@@ -180,8 +181,8 @@ class _Run:
                     return self._deadlocked()
             instant = tick if timer is None or (tick is not None and tick < timer) else timer
             assert instant is not None
-            if until is not None and instant > until:
-                return self._limit_reached()
+            if instant > until:
+                return self._limit_reached(until)
             self._scheduler.now = instant
             if instant == tick:
                 tick = instants.meet(instant)
@@ -217,7 +218,7 @@ class _Run:
                 watch.iterations += 1
                 stopping.check()
                 if instant is None or instant != limited:
-                    return self._limit_reached()
+                    return self._limit_reached(limited)
                 self._meet(instant, present)
                 instant = self._next_instant()
             if self._devices.has_news:
@@ -233,10 +234,9 @@ class _Run:
             return instant
         return self._until
 
-    def _limit_reached(self) -> Outcome:
-        assert self._until is not None
-        self._scheduler.now = self._until
-        return Outcome("time limit", self._until)
+    def _limit_reached(self, until: int) -> Outcome:
+        self._scheduler.now = until
+        return Outcome("time limit", until)
 
     def _reached(self, instant: int | None, ready: bool) -> bool:
         """Whether the clock has reached the instant; waits for it, or for something from outside, only while no process

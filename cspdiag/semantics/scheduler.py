@@ -14,6 +14,9 @@ from cspdiag.semantics.requests import CancelledError, Parent, Request, Run, Tas
 from cspdiag.semantics.trace import Communication, Ending
 from cspdiag.semantics.values import RaisedError
 
+END_OF_TIME = 9_223_372_036 * 10**9
+"""The last instant, in nanoseconds. «Time»"""
+
 Resumption = Callable[[], Request]
 
 
@@ -286,7 +289,8 @@ class Scheduler:
         return min([*deadlines, *(sampling.next_tick(self.now) for sampling in samplings)])
 
     def run(self, program: Run, until: int | None) -> Ending:
-        """Run to the end, or to ``until``. «Scheduling and traces»"""
+        """Run to the end, to ``until``, or to the end of time. «Scheduling and traces», «Time»"""
+        last = END_OF_TIME if until is None else min(until, END_OF_TIME)
         main = self.main = self.start(program, (), None)
         self.make_ready(main)
         self.run_until_none_is_ready()
@@ -294,8 +298,8 @@ class Scheduler:
             instant = self.next_instant()
             if instant is None:
                 return Ending("deadlock", self.now)
-            if until is not None and instant > until:
-                return Ending("time limit", until)
+            if instant > last:
+                return Ending("time limit", last)
             self.instant(instant)
             self.run_until_none_is_ready()
         if self.failure is None:

@@ -9,6 +9,9 @@ us: Final = 1_000
 ms: Final = 1_000_000
 s: Final = 1_000_000_000
 
+END_OF_TIME: Final = 9_223_372_036 * s
+"""The last instant of any run in virtual time, after 292 years: later ones are outside of ``time``."""
+
 
 def seconds(duration: int) -> float:
     """A duration in nanoseconds as seconds."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import lcm
 from typing import Any, Literal
 
+from cspdiag.runtime.kernel.durations import END_OF_TIME
 from cspdiag.runtime.outside.external import Port
 from cspdiag.runtime.outside.inputs import EventInput, SampledInput
 from cspdiag.runtime.stepwise import StepwiseRun
@@ -80,10 +81,13 @@ class World:
         return self._run.next_timer() is not None or any(port.can_have_effect for port in self._sampled)
 
     def next_instant(self) -> int | None:
-        """The next instant at which a delay ends, or at which a sample arrives at an end that listens."""
+        """The next instant at which a delay ends, or at which a sample arrives at an end that listens; None after the
+        end of time.
+        """
         instants = [port.ticks.after(self._run.now) for port in self._sampled if _listens(port)]
         timer = self._run.next_timer()
-        return min([*instants, *([] if timer is None else [timer])], default=None)
+        found = min([*instants, *([] if timer is None else [timer])], default=END_OF_TIME + 1)
+        return found if found <= END_OF_TIME else None
 
     @property
     def situation(self) -> tuple[int, ...]:

@@ -34,6 +34,12 @@ static void extend(range *ports, uint32_t index)
     ports->to = index + 1U;
 }
 
+/* The tick after one; INT64_MAX: none. */
+static int64_t tick_after(int64_t tick, int64_t period)
+{
+    return (period <= (INT64_MAX - tick)) ? (tick + period) : INT64_MAX;
+}
+
 /* The period of a port, 0: it has none. */
 static int64_t period_of(const csp_port *port)
 {
@@ -120,13 +126,13 @@ int64_t csp_instants_next(void)
 /* Of several ticks that have passed only the last one asks the device: a late sample is none of the instants before. */
 static void inputs_meet(const csp_program *program, int64_t instant, int64_t present)
 {
-    const bool polls = (next_grid == instant) && ((next_grid + grid) > present);
+    const bool polls = (next_grid == instant) && (tick_after(next_grid, grid) > present);
     for (uint32_t index = inputs.from; index < inputs.to; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_SAMPLED) {
             csp_sampled_input *const input = (csp_sampled_input *)(void *)port->medium;
             if (input->next == instant) {
-                input->next += input->period;
+                input->next = tick_after(input->next, input->period);
                 if (input->next > present) {
                     csp_sampled_tick(input);
                 } else {
@@ -149,7 +155,7 @@ static void outputs_meet(const csp_program *program, int64_t instant)
         if (port->kind == CSP_PORT_LATCHED) {
             csp_latched_output *const output = (csp_latched_output *)(void *)port->medium;
             if (output->next == instant) {
-                output->next += output->period;
+                output->next = tick_after(output->next, output->period);
                 csp_latched_tick(output);
             }
             next_tick = earlier(next_tick, output->next);
@@ -168,7 +174,7 @@ bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t pres
         next_tick = INT64_MAX;
         inputs_meet(program, instant, present);
         if (next_grid == instant) {
-            next_grid += grid;
+            next_grid = tick_after(next_grid, grid);
         }
         outputs_meet(program, instant);
         next_tick = earlier(next_tick, next_grid);

@@ -76,7 +76,7 @@ csp_parallel *csp_parallel_of(const csp_process *process);
 
 /* ---- Timers ---- */
 
-/* The instant after a duration; the end of time where that is beyond. */
+/* The instant after a duration; one that no run reaches where that is beyond the end of time. */
 int64_t csp_after(int64_t duration);
 void csp_timer_begin(csp_timer *timer, int64_t instant);
 /* False: it does not run. */

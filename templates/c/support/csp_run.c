@@ -8,6 +8,9 @@
  * the others, not for all of them that are ready. */
 enum { STEPS_IN_REAL_TIME = (CSP_LEVELS > 1U) ? 1 : 64, STEPS_IN_VIRTUAL_TIME = 65536 };
 
+/* The last instant of any run in virtual time, after 292 years: later ones are outside of int64_t. */
+#define END_OF_TIME INT64_C(9223372036000000000)
+
 static bool built;
 static volatile bool stop_requested;
 static volatile uint32_t turns;
@@ -102,6 +105,7 @@ static void begin_turn(void)
 
 static csp_ending run_in_virtual_time(const csp_program *program, int64_t until)
 {
+    const int64_t last = (until >= 0) ? earlier(until, END_OF_TIME) : END_OF_TIME;
     for (;;) {
         begin_turn();
         while (csp_run_ready(STEPS_IN_VIRTUAL_TIME)) {
@@ -120,8 +124,8 @@ static csp_ending run_in_virtual_time(const csp_program *program, int64_t until)
             return CSP_DEADLOCK;
         }
         const int64_t instant = csp_instants_next();
-        if ((until >= 0) && (instant > until)) {
-            csp.now = until;
+        if (instant > last) {
+            csp.now = last;
             return CSP_TIME_LIMIT;
         }
         if (!csp_instants_meet(program, instant, instant)) {
