@@ -104,3 +104,50 @@ def test_what_counts_from_an_input_may_overflow(name: str) -> None:
 def test_values_are_followed_through_channels(start: str, following: str, verdict: str) -> None:
     more = RELAY.replace("START", start).replace("NEXT", following)
     assert answer_to(program("a || b", parts=TOGETHER, more=more)).outcome == verdict
+
+
+CONDITIONS = {
+    "an if": "(if v - 1 != 7 then skip) catch Fault -> stop",
+    "a guard": "((when v + 1 > 7 & skip -> skip) [] skip -> skip) catch Fault -> stop",
+    "a loop": "(while v + 1 > 7 do v := 0) catch Fault -> stop",
+    "both of two": "(if v > 3 and v + 1 > 7 then skip) catch Fault -> stop",
+}
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_a_condition_that_holds_for_a_whole_range_may_overflow_in_it(name: str) -> None:
+    text = (
+        "process Main { in i : int communication { var v : int = 0 }"
+        f" composition {{ i ? v ; ({CONDITIONS[name]}) }} }}\nassert Main deadlock free\n"
+    )
+    assert answer_to(text).outcome == "refuted"
+
+
+SPECIFICATION = """process Main {{
+  in i : int
+  out o : int
+  communication {{ var v : int = 0 }}
+  composition {{ i ? v ; o ! 128 }}
+}}
+
+process Spec {{
+  in i : int
+  out o : int
+  communication {{ var v : int = 0  var b : int8 = -128 }}
+  composition {{ i ? v ; ({computes}) }}
+}}
+
+assert Main refines Spec
+"""
+
+
+@pytest.mark.parametrize(
+    ("computes", "outcomes"),
+    [
+        ("(if v - 1 != 7 then skip) ; o ! 128", {"unknown", "refuted"}),
+        ("(o ! int(-b)) catch Fault -> skip", {"refuted"}),
+        ("((o ! int(-b)) catch Fault -> skip) ; o ! 128", {"proved"}),
+    ],
+)
+def test_a_specification_may_overflow(computes: str, outcomes: set[str]) -> None:
+    assert answer_to(SPECIFICATION.format(computes=computes)).outcome in outcomes

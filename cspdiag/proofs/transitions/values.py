@@ -116,7 +116,11 @@ class _Evaluation:
                     return UNKNOWN
                 if isinstance(operand, Range):
                     return _ranged(computed("-", 0, operand, expression.type))
-                return -operand if expression.operator == "-" else not operand
+                if expression.operator == "not":
+                    return not operand
+                if isinstance(expression.type, RealType):
+                    return -operand
+                return arithmetic.operate("-", 0, operand, expression.type)
             case ConditionalValue():
                 condition = self.value(expression.condition)
                 if condition is not UNKNOWN:
@@ -125,7 +129,7 @@ class _Evaluation:
                 return then if same(then, otherwise) else UNKNOWN
             case FunctionCall():
                 arguments = [self.value(argument) for argument in expression.arguments]
-                if not all(map(_is_exact, arguments)):
+                if not all(map(is_exact, arguments)):
                     return UNKNOWN
                 if expression.function == "seconds":
                     return arguments[0] / 1_000_000_000
@@ -143,14 +147,14 @@ class _Evaluation:
                 return self._element(expression)
             case StructValue() | ArrayElements():
                 parts = tuple(map(self.value, expression.values))
-                return parts if all(map(_is_exact, parts)) else UNKNOWN
+                return parts if all(map(is_exact, parts)) else UNKNOWN
             case SignalValue() | PresentTime():
                 return UNKNOWN
             case _:
                 assert_never(expression)
 
     def _converted(self, operand: Known, kind: IntType | RealType) -> Known:
-        if not _is_exact(operand):
+        if not is_exact(operand):
             return UNKNOWN
         try:
             return arithmetic.convert(operand, kind)  # type: ignore[arg-type]
@@ -161,7 +165,7 @@ class _Evaluation:
 
     def _element(self, expression: ElementValue) -> Any:
         index, whole = self.value(expression.index), self.value(expression.operand)
-        if not _is_exact(index) or _is_opaque(whole):
+        if not is_exact(index) or _is_opaque(whole):
             return UNKNOWN
         if index < 0:
             raise IndexError(f"there is no element {index}")
@@ -200,7 +204,8 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 }  # fmt: skip
 
 
-def _is_exact(value: Known) -> bool:
+def is_exact(value: Known) -> bool:
+    """Whether it is one value, and that is known."""
     return not isinstance(value, UnknownValue | Range | Given)
 
 
@@ -222,7 +227,7 @@ def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> 
     if not indexes:
         return value
     index = indexes[0]
-    if _is_opaque(whole) or not _is_exact(index):
+    if _is_opaque(whole) or not is_exact(index):
         return UNKNOWN
     assert isinstance(whole, tuple)
     assert isinstance(index, int)

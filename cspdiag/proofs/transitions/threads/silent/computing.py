@@ -22,7 +22,16 @@ from cspdiag.network.dump.action import target_text
 from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir import actions as ir
-from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import (
+    Expression,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    VariableValue,
+)
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.occurrences import MediumFacts
@@ -38,6 +47,7 @@ from cspdiag.proofs.transitions.values import (
     UNKNOWN,
     EvaluationFault,
     Known,
+    is_exact,
     replaced_element,
     values_of_type,
     variables_in,
@@ -113,9 +123,21 @@ class Computing:
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
         """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
         value = self.thread.evaluate(configuration, context, expression)
-        if value is UNKNOWN or isinstance(value, Range):
+        if not (is_exact(value) and self._is_followed(configuration, context, expression)):
             self.compute_risk(configuration, context, expression)
         return value
+
+    def _is_followed(self, configuration: Configuration, context: Context, expression: Expression) -> bool:
+        """Whether all that an expression is computed from is known exactly, so that it surely gives its value: a
+        comparison may also be decided for a whole range, of which a part overflows before it is compared.
+        """
+        if not self.thread.facts.faults.of_expression(expression, context.definition.name):
+            return True
+        return all(
+            is_exact(self.thread.evaluate(configuration, context, part))
+            for part in walk(expression)
+            if isinstance(part, VariableValue | ParameterValue | PresentTime | SignalValue)
+        )
 
     def compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
         """Computes an expression whose value does not matter."""
