@@ -13,7 +13,7 @@ import pytest
 from cspdiag.semantics.trace import Execution
 from tests.conformance.kit import parsed
 from tests.conformance.sources import JUST_AFTER, PROGRAMS, read
-from tests.conformance.targets import READABLE, REFERENCE, Target
+from tests.conformance.targets import READABLE, REFERENCE, TARGETS, Target
 
 _LINE = re.compile(r"^//> (.*)$", re.MULTILINE)
 
@@ -38,6 +38,24 @@ def _value(value: object) -> str:
 @pytest.mark.parametrize("name", WORKED)
 def test_the_trace_is_the_one_that_was_worked_out(name: str, target: Target) -> None:
     assert told(target.run(parsed(name), None, 100_000_000 + JUST_AFTER)) == WORKED[name]
+
+
+LAST = 9_223_372_036 * 10**9
+"""The last instant of all runs in virtual time, after 292 years: what would come later does not."""
+
+
+@pytest.mark.parametrize("target", [REFERENCE, *TARGETS.values()], ids=lambda target: target.name)
+def test_runs_end_at_the_last_instant(target: Target) -> None:
+    why = target.unavailable()
+    if why is not None:
+        pytest.skip(why)
+    execution = target.run(parsed("tests/conformance/programs/the_end_of_time.csp"), None, 2**63 - 1)
+    reached = [(time, channel, value) for time, channel, value, *_ in execution.trace]
+    assert reached == [
+        (9 * 10**18, "Waits.reached[0]", 9 * 10**18),
+        (LAST, "Waits.reached[2]", LAST),
+    ]
+    assert execution.ending[:2] == ("time limit", LAST)
 
 
 def test_there_are_such_programs() -> None:

@@ -43,7 +43,7 @@ def _at(part: Expression) -> Iterator[int | float]:
                 yield from (float(high + 1), float(low - 1))
         case ElementValue():
             yield from _outside(part.operand.type)
-        case _:
+        case _:  # Any other operation fails where it overflows.
             yield from _ends(part.type)
 
 
