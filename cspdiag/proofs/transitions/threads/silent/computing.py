@@ -123,32 +123,38 @@ class Computing:
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
         """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
         value = self.thread.evaluate(configuration, context, expression)
-        if not (is_exact(value) and self._is_followed(configuration, context, expression)):
-            self.compute_risk(configuration, context, expression)
+        if self._may_fail(context, expression) and not (
+            is_exact(value) and self._is_computed_from_exact(configuration, context, expression)
+        ):
+            self._risk_computing(configuration, context, expression)
         return value
 
-    def _is_followed(self, configuration: Configuration, context: Context, expression: Expression) -> bool:
+    def compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
+        """Computes an expression whose value does not matter."""
+        if self._may_fail(context, expression):
+            self._risk_computing(configuration, context, expression)
+
+    def _may_fail(self, context: Context, expression: Expression) -> bool:
+        """Whether a computation may end in a fault, where that makes a difference."""
+        facts = self.thread.facts
+        matters = facts.catches_faults or facts.specification is not None
+        return matters and facts.faults.of_expression(expression, context.definition.name)
+
+    def _is_computed_from_exact(self, configuration: Configuration, context: Context, expression: Expression) -> bool:
         """Whether all that an expression is computed from is known exactly, so that it surely gives its value: a
         comparison may also be decided for a whole range, of which a part overflows before it is compared.
         """
-        if not self.thread.facts.faults.of_expression(expression, context.definition.name):
-            return True
         return all(
             is_exact(self.thread.evaluate(configuration, context, part))
             for part in walk(expression)
             if isinstance(part, VariableValue | ParameterValue | PresentTime | SignalValue)
         )
 
-    def compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
-        """Computes an expression whose value does not matter."""
-        facts = self.thread.facts
-        if not (facts.catches_faults or facts.specification is not None):
-            return
-        if facts.faults.of_expression(expression, context.definition.name):
-            what = _computed(expression, context)
-            self.risk(configuration, what, expression.span)
-            if facts.specification is not None:
-                self.thread.abstracted(f"{what} may end in a fault or not", expression.span)
+    def _risk_computing(self, configuration: Configuration, context: Context, expression: Expression) -> None:
+        what = _computed(expression, context)
+        self.risk(configuration, what, expression.span)
+        if self.thread.facts.specification is not None:
+            self.thread.abstracted(f"{what} may end in a fault or not", expression.span)
 
     def risk(self, configuration: Configuration, what: str, span: Span | None) -> None:
         """A step of which ``what`` may end in a fault, where faults are caught."""
