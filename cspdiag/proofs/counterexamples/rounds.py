@@ -50,14 +50,15 @@ def repeated(steps: Sequence[Step]) -> Iterator[Repeated]:
 def _compressed(steps: tuple[Step, ...]) -> Iterator[Repeated]:
     single = position = 0
     while position < len(steps):
-        found = _round(steps, position)
+        found = _alike(steps, position, 0, _is_same)
         if found is None:
             position += 1
             continue
         if single < position:
             yield Repeated(1, steps[single:position])
-        yield found
-        single = position = position + found.times * len(found.steps)
+        length, times = found
+        yield Repeated(times, steps[position : position + length])
+        single = position = position + times * length
     if single < position:
         yield Repeated(1, steps[single:])
 
@@ -87,7 +88,9 @@ def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
 def _alike(
     steps: Sequence[Step], start: int, fewest: int, follows: Callable[[Sequence[Step], int, int, int], bool]
 ) -> tuple[int, int] | None:
-    """The shortest round that follows on itself often enough from a step on, but for values, and how often."""
+    """The shortest round that follows on itself from a step on, as ``follows`` says, and how often: with ``fewest`` or
+    more rounds between the first and the last.
+    """
     for length in range(1, LONGEST + 1):
         end = start + length
         while end < len(steps) and follows(steps, end, start, length):
@@ -150,15 +153,3 @@ def _short(value: str | None) -> str:
         return str(value) if value is None or "." not in value else f"{float(value):.6g}"
     except ValueError:
         return str(value)
-
-
-def _round(steps: Sequence[Step], start: int) -> Repeated | None:
-    """The shortest sequence that begins at a step and that follows on itself."""
-    for length in range(1, min(LONGEST, (len(steps) - start) // 2) + 1):
-        end = start + length
-        while end < len(steps) and _is_same(steps, end, start, length):
-            end += 1
-        times = (end - start) // length
-        if times > 1:
-            return Repeated(times, tuple(steps[start : start + length]))
-    return None

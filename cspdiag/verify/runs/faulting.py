@@ -10,7 +10,7 @@ from cspdiag.network.ir.expressions import BinaryOperation, Conversion, ElementV
 from cspdiag.network.ir.faults import operation_may_fault
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
+from cspdiag.proofs.transitions.classes.faults import catches_faults
 from cspdiag.proofs.transitions.ranges import limits_of
 
 
@@ -18,13 +18,13 @@ def numbers_at_faults(network: CoreNetwork) -> tuple[int | float, ...]:
     """Zero for divisors, what is just outside the limits of conversions and the indexes of arrays, and the ends of
     the ranges of sums; nothing where no process catches a fault, as proofs speak of runs without one then.
     """
-    inside = [part for entry in network.classes for part in parts(entry)]
-    if not any(isinstance(part, ir.CatchException) and part.exception == FAULT for part in inside):
+    if not catches_faults(network):
         return ()
     found: list[int | float] = []
-    for part in inside:
-        if isinstance(part, Expression) and operation_may_fault(part):
-            found += _at(part)
+    for entry in network.classes:
+        for part in parts(entry):
+            if isinstance(part, Expression) and operation_may_fault(part):
+                found += _at(part)
     for entry in network.classes:
         if isinstance(entry, ProcessClass):
             found += _of_targets(entry)

@@ -25,6 +25,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
+from cspdiag.proofs.transitions.classes.counting import is_wide
 from cspdiag.proofs.transitions.classes.facts import deciding
 from cspdiag.proofs.transitions.classes.program import Program
 from cspdiag.runtime.composition import Branches
@@ -33,9 +34,6 @@ from cspdiag.runtime.process import Process
 from cspdiag.verify.runs.memory import memory
 
 State: TypeAlias = tuple[object, ...]
-
-_UNBOUNDED_BITS = 64
-"""The width of integers that may count forever, as in proofs, unless they decide a fault; narrower ones reach one."""
 
 
 class Recurrence:
@@ -85,13 +83,16 @@ def _deciding_nothing(network: CoreNetwork, *, faults: bool = True) -> frozenset
 
 
 def _may_count(of: Type) -> bool:
+    """Whether a variable may count forever where that decides no fault; integers of few bits count to one."""
     match of:
         case ArrayType():
             return _may_count(of.element)
-        case IntType():
-            return of.bits == _UNBOUNDED_BITS
-        case BoolType() | RealType() | TimeType() | TextType() | EnumType() | StructType() | UnknownType():
-            return isinstance(of, RealType | TimeType)
+        case IntType() | TimeType():
+            return is_wide(of)
+        case RealType():
+            return True
+        case BoolType() | TextType() | EnumType() | StructType() | UnknownType():
+            return False
         case _:
             assert_never(of)
 

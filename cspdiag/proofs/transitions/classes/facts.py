@@ -46,7 +46,7 @@ from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.classes.cuts import boundaries, handed_to
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction, Distinguished
-from cspdiag.proofs.transitions.classes.faults import Faults
+from cspdiag.proofs.transitions.classes.faults import Faults, catches_faults
 from cspdiag.proofs.transitions.classes.items import Item, all_items_in, items_in, items_of
 from cspdiag.proofs.transitions.classes.program import Class, Node, Program
 from cspdiag.proofs.transitions.values import values_of_type
@@ -78,12 +78,7 @@ class Facts:
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
-        self.catches_faults = any(
-            isinstance(part, ir.CatchException) and part.exception == FAULT
-            for one in program.classes.values()
-            if isinstance(one.definition, ProcessClass)
-            for part in parts(one.definition.body)
-        )
+        self.catches_faults = catches_faults(program.network)
 
     def distinction(self, port: str) -> Distinction:
         """How the values at an input of the outermost process are distinguished."""

@@ -12,7 +12,7 @@ from typing import assert_never
 
 from cspdiag.model.types import ArrayType, IntType, TimeType, Type, UnknownType
 from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
-from cspdiag.network.ir.actions import ChannelEnd, PortEnd, Target
+from cspdiag.network.ir.actions import CatchException, ChannelEnd, PortEnd, Target
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
@@ -43,9 +43,21 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 from cspdiag.network.ir.ranges import needs_check
+from cspdiag.network.ir.walk import parts
+from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.counting import Counting
 
 _MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite"})
+
+
+def catches_faults(network: CoreNetwork) -> bool:
+    """Whether some process goes on after a fault; where none does, proofs speak of runs without one."""
+    return any(
+        isinstance(part, CatchException) and part.exception == FAULT
+        for entry in network.classes
+        if isinstance(entry, ProcessClass)
+        for part in parts(entry.body)
+    )
 
 
 class Faults:
