@@ -16,11 +16,12 @@ def transition_system(
     """The transition system of a network in the most general environment: any value, any event at any time, samples at
     their ticks.
 
-    The network is one that was lowered and not optimized; its outermost process may be any. ``distinguished`` are ports
-    of it whose values matter even if no condition of its own depends on them, as far as they are known. As a
-    ``specification`` its writes are followed and it never misses a sample, and what only its system can do is listed
-    among the abstractions. Raises ``cspdiag.proofs.transitions.threads.explore.TransitionError`` if one of its
-    processes has too many states, or a channel too many possible communications.
+    The network is lowered and not optimized; any of its processes may be the outermost one. ``distinguished`` says by
+    port how closely values are distinguished that no condition of the network depends on. In the system of a
+    ``specification`` all values that it writes are followed, it never misses a sample, and the abstractions list what
+    the system can do and the specification cannot. Raises
+    ``cspdiag.proofs.transitions.threads.explore.TransitionError`` if one of its processes has too many states, or a
+    channel too many possible communications.
     """
     from cspdiag.proofs.transitions.assembly import Assembly
     from cspdiag.proofs.transitions.classes.facts import Facts

@@ -1,4 +1,4 @@
-"""Threads and channels put together: every label of every thread becomes events with parties."""
+"""Puts threads and channels together: every label of every thread becomes events with parties."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
 @record
 class Outside:
-    """The event of a label that involves nobody else: its kind, what its party does, and whether specifications
-    see it.
+    """The event of a label that involves only the environment: its kind, what its party does, and whether
+    specifications see it.
     """
 
     kind: EventKind
@@ -104,8 +104,8 @@ class Assembly(Meetings):
         return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), apart)
 
     def _shaped(self) -> list[Shape]:
-        """The machines of all threads, without what lies before the start of a parallel that is the first thing its
-        parent does.
+        """The state machines of all threads; where a parent starts a parallel before anything else, its branches have
+        been started already.
         """
         started: set[Strand] = {self.strands.top}
         shapes: list[Shape] = []
@@ -172,7 +172,7 @@ class Assembly(Meetings):
             case Fork() | Join():
                 self._forks.setdefault(parallel_key(strand.occurrence, label.parallel), []).append(strand)
             case Internal() | Cancel() | Thrown() | Start() | End() | Cancelled() | Throw():
-                pass  # No process takes part, or ``_composition`` makes its event.
+                pass  # It has no event, or ``_composition`` makes it.
             case _:
                 assert_never(label)
 

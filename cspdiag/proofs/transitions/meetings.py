@@ -1,4 +1,4 @@
-"""Which threads communicate on each channel: their labels there become events with parties."""
+"""The events of channels: which threads take part in each communication, and with which of their labels."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ Valued: TypeAlias = Read | Write | Guarded | Load | Store
 Reader: TypeAlias = tuple[Strand, Read]
 
 _ROLES: dict[type[Valued], str] = {Read: "?.", Write: "!.", Guarded: "!.", Load: "*.", Store: "*."}
-"""What each party does where a thread does something with the component of a medium."""
+"""What each party does in an event of a thread with the component of a medium."""
 
 MOST_MEETINGS = 1_000_000
-"""More ways to communicate on one channel, by who takes part, are refused."""
+"""A program is refused if more combinations of threads can communicate on one channel."""
 
 
 class Meetings:
@@ -59,9 +59,9 @@ class Meetings:
         self.abstractions: dict[Abstraction, None] = {}
         self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
         self._echoes: list[dict[Label, list[int]]] = [{} for _ in self.threads]
-        """Events by which a thread shows what it offers, without taking part."""
+        """Events that show what a thread offers, and leave it in its state."""
         self._of_the_unsteady: set[int] = set()
-        """Those of them that are shown only where the offer may be withdrawn."""
+        """Those echoes that belong only to states in which the offer may be withdrawn."""
         self._alarms: dict[MediumFacts, list[tuple[Strand, Alarm]]] = defaultdict(list)
         self._nobody: int | None = None
 
@@ -94,7 +94,7 @@ class Meetings:
         return self._nobody
 
     def _alarm(self, strand: Strand, label: Alarm) -> None:
-        """The guard of an interrupt is seen to be ready, and not yet taken."""
+        """Notes that the guard of an interrupt is found ready before it is taken."""
         medium = resolve(strand.occurrence, label.reference)
         if medium.kind == "event":
             self._for(strand, label, self._event(medium.name, (strand.number,), "ready"))
@@ -104,7 +104,9 @@ class Meetings:
     def _ring(
         self, medium: MediumFacts, watcher: tuple[Strand, Alarm], others: Iterable[Use], latch: tuple[int, ...] = ()
     ) -> int:
-        """The event that a guard of an interrupt is seen to be ready: those who would communicate stay as they are."""
+        """The event in which the guard of an interrupt is found ready; the threads that would communicate stay in their
+        states.
+        """
         strand, alarm = watcher
         parties = (strand.number, *dict.fromkeys(other.number for other, _ in others), *latch)
         event = self._event(medium.name, parties, "ready")
@@ -122,7 +124,7 @@ class Meetings:
                         self._of_the_unsteady.add(event)
 
     def meet(self, medium: MediumFacts, uses: list[Use]) -> None:
-        """The events of a channel with all that threads may do there."""
+        """Makes the events of a channel from what threads may do on it."""
         match medium.kind:
             case "sync" | "any":
                 self._rendezvous(medium, uses)
@@ -141,7 +143,7 @@ class Meetings:
                 assert_never(medium.kind)
 
     def _value(self, medium: MediumFacts, label: Valued) -> Known:
-        """The value of a label, if the medium's values are distinguished."""
+        """The value of a label as far as the values of the medium are distinguished."""
         return medium.distinguished(label.value) if medium.relevant and medium.values is not None else UNKNOWN
 
     def _rendezvous(self, medium: MediumFacts, uses: list[Use]) -> None:
@@ -191,7 +193,7 @@ class Meetings:
     def _with(
         self, medium: MediumFacts, uses: Iterable[Use], number: int, kinds: tuple[type[Valued], ...], kind: EventKind
     ) -> dict[Known, list[int]]:
-        """The events of labels of some kinds with the component of a medium, by value."""
+        """Makes the events in which labels of some kinds meet the component of a medium, by value."""
         found: dict[Known, list[int]] = {}
         for strand, label in uses:
             if isinstance(label, kinds):
@@ -241,7 +243,9 @@ class Meetings:
             self._add(media.latch(name, writes, takes, delivered, withdrawn, seen))
 
     def _ring_latch(self, medium: MediumFacts, ends: list[Reader], number: int) -> list[int]:
-        """The events that the guards of interrupts see a value at their end of a broadcast, which may be taken back."""
+        """The events in which guards of interrupts see a value at their end of a broadcast that may still be taken
+        back.
+        """
         where = {(strand, label.end) for strand, label in ends}
         watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1].end) in where]
         return [self._ring(medium, watcher, (), (number,)) for watcher in watchers]
@@ -276,7 +280,7 @@ class Meetings:
     def _guarded_broadcasts(
         self, medium: MediumFacts, uses: list[Use], readers: list[list[Reader]], absent: tuple[int, ...]
     ) -> None:
-        """An output guard on a broadcast is ready when all readers wait, and all get the value at once."""
+        """An output guard on a broadcast is ready when all readers wait; all get the value at once."""
         for strand, label in uses:
             if not isinstance(label, Guarded):
                 continue
@@ -293,8 +297,8 @@ class Meetings:
                 self._ring_all(medium, ((strand, label), *chosen))
 
     def _ring_all(self, medium: MediumFacts, parties: Sequence[tuple[Strand, Read | Guarded]]) -> None:
-        """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt,
-        sees the others.
+        """For each thread whose part in a broadcast by an output guard is the guard of an interrupt: the event in which
+        it sees the others ready.
         """
         for strand, label in parties:
             for watcher, alarm in self._alarms.get(medium, ()):
@@ -305,7 +309,7 @@ class Meetings:
 
 
 def _text(value: Known, kind: Any) -> str | None:
-    """A value as far as it is distinguished; zero is one value with either sign."""
+    """The text of a value as far as it is distinguished; ``-0.0`` is written as zero."""
     match value:
         case Range():
             return range_text(value, kind)

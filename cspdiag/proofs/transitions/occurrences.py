@@ -1,4 +1,4 @@
-"""Instances at their paths, and the channels and outside ports that they share, made when they are needed."""
+"""Instances at their paths, and the channels and ports that they share, made when they are first used."""
 
 from __future__ import annotations
 
@@ -32,22 +32,22 @@ from cspdiag.proofs.transitions.values import (
 MediumKind: TypeAlias = Literal[
     "var", "sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event", "output", "constant", "discard"
 ]
-"""Kinds of channels; what the outside gives (``sampled``, ``event``) and takes (``output``); and ends that were left
-open.
+"""Kinds of channels; of inputs (``sampled``, ``event``) and outputs of the outermost process; and of ports that are
+connected to a constant or to nothing.
 """
 
 CHANNELS: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite"})
-"""Kinds of channels between processes, but for variables."""
+"""Kinds of channels between processes, except variables."""
 PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 """Kinds at which a reader may have to wait."""
 
 
 class MediumFacts:
-    """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
+    """A channel, or whatever else a port is attached to, with what is found out about it while processes are explored.
 
-    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. If
-    there are too many numbers, only their ``cells``, if any, are distinguished; then the medium is ``coarse``. A
-    variable is ``shared`` if more than one component accesses it.
+    ``values`` are those that may be written, None if there are too many; they are collected for ``relevant`` media
+    only. If there are too many numbers, the medium becomes ``coarse``: only their ``cells``, if it has any, are
+    distinguished. A variable is ``shared`` if more than one component accesses it.
     """
 
     def __init__(
@@ -72,10 +72,10 @@ class MediumFacts:
         self.coarse = False
         self.sampling: Sampling | None = None
         self.is_contended = kind == "any"
-        """Whether several processes may be after the same communication."""
+        """Whether several processes may compete for the same communication."""
         self.capacity = 1
         self.turns = 0
-        """How many turns of a loop a variable counts."""
+        """The number of iterations of a loop that a variable counts."""
         self.ends = 1
         self.initial: Known = UNKNOWN
         self.values: set[Known] | None = set()
@@ -84,7 +84,7 @@ class MediumFacts:
         self.accessed_by: set[object] = set()
 
     def admit(self, values: set[Known]) -> bool:
-        """Values are written here; whether any is new."""
+        """Adds values that are written here; returns whether any of them is new."""
         if self.coarse:
             values = set(map(self.coarsened, values))
         if self.values is None or values <= self.values:
@@ -123,7 +123,7 @@ class MediumFacts:
 
 
 _MOST_GROWTHS = 8
-"""A medium to which values are added more often takes them from a circle that goes on counting."""
+"""A medium to which values are added more often than this is in a cycle that keeps counting."""
 
 DISCARD = MediumFacts("_", "discard", None)
 
@@ -168,7 +168,7 @@ class Occurrence:
             return UNKNOWN
 
     def child(self, name: str) -> Occurrence:
-        """The instance of that name inside."""
+        """The instance with this name inside this one."""
         known = self._children.get(name)
         if known is None:
             instance = self.definition.instances[name]
@@ -179,7 +179,7 @@ class Occurrence:
         return known
 
     def attached(self, end: Attachment) -> MediumFacts:
-        """What an end, in terms of this class, is an end of."""
+        """The medium that an end, in terms of this class, is attached to."""
         match end:
             case PortEnd():
                 return self.ports[end.port, end.index]
@@ -226,7 +226,7 @@ class Occurrence:
 
 
 class World:
-    """The outermost process and everything inside."""
+    """The outermost process and all instances inside it."""
 
     def __init__(self, program: Program, facts: Facts) -> None:
         self.program = program
@@ -257,7 +257,9 @@ class World:
 
 
 def _given(kind: Type, distinction: Distinction, *, free: bool) -> tuple[Known, ...]:
-    """What the environment may give at an input whose values matter, or at a ``free`` one its specification."""
+    """The values that the environment may give at an input whose values matter, or a specification at a ``free`` one:
+    as far as they are distinguished.
+    """
     few = values_of_type(kind)
     if few is not None:
         return few

@@ -12,7 +12,7 @@ from cspdiag.proofs.transitions.threads.threads import Strand
 
 
 class Places(Mapping[int, Place]):
-    """The places of a thread, put into words when they are needed."""
+    """The places of a thread by state, put into words when they are looked up."""
 
     def __init__(self, spots: list[Spot], strand: Strand) -> None:
         self._spots = spots

@@ -1,8 +1,8 @@
-"""Whole numbers that are not distinguished: a range of them stands for each.
+"""Ranges of whole numbers that are not distinguished from each other.
 
-The numbers that a variable or a channel may have are cut into **cells** where the conditions of the program begin to
-hold or cease to, so that a condition on it holds for all numbers of a cell or for none. The arithmetic is that of
-intervals (Moore, "Interval Analysis"; Cousot and Cousot 1976).
+The numbers that a variable or a channel may have are cut into **cells** wherever a condition of the program begins or
+ceases to hold: a condition holds for all numbers of a cell or for none. The arithmetic is that of intervals (Moore,
+"Interval Analysis"; Cousot and Cousot 1976).
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from cspdiag.network.dump.expression import value_text
 
 @record(order=True)
 class Range:
-    """One of at least two whole numbers, from ``low`` to ``high``, both among them; ``copied`` if it is what the
-    environment gave, handed on.
+    """One of at least two whole numbers, from ``low`` to ``high`` inclusive; ``copied`` if it is a number that the
+    environment gave and the program passed on unchanged.
     """
 
     low: int
@@ -39,14 +39,14 @@ class Range:
 
 
 Cell: TypeAlias = "int | Range"
-"""A number, or several that follow each other."""
+"""A number, or several consecutive ones."""
 
 MOST_CELLS = 40
 """Numbers with more cells are not distinguished at all."""
 
 
 def cell(low: int, high: int) -> Cell:
-    """The numbers from ``low`` to ``high``, which is not less."""
+    """The numbers from ``low`` to ``high``, where ``low <= high``."""
     return low if low == high else Range(low, high)
 
 
@@ -71,7 +71,9 @@ def limits_of(kind: Type | None) -> tuple[int, int] | None:
 
 
 def cells(kind: Type | None, boundaries: Iterable[int]) -> tuple[Cell, ...]:
-    """All numbers of a type, cut before each of the boundaries; nothing where they are not to be distinguished."""
+    """All numbers of a type, cut before each of the boundaries; empty if its numbers are not distinguished: there is no
+    boundary, or there are too many.
+    """
     limits = limits_of(kind)
     if limits is None:
         return ()
@@ -84,11 +86,11 @@ def cells(kind: Type | None, boundaries: Iterable[int]) -> tuple[Cell, ...]:
 
 
 def with_examples(among: Sequence[Cell], kind: Type | None) -> tuple[Cell, ...]:
-    """Of each range one number apart from the others of it, which stands for each: what hands all on alike does with
-    any what it does with this one.
+    """The cells with one number split off from each range, as a representative: a process that only passes numbers on
+    treats every number of the range as it treats this one.
 
-    All numbers of the type are one range if there is nothing ``among`` them. (Wolper, "Expressing interesting
-    properties of programs in propositional temporal logic", 1986.)
+    All numbers of the type are one range if ``among`` is empty. (Wolper, "Expressing interesting properties of programs
+    in propositional temporal logic", 1986.)
     """
     limits = limits_of(kind)
     if limits is None:
@@ -109,7 +111,7 @@ def with_examples(among: Sequence[Cell], kind: Type | None) -> tuple[Cell, ...]:
 
 
 def pieces(value: Cell, among: Sequence[Cell]) -> tuple[Cell, ...]:
-    """What of ``value`` lies in each of the cells."""
+    """The parts of ``value`` that lie in the cells, one for each cell that it overlaps."""
     low, high = bounds(value)
     return tuple(
         cell(max(low, first), min(high, last)) for first, last in map(bounds, among) if first <= high and low <= last
@@ -117,7 +119,7 @@ def pieces(value: Cell, among: Sequence[Cell]) -> tuple[Cell, ...]:
 
 
 def cell_of(value: Cell, among: Sequence[Cell]) -> Cell | None:
-    """The cell in which all of ``value`` lies, if it is one."""
+    """The cell that contains all of ``value``; None if no single cell does."""
     low, high = bounds(value)
     position = bisect_right(among, low, key=lambda entry: bounds(entry)[0]) - 1
     if position < 0 or high > bounds(among[position])[1]:
@@ -126,7 +128,7 @@ def cell_of(value: Cell, among: Sequence[Cell]) -> Cell | None:
 
 
 def compared(operator: str, left: Cell, right: Cell) -> bool | None:
-    """Whether a comparison holds; None if it holds for some of the numbers."""
+    """Whether a comparison holds; None if it holds for some of the numbers only."""
     (low, high), (least, most) = bounds(left), bounds(right)
     match operator:
         case "<":
@@ -146,7 +148,7 @@ def compared(operator: str, left: Cell, right: Cell) -> bool | None:
 
 
 def computed(operator: str, left: Cell, right: Cell, kind: Type) -> Cell | None:
-    """The numbers that an operation can give, without those that leave the type; None where that is not known."""
+    """The results of an operation that lie within the type; None if there are none or they are not known."""
     limits = limits_of(kind)
     (low, high), (least, most) = bounds(left), bounds(right)
     match operator:
@@ -166,7 +168,7 @@ def computed(operator: str, left: Cell, right: Cell, kind: Type) -> Cell | None:
 
 
 def text(value: Range, kind: Type) -> str:
-    """As transition systems write it: ``0..499``, ``3..`` and ``..1`` where it goes to the end of the type."""
+    """A range as transition systems print it: ``0..499``; ``3..`` and ``..1`` where it reaches the end of the type."""
     least, most = limits_of(kind) or bounds(value)
     low = "" if value.low == least else value_text(value.low, kind)
     high = "" if value.high == most else value_text(value.high, kind)

@@ -1,9 +1,9 @@
-"""Where the transition system of a specification does more than the specification itself: priorities and times that
-rule something out.
+"""Where the transition system of a specification allows more than the specification itself: it leaves out priorities
+and times that exclude some of the runs.
 
-A process that does what only the transition system does would be taken to refine it. Not among this is what a
-specification leaves open: which of its parallel processes gets on first, which of the guards of ``[]`` that are ready
-is taken, and what comes from outside, and when.
+A process with such a run would be taken to refine the specification. What a specification itself leaves open is not
+reported: which of its parallel processes continues first, which of several ready guards of ``[]`` is taken, and what
+arrives from outside, and when.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _EVENT = "event"
 
 
 def taken_for_more(world: World) -> Iterator[Abstraction]:
-    """What of a specification its transition system leaves out."""
+    """What the transition system leaves out of a specification."""
     pending = [world.top]
     seen: set[tuple[str, ...]] = set()
     for occurrence in pending:
@@ -51,7 +51,7 @@ def _inside(node: Node) -> Iterator[Node]:
 
 
 def _run_by(node: Node, occurrence: Occurrence) -> Occurrence | None:
-    """The process that an action runs, if it does."""
+    """The process that an action runs, if it runs one."""
     if not isinstance(node.action, ir.RunInstance):
         return None
     instance = occurrence.definition.instances[node.action.instance]
@@ -91,8 +91,8 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
 
 
 def _in_order(kinds: list[str]) -> bool:
-    """Whether each guard may be taken although those before it have priority: what comes from outside may come at any
-    time, and what is always ready is obeyed.
+    """Whether the order of priority excludes no guard that the transition system takes: an event from outside may
+    arrive at any time, and the guards after one that is always ready are left out there, too.
     """
     if _ALWAYS_READY in kinds:
         return {_EVENT}.issuperset(kinds[: kinds.index(_ALWAYS_READY)])
@@ -101,7 +101,7 @@ def _in_order(kinds: list[str]) -> bool:
 
 
 def _kinds(choice: ir.Choice, occurrence: Occurrence) -> list[str]:
-    """Those of the guards, without time-outs that never come because another guard is always ready."""
+    """The kinds of the guards, without time-outs that never happen because another guard is always ready."""
     kinds = [_kind(branch, occurrence) for branch in choice.branches]
     if _ALWAYS_READY not in kinds:
         return kinds
@@ -109,7 +109,7 @@ def _kinds(choice: ir.Choice, occurrence: Occurrence) -> list[str]:
 
 
 def is_time_out(branch: ir.Branch) -> bool:
-    """Whether a guard waits for a time that is known, and not for none at all."""
+    """Whether a guard waits for a duration that is known and longer than zero."""
     event = branch.event
     if not isinstance(event, ir.AfterEvent) or not isinstance(event.duration, LiteralValue):
         return False
@@ -117,7 +117,7 @@ def is_time_out(branch: ir.Branch) -> bool:
 
 
 def _kind(branch: ir.Branch, occurrence: Occurrence) -> str:
-    """On what it depends when a guard is ready."""
+    """What decides when a guard is ready."""
     if is_always_ready(branch.event, lambda end: occurrence.attached(end).kind):
         return _ALWAYS_READY
     match branch.event:
@@ -133,7 +133,7 @@ def _kind(branch: ir.Branch, occurrence: Occurrence) -> str:
 
 
 def _compete(parallel: Node, occurrence: Occurrence) -> bool:
-    """Whether times decide which of the branches comes first: two of them follow samples, or one waits for delays."""
+    """Whether times decide which of the branches comes first: two of them read samples, or one waits for delays."""
     found = [_times_in(child, occurrence) for child in parallel.children]
     return len(found) > 1 and (any(_TIMED in times for times in found) or sum(map(bool, found)) > 1)
 

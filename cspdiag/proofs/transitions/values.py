@@ -1,7 +1,8 @@
-"""Values of expressions while a process is followed: known ones, ranges of whole numbers, and the unknown.
+"""Values of expressions while the states of a process are explored: known ones, ranges of whole numbers, and unknown
+ones.
 
-A variable has a known value, a range in which it is (what the environment gave, or what takes too many values to be
-distinguished), or ``UNKNOWN``: what a control law computed.
+A variable has a known value; a range that it lies in, if the environment gave it or it has too many values to be
+distinguished; or it is ``UNKNOWN``, such as what a control law computed.
 """
 
 from __future__ import annotations
@@ -62,8 +63,8 @@ UNKNOWN: Final = UnknownValue()
 
 @record(order=True)
 class Given:
-    """A value of an input that was handed on, and of which nothing else is known: the ``one`` that stands for each,
-    ``another``, or ``any`` that a specification chooses.
+    """A value of an input that is only passed on, and of which nothing else is known: ``one`` that represents every
+    value, ``another`` that differs from it, or ``any`` value that a specification chooses.
     """
 
     which: Literal["one", "another", "any"]
@@ -75,7 +76,7 @@ class Given:
 GIVEN: Final = (Given("one"), Given("another"))
 ANY: Final = Given("any")
 Known: TypeAlias = "Value | Range | Given | UnknownValue"
-"""A value, the range in which it is, that it was handed on, or that it is not known."""
+"""What is known of a value: the value itself, the range that it lies in, that it is only passed on, or nothing."""
 
 Variables: TypeAlias = Callable[[str], Known]
 """The present value of a variable of the class."""
@@ -84,11 +85,11 @@ Parameters: TypeAlias = Callable[[str], Known]
 
 
 class EvaluationFault(Exception):  # noqa: N818 - the language's own word
-    """The evaluation ends in a fault, whatever is not known."""
+    """The evaluation ends in a fault, whatever the unknown values are."""
 
 
 def evaluated(expression: Expression, variables: Variables, parameters: Parameters) -> Known:
-    """The value of an expression as far as it is known. Raises EvaluationFault where it certainly fails."""
+    """The value of an expression as far as it is known. Raises EvaluationFault if it certainly fails."""
     try:
         return _Evaluation(variables, parameters).value(expression)  # type: ignore[no-any-return]
     except (arithmetic.UndefinedError, arithmetic.OutOfRangeError, ArithmeticError, ValueError, IndexError) as problem:
@@ -205,7 +206,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def is_exact(value: Known) -> bool:
-    """Whether it is one value, and that is known."""
+    """Whether a value is known exactly."""
     return not isinstance(value, UnknownValue | Range | Given)
 
 
@@ -218,7 +219,7 @@ def _ranged(found: Known | None) -> Known:
 
 
 def same(one: Known, other: Known) -> bool:
-    """Whether two values are the same one: ``1`` and ``true`` are not, nor are ``0.0`` and ``-0.0``."""
+    """Whether two values are identical: ``1`` and ``true`` are not, nor are ``0.0`` and ``-0.0``."""
     return one is other or (type(one) is type(other) and repr(one) == repr(other))
 
 
@@ -238,7 +239,7 @@ def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> 
 
 
 def values_of_type(kind: Type) -> tuple[Value, ...] | None:
-    """All values of a type with few of them; None for others."""
+    """All values of a type that has few of them; None for other types."""
     match kind:
         case BoolType():
             return (False, True)
@@ -257,7 +258,7 @@ def values_of_type(kind: Type) -> tuple[Value, ...] | None:
 
 
 MOST_VALUES = 64
-"""More values of a variable or a channel are not distinguished."""
+"""Of a variable or a channel with more values than that, the values are not distinguished."""
 _FEW = 8
 
 

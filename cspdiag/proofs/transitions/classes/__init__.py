@@ -1,1 +1,1 @@
-"""What is known of the classes of a network before any process is followed."""
+"""What is known of the classes of a network before any process is explored."""

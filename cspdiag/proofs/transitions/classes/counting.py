@@ -1,9 +1,9 @@
-"""Which 64-bit integers and times count: every value that they get is a constant, the present time, or what one of them
-was before, a little more or less.
+"""Which 64-bit integers and times are counters: every value that one of them gets is a constant, the present time, or
+an earlier value of a counter with little added or subtracted.
 
-Until they are so far from zero that a sum of two overflows, one of them has been counted on more than five hundred
-million times, or eighteen years of the program's own time have passed: no proof follows a run that far. Of every other
-variable nothing is known: an input may be anything, and what is doubled overflows after 63 turns.
+Before they are so far from zero that a sum of two overflows, more than five hundred million steps have been counted, or
+eighteen years of the program's own time have passed: no proof follows a run that far. Of all other variables nothing is
+known: an input may have any value, and a value that is doubled overflows after 63 iterations.
 """
 
 from __future__ import annotations
@@ -40,22 +40,22 @@ from cspdiag.network.ir.ranges import Given, Lookup, Range, of_instances, value_
 from cspdiag.network.ir.walk import parts
 
 _STEP = 2**31
-"""What is counted by is smaller: as a time, 2.1 s."""
+"""Counters are increased and decreased by less than this: as a time, 2.1 s."""
 
 _BASE = 2**60
-"""What counting begins with is smaller."""
+"""Counters begin nearer to zero than this."""
 
 _COUNTED = (-(2**61), 2**61)
-"""Where what counts then stays for 2**60 / 2**31 computations."""
+"""A counter then stays within these limits for 2**60 / 2**31 computations."""
 
 _PRESENT = (0, 2**59)
 """The present time for 18 years, in nanoseconds."""
 
 _LONGEST_DELAY = 2**46
-"""A delay that is longer, 19 h, may come to the end of time in few steps."""
+"""Delays that are longer than this, 19 h, could reach the end of the program's time in few steps."""
 
 _Place: TypeAlias = tuple[str, str]
-"""A class, and a port, a channel or a variable of it, or a signal if it is a control law."""
+"""The names of a class, and of a port, channel or variable of it, or of a signal if it is a control law."""
 
 _NOW: _Place = ("", "")
 """The present time, among the places."""
@@ -63,7 +63,7 @@ _NOW: _Place = ("", "")
 
 @record
 class _Value:
-    """What an expression of a class gives."""
+    """The value of an expression in terms of a class."""
 
     expression: Expression
     class_name: str
@@ -74,7 +74,7 @@ _Origin: TypeAlias = "_Place | _Value"
 
 
 class Counting:
-    """What counts in a network: all that is not shown to get another value."""
+    """The counters of a network: everything that is not shown to get any other value."""
 
     def __init__(self, network: CoreNetwork) -> None:
         self._origins = _origins(network)
@@ -86,8 +86,8 @@ class Counting:
         self._remove_others()
 
     def ranges_in(self, class_name: str, *, counted: bool = True) -> Lookup:
-        """What the values in expressions of a class may be: any where nothing is known, and of all variables if not
-        ``counted``.
+        """The ranges of the values in expressions of a class; None where nothing is known. Unless ``counted``, nothing
+        is taken to be known of variables.
         """
 
         def known(part: Given) -> Range | None:
@@ -106,7 +106,7 @@ class Counting:
         return known
 
     def _remove_others(self) -> None:
-        """Until nothing counts that gets the value of what does not."""
+        """Removes what gets a value from anything that is not a counter, until nothing changes."""
         changed = True
         while changed:
             others = {
@@ -127,7 +127,7 @@ class Counting:
         return origin in self._counting
 
     def _counts(self, value: Expression, class_name: str) -> bool:
-        """Whether a value is near zero, or that of something that counts, with little added or subtracted."""
+        """Whether a value is near zero, or that of a counter with little added or subtracted."""
         if self._within(value, class_name, _BASE, counted=False):
             return True
         match value:
@@ -148,7 +148,7 @@ class Counting:
         return self._within(step, class_name, _STEP, counted=True) and self._counts(value, class_name)
 
     def _is_near(self, duration: Expression, class_name: str) -> bool:
-        """Whether a delay is short, or lasts until an instant that is not far from what counts."""
+        """Whether a delay is short, or lasts until an instant that is near the value of a counter."""
         match duration:
             case FunctionCall(function="until", arguments=(instant, _)):
                 return self._within(instant, class_name, 2 * _COUNTED[1], counted=True)
@@ -156,18 +156,20 @@ class Counting:
                 return self._within(duration, class_name, _LONGEST_DELAY, counted=True)
 
     def _within(self, value: Expression, class_name: str, limit: int, *, counted: bool) -> bool:
-        """Whether a value is nearer to zero than a limit, whatever its variables are, or as they are ``counted``."""
+        """Whether a value is nearer to zero than a limit, whatever its variables are, or with counters within their
+        limits if ``counted``.
+        """
         low, high = value_range(value, self.ranges_in(class_name, counted=counted))
         return -limit < low and high < limit
 
 
 def is_wide(kind: Type) -> bool:
-    """Whether a type has 64 bits, so counting does not reach its end."""
+    """Whether a type has 64 bits, so a counter does not reach its limits."""
     return isinstance(kind, TimeType) or (isinstance(kind, IntType) and kind.bits == 64)
 
 
 def _origins(network: CoreNetwork) -> list[tuple[_Place, _Origin | None]]:
-    """What everything that has a 64-bit integer or a time gets its values from; None is anything."""
+    """Every place of a 64-bit integer or a time, with each origin of its values; None means any value."""
     inputs = {(entry.name, port.name) for entry in network.classes for port in entry.ports if port.direction == "in"}
     found: list[tuple[_Place, _Origin | None]] = [(place, None) for place in inputs if place[0] == network.top]
     wide: set[_Place] = set()
@@ -184,7 +186,7 @@ def _origins(network: CoreNetwork) -> list[tuple[_Place, _Origin | None]]:
 
 
 def _signals_in(law: SubmodelClass) -> list[SubmodelState | SubmodelEquation]:
-    """What has a name in a control law and is computed, but by what is written in another language."""
+    """The named values of a control law, except those that code in another language computes."""
     return [*law.states, *law.constants, *(one for one in law.equations if isinstance(one, SubmodelEquation))]
 
 
@@ -215,7 +217,7 @@ def _origins_in(entry: CoreClass) -> Iterator[tuple[_Place, _Origin | None]]:
 
 
 def _connected(entry: CoreClass, inputs: set[tuple[str, str]]) -> Iterator[tuple[_Place, _Origin | None]]:
-    """What instances in a class get at their inputs, and what gets what they write."""
+    """Where the inputs of instances in a class get their values, and which places get the values of their outputs."""
     for instance in entry.instances:
         for connection in instance.connections:
             inner: _Place = (instance.class_name, connection.port)

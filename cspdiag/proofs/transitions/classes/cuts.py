@@ -1,8 +1,7 @@
 """Where the numbers of a variable, port or channel are cut: where conditions that compare them with constants begin or
 cease to hold.
 
-A cut decides how much is known, never whether it is right: of a number that is compared in another way the condition is
-left open.
+A missing cut costs precision only: a condition that compares numbers in another way is left open.
 """
 
 from __future__ import annotations
@@ -38,16 +37,16 @@ from cspdiag.proofs.transitions.classes.program import Class, Program
 from cspdiag.proofs.transitions.values import UNKNOWN, EvaluationFault, Known, evaluated
 
 Boundaries: TypeAlias = Mapping[Item, frozenset[int]]
-"""By item, the numbers that do not belong together with the number before them."""
+"""By item, the numbers that begin a new cell."""
 
 COMPARISONS = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
-"""The operators, and those that say the same of the operands in the other order."""
+"""The comparisons, each with the one that means the same for exchanged operands."""
 
 
 def boundaries(program: Program, distinguished: Mapping[str, Collection[int]]) -> Boundaries:
-    """Those of everything in a program; ``distinguished`` has further ones for inputs of the outermost process.
+    """The boundaries of all items of a program; ``distinguished`` has further ones for inputs of the outermost process.
 
-    What is only handed on is cut wherever it may come to be compared.
+    An item whose values are passed on gets the boundaries of all items that they may reach.
     """
     found: defaultdict[Item, set[int]] = defaultdict(set)
     origins: defaultdict[Item, set[Item]] = defaultdict(set)
@@ -80,11 +79,13 @@ class Arguments:
             self._of[instance.class_name].append(dict(instance.arguments))
 
     def constants(self, expression: Expression, class_name: str) -> set[int]:
-        """The whole numbers that an expression of parameters may stand for."""
+        """The whole numbers that an expression of parameters has as its value in some instance."""
         return {value for value in self.values(expression, class_name) if type(value) is int}
 
     def values(self, expression: Expression, class_name: str) -> set[Known]:
-        """The values that an expression of parameters may stand for; UNKNOWN where it depends on anything else."""
+        """The values that an expression of parameters has in instances of a class; UNKNOWN where it depends on anything
+        else.
+        """
         names = sorted({part.name for part in walk(expression) if isinstance(part, ParameterValue)})
         cases = {tuple(given.get(name, UNKNOWN) for name in names) for given in self._of[class_name]}
         return {_constant(expression, dict(zip(names, case, strict=True))) for case in cases}
@@ -113,7 +114,9 @@ def _compared(one: Class, arguments: Arguments) -> Iterator[tuple[Item, set[int]
 def _differences(
     side: Expression, constants: Iterable[int], one: Class, arguments: Arguments
 ) -> Iterator[tuple[VariableValue, int]]:
-    """A variable, from which a constant may be added or taken away, and with what it is compared itself."""
+    """The variable in one side of a comparison, to which constants may be added, with the numbers that the variable
+    alone is compared with.
+    """
     match side:
         case VariableValue():
             yield from ((side, constant) for constant in constants)
@@ -145,7 +148,7 @@ def _cut(operator: str, constant: int) -> set[int]:
 
 
 def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
-    """Items, and those whose values they take over unchanged."""
+    """Items, and those whose values they get unchanged."""
     assert isinstance(one.definition, ProcessClass)
     for part in parts(one.definition.body):
         match part:
@@ -167,8 +170,8 @@ def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
 
 
 def handed_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
-    """Everything in a program whose values may be handed on unchanged to one of some outputs of the
-    outermost process.
+    """All items of a program whose values may be passed on unchanged to one of the given outputs of the outermost
+    process.
     """
     origins: defaultdict[Item, set[Item]] = defaultdict(set)
     for one in program.classes.values():

@@ -1,5 +1,5 @@
-"""How closely the values at the ports of the outermost process are distinguished, where a question asks for more than
-conditions do.
+"""How closely the values at the ports of the outermost process are distinguished, where an assertion needs more than
+the conditions of the program.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 class Distinction:
     """How the values at a port are distinguished.
 
-    Whole numbers of an input are cut before each of the ``cuts``. ``copied``: a specification hands them on, so that of
-    those that are not distinguished one is chosen that stands for each. ``values``: the environment gives no others.
+    Whole numbers of an input are cut before each of the ``cuts``. ``copied``: a specification passes them on, so each
+    set of values that are not distinguished gets a representative. ``values``, unless empty, are the only ones that the
+    environment gives.
     """
 
     cuts: frozenset[int] = frozenset()
@@ -27,13 +28,13 @@ class Distinction:
 
 
 Distinguished: TypeAlias = Mapping[str, Distinction]
-"""By port; those of the others matter only where conditions depend on them."""
+"""By port; the values at other ports matter only if conditions depend on them."""
 
 
 @record
 class AsSpecification:
-    """A process is taken as a specification; ``free`` are inputs that only it has: what comes there is its
-    own choice.
+    """Says that a process is a specification; ``free`` are inputs that only the specification has, whose values it
+    chooses itself.
     """
 
     free: frozenset[str] = frozenset()

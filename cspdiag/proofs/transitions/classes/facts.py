@@ -1,8 +1,9 @@
-"""What is known of the classes of a network before any process is followed.
+"""What is known of the classes of a network before any process is explored.
 
-**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or
-they flow into such; and parameters by which a delay takes time or none. Only their values are followed. **Deciding**
-are those that decide a condition or how long a delay lasts: what a run does next, and when.
+**Relevant** are the variables, ports and channels whose values decide a condition somewhere: a condition reads them, or
+they flow into something that a condition reads; and the parameters that decide whether a delay takes any time. Only
+their values are followed. **Deciding** are those that decide a condition or how long a delay lasts: what a run does
+next, and when.
 """
 
 from __future__ import annotations
@@ -56,8 +57,8 @@ NOTHING: Distinguished = {}
 
 
 class Facts:
-    """What follows from the classes of a program, how the values at its ports are ``distinguished``, and whether it is
-    a ``specification``.
+    """What follows from the classes of a program, from how the values at its ports are ``distinguished``, and from
+    whether it is a ``specification``.
     """
 
     def __init__(
@@ -88,7 +89,7 @@ class Facts:
         return Distinction(self.boundaries.get(item, frozenset()), copied, given.values)
 
     def is_free(self, port: str) -> bool:
-        """Whether a specification chooses itself what comes at an input."""
+        """Whether a specification chooses the values at an input itself."""
         return self.specification is not None and _base(port) in self.specification.free
 
     def parameters(self, one: Class) -> tuple[str, ...]:
@@ -97,7 +98,7 @@ class Facts:
         return tuple(name for name in names if ("parameter", one.name, name) in self.relevant)
 
     def escaping(self, node: Node, one: Class) -> frozenset[str]:
-        """The exceptions that may end an action of a class, and leave it."""
+        """The exceptions that an action of a class may raise and does not catch."""
         known = self._escaping.get(node)
         if known is None:
             known, _ = exceptions_of(
@@ -134,7 +135,7 @@ class Facts:
 
     @property
     def _fault(self) -> frozenset[str]:
-        """What computing may raise, as far as anybody catches it."""
+        """The exceptions of computations, if any process catches them."""
         return frozenset({FAULT}) if self.catches_faults else frozenset()
 
     def _of_instance(self, name: str, one: Class) -> frozenset[str]:
@@ -151,8 +152,8 @@ class Facts:
 
 
 def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
-    """What a run goes by: the items whose values decide a condition, how long a delay or a time-out lasts, or, with
-    ``faults``, whether a computation ends in one.
+    """The items whose values decide a condition, how long a delay or a time-out lasts, or, with ``faults``, whether a
+    computation ends in a fault.
     """
     seeds = _deciding_faults(program) if faults else set()
     for one in program.classes.values():
@@ -164,7 +165,7 @@ def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
 
 
 def _deciding_faults(program: Program) -> set[Item]:
-    """What is computed with where that may fail."""
+    """The operands of computations that may fail."""
     seeds: set[Item] = set()
     faults = Faults(program.network)
     for one in program.classes.values():
@@ -182,7 +183,7 @@ def _deciding_faults(program: Program) -> set[Item]:
 
 
 def _parameters_of_delays(program: Program, durations: Durations) -> set[Item]:
-    """The parameters by which a delay takes time in some instances of a class, and in others none."""
+    """The parameters that decide whether a delay in a class takes any time."""
     return {
         item
         for one in program.classes.values()
@@ -197,7 +198,7 @@ def _parameters_of_delays(program: Program, durations: Durations) -> set[Item]:
 
 
 def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:
-    """The ports, by class and name, of which some instance reads a sampled input of the outermost process."""
+    """The ports, by class and name, that are connected to a sampled input of the outermost process in some instance."""
     top = program.network.top
     found = {
         (top, _base(p.name)) for p in program.network.external_ports if p.direction == "in" and p.sampling is not None
@@ -216,7 +217,7 @@ def _base(port: str) -> str:
 
 
 def _relevant(program: Program, distinguished: set[str], others: Iterable[Item] = ()) -> frozenset[Item]:
-    """What decides a condition or one of ``others``."""
+    """The items that decide a condition or one of ``others``."""
     flows: defaultdict[Item, set[Item]] = defaultdict(set)
     seeds = set(others)
     for one in program.classes.values():

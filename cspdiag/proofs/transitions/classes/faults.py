@@ -1,8 +1,7 @@
-"""Which computations may end in a fault: only those are followed both ways, and only where a ``catch Fault`` is around
-them.
+"""Which computations may end in a fault: only for those are both outcomes explored, and only inside a ``catch Fault``.
 
-A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Of 64-bit
-integers and times what counts (``counting.py``) is taken to stay far from where it would overflow.
+A fault that no process catches ends the program, which is neither a deadlock nor a further communication. Counters
+among the 64-bit integers and times (``counting.py``) are taken to stay far from an overflow.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ _MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite
 
 
 def catches_faults(network: CoreNetwork) -> bool:
-    """Whether some process goes on after a fault; where none does, proofs speak of runs without one."""
+    """Whether some process catches faults; if none does, proofs are about runs without a fault."""
     return any(
         isinstance(part, CatchException) and part.exception == FAULT
         for entry in network.classes
@@ -61,7 +60,7 @@ def catches_faults(network: CoreNetwork) -> bool:
 
 
 class Faults:
-    """What may fail in a network."""
+    """Which computations of a network may end in a fault."""
 
     def __init__(self, network: CoreNetwork) -> None:
         self._network = network
@@ -81,7 +80,7 @@ class Faults:
         return ports_of_unwritten(self._network)
 
     def of_expression(self, expression: Expression, class_name: str) -> bool:
-        """Whether the evaluation in a class may fail."""
+        """Whether evaluating an expression of a class may fail."""
         key = (class_name, expression)
         known = self._known.get(key)
         if known is None:
@@ -89,15 +88,15 @@ class Faults:
         return known
 
     def of_part(self, part: Expression, class_name: str) -> bool:
-        """Whether an operation itself may fail, apart from its operands. Sums of reals that are not followed long
-        enough to become infinite do not.
+        """Whether an operation itself may fail, apart from its operands. Sums of reals do not: no run is followed long
+        enough for one to become infinite.
         """
         if isinstance(part, FunctionCall) and part.function == "finite":
             return any(isinstance(inner, BinaryOperation) and inner.operator not in ("+", "-") for inner in walk(part))
         return self._part(part, class_name)
 
     def of_target(self, target: Target, class_name: str) -> bool:
-        """Whether an index of what is assigned may be out of range, or its evaluation may fail."""
+        """Whether an index of an assigned element may be out of range, or evaluating it may fail."""
         kind: Type = self._types[class_name, target.channel] if target.indexes else UnknownType()
         for index in target.indexes:
             if not is_index_of(index, kind) or self.of_expression(index, class_name):
@@ -124,7 +123,7 @@ class Faults:
                 assert_never(end)
 
     def of_inputs(self, instance: InstanceOf, class_name: str) -> bool:
-        """Whether an instance of a submodel may read a variable that was not written."""
+        """Whether an instance of a submodel may read a variable that has not been written yet."""
         return any(self.of_read(connection.attachment, class_name) for connection in instance.connections)
 
     def of_law(self, law: SubmodelClass) -> bool:

@@ -1,4 +1,4 @@
-"""Ports, channels and parameters of classes: what values flow through."""
+"""Items: the ports, channels and parameters of classes, through which values flow."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from cspdiag.network.ir.network import Attachment, ConstantEnd, DiscardEnd
 from cspdiag.proofs.transitions.classes.program import Class
 
 Item: TypeAlias = tuple[Literal["port", "channel", "parameter"], str, str]
-"""A port, a channel or a parameter of a class, by the names of the class and its own."""
+"""A port, a channel or a parameter of a class: its kind, the name of the class, and its own name."""
 
 
 def items_of(end: Attachment, one: Class) -> set[Item]:
-    """What an end, in terms of a class, is an end of."""
+    """The items that an end, in terms of a class, is attached to."""
     match end:
         case PortEnd():
             return {("port", one.name, end.port)}
@@ -31,12 +31,12 @@ def items_of(end: Attachment, one: Class) -> set[Item]:
 
 
 def all_items_in(expressions: Iterable[Expression], one: Class) -> set[Item]:
-    """What any of some expressions of a class reads."""
+    """The items that expressions of a class read."""
     return {item for expression in expressions for item in items_in(expression, one)}
 
 
 def items_in(expression: Expression, one: Class) -> set[Item]:
-    """What an expression of a class reads."""
+    """The items that an expression of a class reads."""
     found: set[Item] = set()
     for part in walk(expression):
         match part:

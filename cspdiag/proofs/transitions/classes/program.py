@@ -1,6 +1,4 @@
-"""Compositions as trees of nodes that are distinguished by where they stand, and what is asked of a class again
-and again.
-"""
+"""Compositions as trees of nodes, and the properties of classes that are looked up often."""
 
 from __future__ import annotations
 
@@ -17,7 +15,7 @@ Definition: TypeAlias = "CoreClass | SubmodelClass"
 
 
 class Node:
-    """An action at its place in a composition; two are the same only if they are one."""
+    """An action at its position in a composition. Nodes are compared by identity."""
 
     __slots__ = ("action", "children")
 
@@ -39,7 +37,7 @@ def _inside(action: CoreAction) -> tuple[CoreAction, ...]:
 
 
 def _flat(action: ParallelSteps[CoreAction]) -> Iterator[CoreAction]:
-    """The branches, with those of branches that are nothing but parallels themselves."""
+    """The branches; a branch that is a parallel itself is replaced by its own branches."""
     for step in action.steps:
         inner = step
         while isinstance(inner, Group):
@@ -57,7 +55,7 @@ class Class:
         self.definition = definition
         self.name = definition.name
         self.laws: dict[tuple[str, str, tuple[int, ...]], Node] = {}
-        """Parallels of the communications of control laws, by instance, side, and positions."""
+        """Parallels of the communications of control laws, by instance, side, and positions of the ports."""
 
     @cached_property
     def body(self) -> Node | None:
@@ -68,7 +66,7 @@ class Class:
 
     @cached_property
     def instances(self) -> dict[str, InstanceOf]:
-        """By name."""
+        """The instances of a process by name."""
         return {i.name: i for i in self.definition.instances} if isinstance(self.definition, ProcessClass) else {}
 
     @cached_property
@@ -101,7 +99,7 @@ class Class:
 
     @cached_property
     def has_parallel(self) -> bool:
-        """Whether a parallel stands in the composition."""
+        """Whether the composition contains a parallel."""
         return self.body is not None and any(isinstance(part, ParallelSteps) for part in parts(self.body.action))
 
 

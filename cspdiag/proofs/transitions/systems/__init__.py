@@ -1,1 +1,1 @@
-"""Communicating state machines: components, events and what is made of them."""
+"""Communicating state machines: components, events, and what they are made from."""

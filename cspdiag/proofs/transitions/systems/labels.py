@@ -1,7 +1,7 @@
-"""What an edge of a thread does. A value is UNKNOWN where it is not followed.
+"""Labels of the edges of threads. A value is UNKNOWN where it is not followed.
 
-Labels are tuples, since they are numbered and compared for every edge of a thread. Their ``kind`` keeps labels of
-different classes apart.
+Labels are tuples, since they are numbered and compared for every edge of a thread. Their ``kind`` makes labels of
+different classes differ.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class Internal(NamedTuple):
 class Read(NamedTuple):
     """A communication on a channel, or a value taken from it.
 
-    In a ``late`` one only an alternative of somebody else takes part: it is of the guard of an interrupt whose body has
-    come to its end.
+    A ``late`` read is that of the guard of an interrupt whose body is about to end; only an alternative of another
+    process can take part in it.
     """
 
     reference: Reference
@@ -51,7 +51,7 @@ class Guarded(NamedTuple):
 
 
 class Bind(NamedTuple):
-    """An alternative chooses to write to one whose guard is only ready, which has not read yet."""
+    """An alternative chooses to write to another one, whose ``ready`` guard is taken before it reads."""
 
     reference: Reference
     kind: Literal["bind"] = "bind"
@@ -102,14 +102,14 @@ class Miss(NamedTuple):
 
 
 class Ready(NamedTuple):
-    """Something from outside has arrived, and has not been taken yet."""
+    """A value from outside has arrived, and has not been read yet."""
 
     reference: Reference
     kind: Literal["ready"] = "ready"
 
 
 class Output(NamedTuple):
-    """A value goes to the outside."""
+    """A value is written to an output."""
 
     reference: Reference
     value: Known
@@ -117,7 +117,7 @@ class Output(NamedTuple):
 
 
 class Time(NamedTuple):
-    """A delay ends; an ``instant`` one may be over at once."""
+    """A delay ends; it is ``instant`` if it may take no time."""
 
     words: str
     instant: bool = False
@@ -125,7 +125,7 @@ class Time(NamedTuple):
 
 
 class Alarm(NamedTuple):
-    """Another process would communicate there on a side, as seen at the end of a guard."""
+    """The guard of an interrupt sees that another process is ready to communicate on that side of a medium."""
 
     reference: Reference
     side: Side
@@ -205,13 +205,13 @@ class Throw(NamedTuple):
 
 
 Offer: TypeAlias = Read | Write | Guarded | Withdrawn
-"""What others may be offered, and what takes it back."""
+"""What a thread may offer to others, and the withdrawal of it."""
 
 Alone: TypeAlias = Input | Output | Sample | Miss | Ready
 """What involves only the environment."""
 
 OnMedium: TypeAlias = Read | Write | Guarded | Bind | Bound | Delivered | Withdrawn | Load | Store
-"""What becomes events of a medium with all that others do there."""
+"""What becomes events of a medium, together with what other threads do on it."""
 
 OfParent: TypeAlias = Fork | Join | Cancel | Thrown
 """What a thread does as the parent of a parallel."""

@@ -1,5 +1,5 @@
-"""Components that are not processes: channels with memory, the reading ends of a broadcast, shared variables, and
-nobody.
+"""Components that are not processes: channels with memory, the reading ends of a broadcast, shared variables, and the
+partner ``nobody``.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ def queue(
     writes: Mapping[Known, Sequence[int]],
     reads: Mapping[Known, Sequence[int]],
 ) -> Component:
-    """A ``buffer``, or with ``overwrite`` one that drops its oldest value.
+    """The component of a ``buffer``, or of an ``overwrite``, which drops its oldest value when it is full.
 
-    ``writes`` and ``reads`` are the events by value. The contents are distinguished where there are few, else only how
-    many there are.
+    ``writes`` and ``reads`` are the events by value. States are the possible contents if these are few, otherwise only
+    the number of values.
     """
     values = list(dict.fromkeys([*writes, *reads]))
     contents = _contents(values, medium.capacity)
@@ -54,7 +54,7 @@ def queue(
 
 
 def counts_only(medium: MediumFacts, values: Sequence[Known]) -> bool:
-    """Whether a queue has too many contents for its values to be distinguished when they are read."""
+    """Whether a queue has too many possible contents for its values to be distinguished when they are read."""
     return _contents(list(values), medium.capacity) is None
 
 
@@ -92,8 +92,8 @@ def latch(
 ) -> Component:
     """One reading end of a ``broadcast``: free, or with a value that its reader has not taken.
 
-    The value is ``delivered``, and the writer goes on, when all ends are free; a writer that is cancelled takes it
-    back. While there is one it may be ``seen``.
+    When all ends are free the value has been ``delivered``, and the writer continues; a writer that is cancelled takes
+    the value back (``withdrawn``). While there is a value the guard of an interrupt may see it (``seen``).
     """
     values = list(writes)
     free: list[Edge] = [(event, number + 1) for number, value in enumerate(values) for event in writes[value]]

@@ -1,8 +1,8 @@
-"""Templates in which states are merged that no observer can distinguish.
+"""Merges the states of a template that no observer can distinguish.
 
-Such states differ in the value of a variable that is written before it is read again. The states are refined until all
-of a class lead to the same classes by the same labels (strong bisimulation, Kanellakis and Smolka 1983); only states
-with the same words for people are merged.
+Such states differ, for example, in the value of a variable that is written before it is read again. The partition of
+the states is refined until all states of a class lead to the same classes by the same labels (strong bisimulation,
+Kanellakis and Smolka 1983); only states with the same description are merged.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _MOST_WORK = 400_000
 
 
 def minimized(template: Template) -> Template:
-    """The template with equal states merged; the first state stays the first."""
+    """The template with bisimilar states merged; the first state stays the first."""
     size = len(template.edges)
     labels: dict[Label, int] = {}
     edges = [[(labels.setdefault(label, len(labels)), target) for label, target in found] for found in template.edges]

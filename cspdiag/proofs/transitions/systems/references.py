@@ -1,8 +1,8 @@
-"""What a thread communicates through: media as it sees them itself, so that instances that are alike share what they
-do.
+"""The media that a thread communicates through, named relative to the thread, so instances that are alike share one
+template.
 
 References are tuples, since they are looked up with every step of a thread. No two classes have values of the same
-shape, so that references of different classes are never equal.
+shape, so references of different classes are never equal.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.values import Known
 
 Path: TypeAlias = tuple[str, ...]
-"""Instances from the thread's own down."""
+"""Names of nested instances, from the one inside the thread's own instance down."""
 
 
 class OwnPort(NamedTuple):
@@ -22,7 +22,7 @@ class OwnPort(NamedTuple):
 
     name: str
     element: int | None
-    """Which of an array of ports."""
+    """The index in an array of ports; None if the port is not an array."""
 
 
 class InnerChannel(NamedTuple):
@@ -43,15 +43,16 @@ class Discard(NamedTuple):
 
 
 Reference: TypeAlias = OwnPort | InnerChannel | Constant | Discard
-"""A medium as a thread sees it. Others access only ports and channels."""
+"""A medium relative to a thread. Other threads can access only ports and channels."""
 
 
 class ReadingEnd(NamedTuple):
-    """One end of those that read a medium: the process inside the thread that reads, and its end."""
+    """One of the reading ends of a medium: the path of the process inside the thread that reads, and its end."""
 
     path: Path
     end: End
 
 
 ParallelId: TypeAlias = tuple[Path, Node]
-"""A parallel composition that a thread runs: the process in whose composition it stands, and where."""
+"""A parallel composition that a thread runs: the path of the process whose composition contains it, and its node there.
+"""

@@ -1,6 +1,4 @@
-"""Systems that do a part of what a whole does: what they do, the whole does too; what they do not do says nothing about
-the whole.
-"""
+"""Restrictions of a system: each of their runs is a run of the system, but not the other way round."""
 
 from __future__ import annotations
 
@@ -12,7 +10,7 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, Event, System
 
 
 def without(system: System, is_left_out: Callable[[Event], bool]) -> System:
-    """The same components and events; those that are left out never happen."""
+    """The same components and events, of which some never happen."""
     gone = {number for number, event in enumerate(system.events) if is_left_out(event)}
     components = tuple(
         replaced(
@@ -27,9 +25,11 @@ def without(system: System, is_left_out: Callable[[Event], bool]) -> System:
 
 
 def prompt(system: System) -> System:
-    """The same components and events, but that a time-out comes only when nobody is ready for another guard beside it.
+    """The same components and events, but a time-out happens only when no component is ready for another guard of the
+    same alternative ("maximal progress").
 
-    All who could be are parties to it too, after the process whose time-out it is; they stay where they are.
+    All components that could be ready for one are parties to the time-out, too, after the process that it belongs to;
+    they stay in their states.
     """
     offered = [[{event for event, _ in edges} for edges in component.edges] for component in system.components]
     events = list(system.events)
@@ -55,5 +55,5 @@ def prompt(system: System) -> System:
 
 
 def is_time_out(event: Event) -> bool:
-    """Whether it is the end of an ``after``."""
+    """Whether an event is the end of an ``after``."""
     return event.kind == "time" and is_of_time_out(event.channel)

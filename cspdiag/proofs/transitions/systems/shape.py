@@ -1,4 +1,4 @@
-"""A template with its labels numbered, and without the states before a start that happens at once."""
+"""A template with its labels numbered, and without the states before a start that always comes first."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from cspdiag.proofs.transitions.systems.template import Spot, Template
 
 
 class Shape:
-    """The machine of a thread; ``started`` says that it has been started when the system begins, and labels in
-    ``never`` do not happen.
+    """The state machine of a thread. ``started`` says that the thread has been started when the system begins; labels
+    in ``never`` do not happen.
 
-    ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first, nor can it come
-    back to that.
+    ``forked_at_once`` are the parallels that a started thread has started as well: it can do nothing before that, and
+    never returns to that state.
     """
 
     def __init__(self, template: Template, *, started: bool, never: frozenset[Label] = frozenset()) -> None:
@@ -46,7 +46,7 @@ class Shape:
 
 
 def _without(edges: Sequence[Sequence[tuple[Label, int]]], never: frozenset[Label]) -> list[list[tuple[Label, int]]]:
-    """The edges that are left, past states that had been there for what never happens and lead on by themselves now."""
+    """The edges without what never happens. States of which only an internal edge remains are skipped."""
     left = [[edge for edge in found if edge[0] not in never] for found in edges]
     past = {
         state: after[0][1]
@@ -65,5 +65,5 @@ def _past(past: Mapping[int, int], state: int) -> int:
 
 
 def _reached(edges: Sequence[Sequence[tuple[Label, int]]], start: int) -> list[int]:
-    """The states that can be come to, in the order in which they are found, the first one first."""
+    """The reachable states in the order in which they are found, ``start`` first."""
     return list(reached([start], lambda state: [target for _, target in edges[state]]))

@@ -1,9 +1,9 @@
-"""A network as communicating state machines, kept apart: components joined by events, never their product.
+"""A network as communicating state machines: components joined by events, whose product is not built here.
 
 An **event** has parties, the components that must all offer it; it happens when each of them is in a state with an edge
 that carries it, and moves them all at once (the synchronization of CSP, Roscoe, "Understanding Concurrent Systems",
-chapter 4). Events with a single party are those of the environment, of time and of variables: they can happen whenever
-their party offers them. ``INTERNAL`` edges belong to one component and carry no event.
+chapter 4). Events with a single party are those of the environment and of time: they can happen whenever their party
+offers them. ``INTERNAL`` edges belong to one component and carry no event.
 
 A process in a state without edges that is not ``terminal`` never continues (``stop``); in a terminal state it has
 ended, which is not a deadlock.
@@ -20,7 +20,7 @@ from cspdiag.base.record import EMPTY, record
 from cspdiag.proofs.transitions.classes.distinguished import Distinction
 
 INTERNAL = -1
-"""The event of an edge that a component takes on its own, unseen."""
+"""The event of an edge that one component takes by itself, and that no other component sees."""
 
 Edge: TypeAlias = tuple[int, int]
 """An event (an index into ``System.events``, or ``INTERNAL``) and the state after it."""
@@ -45,12 +45,12 @@ EventKind: TypeAlias = Literal[
 
 @record
 class Event:
-    """Something that all its parties take part in at once.
+    """A step that all its parties take together.
 
-    ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible``
-    events are those that a specification sees: they pass an external port. ``instant`` is a delay that may be over at
-    once, so that no time need pass. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something
-    else, ``.`` is not a process; empty if unknown.
+    ``channel`` is the hierarchical name as in traces; ``value`` the value as text, if values of the channel are
+    followed. ``visible`` events are those that a specification sees: communications on ports of the outermost process.
+    ``instant`` events are ends of delays that may take no time. ``roles`` has a character for each party: ``!`` writes,
+    ``?`` reads, ``*`` does something else, ``.`` is not a process; it is empty if the roles are unknown.
     """
 
     channel: str
@@ -62,7 +62,7 @@ class Event:
     instant: bool = False
 
     def role(self, party: int) -> str:
-        """What a party does, or nothing."""
+        """The character of a party in ``roles``; empty if unknown."""
         position = self.parties.index(party)
         return self.roles[position] if position < len(self.roles) else ""
 
@@ -81,8 +81,8 @@ def with_value(channel: str, value: str | None) -> str:
 
 @record
 class Place:
-    """What a process is doing in a state, for people: ``waits to write fork[1]``, where the text says so, and the path
-    of the innermost process that does it.
+    """What a process is doing in a state, in words such as ``waits to write fork[1]``; where in the source text; and
+    the path of the innermost process that does it.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -94,14 +94,14 @@ class Place:
 
 @record
 class Component:
-    """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a tracked
+    """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a shared
     variable.
 
     ``edges[state]`` are the edges out of a state; ``terminal`` the states in which it has ended. ``places`` describes
-    states to people, and may lack some. ``failed`` are those of the terminal states in which a missed sample has ended
-    it. ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the
-    instance's path from the outermost process. ``span`` is the text of a parallel branch that has no name but its
-    number.
+    states in words, and may lack some. ``failed`` are those terminal states in which a missed sample has ended it.
+    ``process`` says whether it is a process, which can be stuck; a channel or a variable cannot. ``path`` is the path
+    of the instance from the outermost process. ``span`` is the source text of a parallel branch that has a number
+    instead of a name.
     """
 
     name: str
@@ -117,8 +117,8 @@ class Component:
 
 @record
 class Abstraction:
-    """Something that the transition system leaves open although the program decides it; a refutation that depends on it
-    must be replayed.
+    """A decision of the program that the transition system leaves open; a counterexample that depends on it must be
+    replayed.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -131,10 +131,10 @@ class Abstraction:
 class System:
     """Components and the events that join them. Every component that has an edge with an event is one of its parties.
 
-    A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a
-    channel that no process uses from the other side. In ``terminal`` are also the states in which a process waits for
-    its branches, or to be started: what is stuck then is another component. ``distinctions`` says how the values of
-    inputs are distinguished, by port.
+    An event with a party that has no edge for it never happens: so it is with ``nobody``, the partner on a channel that
+    no process uses from the other side. ``terminal`` also contains the states in which a process waits for its
+    branches, or to be started: if the program is stuck then, it is because of another component. ``distinctions`` says
+    by port how closely the values of inputs are distinguished.
     """
 
     components: tuple[Component, ...]

@@ -1,4 +1,4 @@
-"""What following one thread of control gives: states and edges in terms of the thread, so that instances that are alike
+"""Templates: the state machine of one thread of control, in terms of the thread itself, so instances that are alike
 share it.
 
 A thread is the outermost process or one branch of a parallel composition, with everything that it runs in sequence.
@@ -21,8 +21,8 @@ from cspdiag.proofs.transitions.values import Known
 
 @record
 class Spot:
-    """What a thread does in a state: words, the medium that they end with, the place in the text, and the process
-    inside the thread that does it.
+    """What a thread does in a state: words, the medium whose name follows them, where in the source text, and the path
+    of the process inside the thread that does it.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -35,8 +35,8 @@ class Spot:
 
 @dataclass
 class Parallel:
-    """A parallel that a thread runs, whether its branches may be cancelled, and whether a fault of theirs is
-    ``caught``.
+    """A parallel composition that a thread runs; whether its branches may be cancelled, and whether a fault in one of
+    them is ``caught``.
     """
 
     path: Path
@@ -49,8 +49,8 @@ class Parallel:
 class Template:
     """The state machine of a thread.
 
-    ``asked`` are the media whose values or sharing the machine depends on, with the answers; ``written`` what it may
-    write to relevant media; ``touched`` the variables that it accesses.
+    ``asked`` are the media on whose values or sharing the state machine depends, each with what was found there;
+    ``written`` are the values that it may write to relevant media; ``touched`` the variables that it accesses.
     """
 
     edges: list[list[tuple[Label, int]]] = field(default_factory=list)
@@ -64,7 +64,7 @@ class Template:
     _repeated: dict[ParallelId, bool] = field(default_factory=dict)
 
     def repeats(self, parallel: ParallelId) -> bool:
-        """Whether the parallel may be started again in one run of the thread."""
+        """Whether the parallel may be started more than once in one run of the thread."""
         known = self._repeated.get(parallel)
         if known is None:
             known = self._repeated[parallel] = self._starts_again(Fork(parallel))

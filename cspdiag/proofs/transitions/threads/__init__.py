@@ -1,1 +1,1 @@
-"""Threads of control, followed from the composition to states and edges."""
+"""Threads of control: their states and edges, explored from compositions."""

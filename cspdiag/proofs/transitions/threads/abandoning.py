@@ -1,5 +1,5 @@
-"""How a thread is abandoned where it waits: by the guard of an interrupt around it, or by the cancellation of all that
-it does.
+"""How a thread leaves what it waits for: the guard of an interrupt around it is taken, or the whole thread is
+cancelled.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from cspdiag.proofs.transitions.values import Known
 
 
 class Abandoning(Communications):
-    """The edges of one thread with which it leaves what it does."""
+    """The edges by which one thread is interrupted or cancelled."""
 
     def is_abandoned_at_once(self, stack: frames.Stack) -> bool:
-        """Whether an interrupt around a place has a guard that is always ready: nothing is done in its body where it
-        could wait.
+        """Whether an interrupt around this position has a guard that is always ready: its body ends at the first point
+        where it could wait.
         """
         while stack is not None:
             frame, stack = stack
@@ -33,7 +33,7 @@ class Abandoning(Communications):
         return False
 
     def interruptions(self, c: Configuration, present: frames.Frame) -> list[Move]:
-        """The guards of the interrupts around what waits."""
+        """The edges by which guards of the surrounding interrupts are taken."""
         found: list[Move] = []
         stack, held = c.stack, c._replace(fetched=None, loaded=())
         while stack is not None:
@@ -53,14 +53,14 @@ class Abandoning(Communications):
                         case frames.Join():
                             abandon = frames.Join(present.node, present.context, "abandon")
                             target = target.at((abandon, target.stack))
-                        case _:  # Anything else is left as it is.
+                        case _:  # Any other frame needs no cleanup.
                             pass
                     found.append((label, target))
         return found
 
     def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
-        """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait
-        for the guard.
+        """The guard was seen ready and the body abandoned, but the guard is no longer ready: the process now waits for
+        the guard alone.
         """
         assert isinstance(node.action, InterruptOn)
         event = node.action.branch.event
@@ -80,8 +80,8 @@ class Abandoning(Communications):
         return [(alarm, outside.at((waits, outside.stack)))]
 
     def closing(self, c: Configuration, frame: frames.Closing, rest: frames.Stack) -> list[Move]:
-        """The body of an interrupt is about to end or to raise an exception, which nobody knows yet: an alternative may
-        choose the guard before.
+        """The body of an interrupt is about to end or to raise an exception, and other processes do not know that yet:
+        an alternative may choose the guard before.
         """
         node, context, exception = frame.interrupt.node, frame.interrupt.context, frame.exception
         assert isinstance(node.action, InterruptOn)
@@ -109,7 +109,9 @@ class Abandoning(Communications):
         return after if frame.exception is None else self.follower.thrown(after, frame.exception)
 
     def cancellation(self, c: Configuration, frame: frames.Frame, rest: frames.Stack) -> list[Move]:
-        """What a cancelled thread does: it ends where it waits, and goes on to such a place elsewhere."""
+        """What a thread does when it is cancelled: it ends if it is at a cancellation point, and otherwise continues to
+        the next one.
+        """
         label = Cancelled()
         match frame:
             case frames.Idle() | frames.Over() | frames.Faulted():
@@ -139,15 +141,15 @@ class Abandoning(Communications):
                 | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again()
                 | frames.Turns() | frames.Catch() | frames.Leave()
             ):  # fmt: skip
-                raise AssertionError(f"{frame} is done in silence")
+                raise AssertionError(f"{frame} is a silent step")
             case _:
                 assert_never(frame)
 
     def is_always_ready(self, context: Context, branch: Branch) -> bool:
-        """Whether a guard never has to wait for another process."""
+        """Whether a guard never waits for another process."""
         return is_always_ready(branch.event, lambda end: self.thread.medium(context.reference(end)).kind)
 
 
 def is_point(frame: frames.Frame) -> bool:
-    """Whether a cancelled or interrupted process ends there."""
+    """Whether a cancelled or interrupted process ends at this frame."""
     return type(frame) in frames.POINTS

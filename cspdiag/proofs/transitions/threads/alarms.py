@@ -1,9 +1,9 @@
-"""Alarms: an interrupt sees that its guard is ready and abandons its body, but the communication of the guard is not
-made yet.
+"""Alarms: an interrupt sees that its guard is ready and abandons its body before the communication of the guard takes
+place.
 
-If the offer is withdrawn before it is made, only the guard is left to wait for. An offer can be withdrawn by an
-alternative that takes another guard, a process that is cancelled or interrupted where it waits, and on ``any`` by a
-process that is faster.
+If the offer of the other process is withdrawn in between, the interrupt can only wait for its guard. An offer is
+withdrawn if an alternative takes another guard, if the process is cancelled or interrupted where it waits, or if on an
+``any`` channel another process is faster.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ from cspdiag.proofs.transitions.threads.thread import resolve
 from cspdiag.proofs.transitions.threads.threads import Strand
 
 Special: TypeAlias = Alarm | Guarded | Bind | Bound | Read
-"""Guards that somebody else sees or chooses; of reads the late ones."""
+"""Labels of guards that another process sees or chooses; of reads only the late ones."""
 
 
 class Alarms:
-    """What threads can see of each other's guards: which of the ``alarm`` labels ring, and which late reads some
-    alternative may choose.
+    """What threads can see of each other's guards: which alarms can ring, and which late reads an alternative may
+    choose.
     """
 
     def __init__(self, threads: Iterable[Strand]) -> None:
@@ -70,28 +70,28 @@ class Alarms:
                 case Bind():
                     rings = medium in choosing[Bound]
                 case Guarded():
-                    raise AssertionError("nobody has to see it")
+                    raise AssertionError("guards that write are not watched")
                 case _:
                     assert_never(label)
             if not rings:
                 self._silent[strand].add(label)
 
     def silent(self, strand: Strand) -> frozenset[Label]:
-        """The alarms of a thread that nobody ever rings, and what it would do with an alternative that there is not."""
+        """The labels of a thread that never happen: alarms that no offer rings, and communications with alternatives
+        that do not exist.
+        """
         return frozenset(self._silent.get(strand, ()))
 
 
 def _special(template: Template) -> set[Special]:
-    """The alarms of a thread, its late reads, the guards by which it writes, and the ways to be bound to write
-    or read.
-    """
+    """The alarms, late reads, output guards and bindings of a thread."""
     labels = {label for edges in template.edges for label, _ in edges}
     guards = {label for label in labels if isinstance(label, Alarm | Guarded | Bind | Bound)}
     return guards | {label for label in labels if isinstance(label, Read) and label.late}
 
 
 def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Offer]]:
-    """For each state of a thread the labels of offers that are not made any more after something else has happened."""
+    """For each state of a thread, the labels of offers that another edge out of the state withdraws."""
     offers = [{_offer(label): label for label, _ in found if isinstance(label, Offer)} for found in edges]
     result: list[set[Offer]] = []
     for found, own in zip(edges, offers, strict=True):
@@ -108,14 +108,14 @@ def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Offer]]:
 
 
 def _offer(label: Offer) -> tuple[Side, Reference]:
-    """What an offer is, whatever its value: the side, and the medium."""
+    """The identity of an offer, whatever its value: the side and the medium."""
     return side_of(label), label.reference
 
 
 def bindings(
     uses: Sequence[tuple[Strand, OnMedium]],
 ) -> Iterator[tuple[tuple[Strand, Bind], tuple[Strand, Bound]]]:
-    """Alternatives that choose to write, each with a guard that is ready to be read after."""
+    """Pairs of an alternative that chooses to write and a ready guard that is bound to read."""
     writers = [(strand, label) for strand, label in uses if isinstance(label, Bind)]
     readers = [(strand, label) for strand, label in uses if isinstance(label, Bound)]
     for writer, reader in product(writers, readers):
@@ -124,7 +124,7 @@ def bindings(
 
 
 def side_of(label: Offer) -> Side:
-    """The side on which an offer communicates."""
+    """The side of the medium on which an offer communicates."""
     match label:
         case Read():
             return "read"

@@ -41,11 +41,11 @@ class Missed:
 
 
 MISSED: Final = Missed()
-"""Instead of a value: the sample was overwritten, and the reader gets Timeout."""
+"""In place of a value: the sample was overwritten, and Timeout is raised in the reader."""
 
 
 class Communications:
-    """The ways to read, write and take guards in one thread."""
+    """The edges by which one thread reads, writes and takes guards."""
 
     def __init__(self, thread: Thread, follower: Follower) -> None:
         self.thread = thread
@@ -54,7 +54,7 @@ class Communications:
     def written(
         self, reference: Reference, value: Known, label: type[Write] | type[Guarded] = Write
     ) -> Output | Write | Guarded:
-        """The label of a write, whose value is noted where values of the medium are followed."""
+        """The label of a write; notes its value if values of the medium are followed."""
         medium = self.thread.medium(reference)
         if medium.kind == "output":
             return Output(reference, value)
@@ -62,7 +62,9 @@ class Communications:
         return label(reference, value if medium.relevant else UNKNOWN)
 
     def delivering(self, reference: Reference, node: Node | None, after: Configuration) -> Configuration:
-        """The writer of a broadcast goes on when every end has taken the value."""
+        """The configuration after a write; on a broadcast, the writer then waits until every end has taken
+        the value.
+        """
         if self.thread.medium(reference).kind != "broadcast":
             return after
         return after.at((frames.Delivering(reference, node), after.stack))
@@ -70,8 +72,8 @@ class Communications:
     def reads(
         self, c: Configuration, context: Context, end: ir.End
     ) -> list[tuple[Label, Known | Missed, Configuration]]:
-        """The ways to read an end at which a reader may wait: label, value, and the configuration with its session
-        noted.
+        """The possible reads at an end where a reader may wait: label, value, and the configuration in which the
+        session of the end has begun.
         """
         reference = context.reference(end)
         medium = self.thread.medium(reference)
@@ -92,7 +94,9 @@ class Communications:
         return [(Read(reference, value, where), value, c) for value in domain]
 
     def watched(self, c: Configuration, context: Context, branches: Sequence[ir.Branch]) -> Configuration:
-        """Guards were waited for: the sessions of their sampled inputs have begun, also if another guard was taken."""
+        """The configuration after waiting for guards: the sessions of their sampled inputs have begun, even if another
+        guard was taken.
+        """
         for branch in branches:
             if isinstance(branch.event, ir.ReadyEvent | ir.InputEvent):
                 end = branch.event.source
@@ -108,7 +112,7 @@ class Communications:
         return not environments or any(environment.on_miss == "timeout" for environment in environments)
 
     def guarded(self, held: Configuration, context: Context, branch: ir.Branch, body: Node, value: Known) -> list[Move]:
-        """The ways to take a guard; ``held`` is where the alternative stands, without it."""
+        """The edges by which a guard is taken; ``held`` is the configuration after the alternative."""
         event: ir.Event = branch.event
         on = held.at((frames.Run(body, context), held.stack))
         match event:
@@ -178,5 +182,5 @@ class Communications:
 
 
 def assigning(c: Configuration, context: Context, target: ir.Target, value: Known) -> Configuration:
-    """What was read goes into its variable at the next step."""
+    """The configuration in which a value that was read is assigned to its variable in the next step."""
     return c.at((frames.Assign(context, target, value), c.stack))

@@ -1,4 +1,4 @@
-"""A process inside a thread, in whose terms actions stand."""
+"""Contexts: the processes inside a thread."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.proofs.transitions.systems.references import Constant, Discard, Inn
 
 
 class Context:
-    """A process inside a thread, in whose terms an action stands."""
+    """A process inside a thread; its actions name their ports and channels in its terms."""
 
     __slots__ = ("_channels", "definition", "occurrence", "path", "ports")
 
@@ -24,7 +24,7 @@ class Context:
         self._channels: dict[str, InnerChannel] = {}
 
     def reference(self, end: Attachment) -> Reference:
-        """The medium of an end."""
+        """The medium that an end is attached to."""
         match end:
             case PortEnd():
                 return self.ports[end.port, end.index]

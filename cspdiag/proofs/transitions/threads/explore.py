@@ -1,4 +1,4 @@
-"""All configurations of a thread, made into a template."""
+"""Explores all configurations of a thread and makes a template of them."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from cspdiag.proofs.transitions.threads.spots import spot
 from cspdiag.proofs.transitions.threads.thread import Configuration, Restart, Role, Thread
 
 MANY_STATES = 3_000
-"""A thread with more states gives up following a variable that has several values, if there is one."""
+"""In a thread with more states, the variable with the most values is followed less closely, if any has several."""
 MOST_STATES = 200_000
-"""A thread with more states is refused."""
+"""A program is refused if a thread has more states."""
 
 
 class TransitionError(Exception):
@@ -24,7 +24,7 @@ class TransitionError(Exception):
 
 
 def explore(occurrence: Occurrence, node: Node | None, role: Role) -> Template:
-    """The template of a thread. Raises TransitionError if it has too many states whatever is left open."""
+    """The template of a thread. Raises TransitionError if it has too many states even with all variables left open."""
     thread = Thread(occurrence, node, role)
     while True:
         try:
@@ -78,7 +78,9 @@ def _explored(thread: Thread) -> Template:
 
 
 def _is_terminal(frame: frames.Frame, role: Role) -> bool:
-    """Whether a thread that goes no further stands still for a reason, such as that it has ended."""
+    """Whether a thread that does not continue from here is not stuck: it has ended, has not been started, or waits for
+    its branches.
+    """
     if isinstance(frame, frames.Raised):
         return role.outermost
     return isinstance(frame, frames.Idle | frames.Ended | frames.Over | frames.Faulted | frames.Join)

@@ -1,7 +1,7 @@
-"""What a thread has still to do: a stack of frames, the next one first.
+"""What a thread still has to do: a stack of frames, the next one on top.
 
-Frames are tuples, since stacks are hashed and compared with every step of a thread. Their ``kind`` keeps frames of
-different classes apart.
+Frames are tuples, since stacks are hashed and compared with every step of a thread. Their ``kind`` makes frames of
+different classes differ.
 """
 
 from __future__ import annotations
@@ -17,15 +17,18 @@ from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.values import Known
 
 Decided: TypeAlias = "tuple[tuple[Known, bool] | None, ...]"
-"""The guards of an alternative: None where the condition does not hold, else what is written, and whether it may hold.
+"""The guards of an alternative so far: None for one whose condition does not hold; otherwise what it writes, and
+whether it is left open that the condition holds.
 """
 
 Stage: TypeAlias = Literal["wait", "cancelling", "failing", "abandon", "abandoned"]
-"""Where the parent of a parallel is, see ``join_edges``."""
+"""What the parent of a parallel is doing; see ``join_edges``."""
 
 
 class Risk(NamedTuple):
-    """Stands for a shared variable that is loaded: the fault that ``what`` may end in, which it does not."""
+    """Takes the place of a shared variable in ``Load``: the fault that ``what`` may end in. Once it is loaded, the
+    fault does not happen.
+    """
 
     span: Span | None = None
     what: str = ""
@@ -35,7 +38,7 @@ RISK: Final = Risk()
 
 
 class Run(NamedTuple):
-    """An action."""
+    """An action is to be run."""
 
     node: Node
     context: Context
@@ -67,7 +70,7 @@ class Withdrawing(NamedTuple):
 
 
 class Deciding(NamedTuple):
-    """The conditions of an alternative are looked at one after the other."""
+    """The conditions of an alternative are evaluated one after the other."""
 
     node: Node
     context: Context
@@ -76,7 +79,7 @@ class Deciding(NamedTuple):
 
 
 class Offering(NamedTuple):
-    """A condition of an alternative holds, or may hold: what the guard writes is computed."""
+    """A condition of an alternative holds, or may hold: the value that its guard writes is computed."""
 
     node: Node
     context: Context
@@ -86,7 +89,7 @@ class Offering(NamedTuple):
 
 
 class Picking(NamedTuple):
-    """An alternative with conditions that may hold or not."""
+    """In an alternative it is left open which of some conditions hold."""
 
     node: Node
     context: Context
@@ -104,7 +107,9 @@ class Choosing(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """A control law reads the inputs that remain, by position; None before it is known which have to wait."""
+    """A control law reads its remaining inputs, by position; None before it is known which inputs it may have to wait
+    for.
+    """
 
     context: Context
     instance: str
@@ -123,7 +128,9 @@ class Compute(NamedTuple):
 
 
 class Writing(NamedTuple):
-    """A control law writes the outputs that remain, by position; None before it is known which have to wait."""
+    """A control law writes its remaining outputs, by position; None before it is known which outputs are
+    communications.
+    """
 
     context: Context
     instance: str
@@ -139,12 +146,12 @@ class Join(NamedTuple):
     context: Context
     stage: Stage
     exception: str | None = None
-    """While it is ``cancelling`` and ``failing``: what is raised."""
+    """The exception that is raised at the end of ``cancelling`` and ``failing``."""
     kind: Literal["join"] = "join"
 
 
 class Interrupting(NamedTuple):
-    """The condition of the guard of an interrupt is looked at."""
+    """The condition of the guard of an interrupt is evaluated."""
 
     node: Node
     context: Context
@@ -152,7 +159,7 @@ class Interrupting(NamedTuple):
 
 
 class Interruptible(NamedTuple):
-    """The condition of the guard of an interrupt holds: what it writes is computed."""
+    """The condition of the guard of an interrupt holds: the value that the guard writes is computed."""
 
     node: Node
     context: Context
@@ -160,7 +167,7 @@ class Interruptible(NamedTuple):
 
 
 class Interrupt(NamedTuple):
-    """The guard of an interrupt is around all that lies above."""
+    """All frames above this one are the body of an interrupt."""
 
     node: Node
     context: Context
@@ -169,7 +176,7 @@ class Interrupt(NamedTuple):
 
 
 class GuardOnly(NamedTuple):
-    """The body of an interrupt was abandoned: only its guard is left."""
+    """The body of an interrupt was abandoned; the process waits for the guard alone."""
 
     node: Node
     context: Context
@@ -186,20 +193,20 @@ class Closing(NamedTuple):
 
 
 class Pass(NamedTuple):
-    """The guard of an interrupt is looked at here, as where the process waits."""
+    """The guards of the surrounding interrupts may be taken here although the process does not wait."""
 
     node: Node
     kind: Literal["pass"] = "pass"
 
 
 class Either(NamedTuple):
-    """The thread ends here, or goes on."""
+    """The thread ends here or continues: which, is left open."""
 
     kind: Literal["either"] = "either"
 
 
 class Open(NamedTuple):
-    """A condition that may hold or not."""
+    """A condition is evaluated whose result is left open."""
 
     context: Context
     condition: Expression
@@ -209,7 +216,7 @@ class Open(NamedTuple):
 
 
 class Storing(NamedTuple):
-    """A variable is given a value."""
+    """A variable is assigned."""
 
     reference: Reference
     value: Known
@@ -217,21 +224,21 @@ class Storing(NamedTuple):
 
 
 class Split(NamedTuple):
-    """One of these: which is left open."""
+    """One of these frames follows: which one, is left open."""
 
     parts: tuple[Put, ...] | tuple[Storing, ...]
     kind: Literal["split"] = "split"
 
 
 class Load(NamedTuple):
-    """A shared variable is to be looked at, or a fault to be risked."""
+    """A shared variable is to be read, or it is to be decided whether a fault happens."""
 
     what: Reference | Risk
     kind: Literal["load"] = "load"
 
 
 class Store(NamedTuple):
-    """A shared variable is to be given a value."""
+    """A shared variable is to be assigned."""
 
     reference: Reference
     value: Known
@@ -239,7 +246,7 @@ class Store(NamedTuple):
 
 
 class Assign(NamedTuple):
-    """What was read goes into its variable."""
+    """A value that was read is assigned to its variable."""
 
     context: Context
     target: Target
@@ -273,7 +280,7 @@ class Again(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """A counted loop has as many turns left."""
+    """A counted loop has ``left`` iterations left."""
 
     node: Node
     context: Context
@@ -282,7 +289,7 @@ class Turns(NamedTuple):
 
 
 class Catch(NamedTuple):
-    """What lies above is the body of a ``catch``."""
+    """All frames above this one are the body of a ``catch``."""
 
     exception: str
     handler: Node
@@ -304,31 +311,31 @@ class Diverges(NamedTuple):
 
 
 class Idle(NamedTuple):
-    """It has not been started."""
+    """The thread has not been started."""
 
     kind: Literal["idle"] = "idle"
 
 
 class Ended(NamedTuple):
-    """The thread has ended, and its parent has not been notified."""
+    """The thread has ended, and its parent has not noticed it yet."""
 
     kind: Literal["ended"] = "ended"
 
 
 class Over(NamedTuple):
-    """The thread has ended for good."""
+    """The thread has ended, and will not be started again."""
 
     kind: Literal["over"] = "over"
 
 
 class Faulted(NamedTuple):
-    """The program ends by a fault."""
+    """A fault that no process catches has ended the program."""
 
     kind: Literal["faulted"] = "faulted"
 
 
 class Raised(NamedTuple):
-    """It ends by an exception."""
+    """The thread has ended by an exception."""
 
     exception: str
     kind: Literal["raised"] = "raised"
@@ -338,16 +345,16 @@ Silent: TypeAlias = (
     Deciding | Offering | Compute | Interrupting | Interruptible | Interrupt | Storing | Assign | Again | Turns
     | Catch | Leave
 )  # fmt: skip
-"""What a thread does on its own."""
+"""What a thread does by itself."""
 
 Partly: TypeAlias = Run | Reading | Writing
-"""What it may do on its own."""
+"""What a thread does by itself, or what others take part in, depending on the action or the connections."""
 
 Waiting: TypeAlias = (
     Put | Delivering | Withdrawing | Picking | Choosing | Join | GuardOnly | Closing | Pass | Either | Open | Split
     | Load | Store | Foreign | ForeignPort | Diverges | Idle | Ended | Over | Faulted | Raised
 )  # fmt: skip
-"""What others take part in, may see, or decide by leaving it open."""
+"""What others take part in or may see, and what is left open."""
 
 Frame: TypeAlias = Silent | Partly | Waiting
 Stack: TypeAlias = "tuple[Frame, Stack] | None"
@@ -355,11 +362,11 @@ Stack: TypeAlias = "tuple[Frame, Stack] | None"
 POINTS: frozenset[type[Frame]] = frozenset(
     {Run, Put, Delivering, Choosing, Reading, Writing, Foreign, ForeignPort, Pass, GuardOnly}
 )
-"""What may be first on the stack where a cancelled or interrupted process ends."""
+"""The cancellation points: a cancelled or interrupted process ends when one of these is on top of the stack."""
 
 
 def is_interruptible(stack: Stack) -> bool:
-    """Whether what is to be done stands in an interrupt."""
+    """Whether the top of a stack is inside an interrupt."""
     while stack is not None:
         frame, stack = stack
         if isinstance(frame, Interrupt):

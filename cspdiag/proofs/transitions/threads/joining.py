@@ -26,7 +26,7 @@ Side: TypeAlias = Literal["reading", "writing"]
 def fork_edges(
     thread: Thread, follower: Follower, c: Configuration, node: Node, context: Context, rest: frames.Stack
 ) -> list[tuple[Label, Configuration]]:
-    """The start of all branches."""
+    """The edge that starts all branches."""
     key = (context.path, node)
     parallel = thread.template.parallels.setdefault(key, Parallel(context.path, node))
     caught = follower.faults_are_caught(c)
@@ -39,7 +39,7 @@ def fork_edges(
 
 
 def escaping(thread: Thread, branch: Node, context: Context, *, caught: bool) -> list[str]:
-    """The exceptions that a branch may raise; faults only where they are caught."""
+    """The exceptions that a branch may raise; faults only if they are ``caught``."""
     found = thread.facts.escaping(branch, context.definition)
     return sorted(found if caught else found - {FAULT})
 
@@ -47,12 +47,12 @@ def escaping(thread: Thread, branch: Node, context: Context, *, caught: bool) ->
 def join_edges(
     thread: Thread, follower: Follower, c: Configuration, frame: frames.Join, rest: frames.Stack
 ) -> list[tuple[Label, Configuration]]:
-    """What the parent waits for. ``stage`` is where it is.
+    """The edges of a parent that waits for its branches; ``frame.stage`` says for what.
 
     ``wait``: for the end of all branches, or an exception of one; ``cancelling``, with the exception: the branches are
-    notified; ``failing``: it waits for their end, and raises it; ``abandon`` and ``abandoned``: the same after an
-    interrupt or its own cancellation. Of several exceptions the first counts, also that of a branch that is cancelled
-    and raises it before its next communication.
+    cancelled; ``failing``: it waits until they have ended, and raises the exception; ``abandon`` and ``abandoned``: the
+    same after an interrupt or its own cancellation. Of several exceptions the first counts, even if the branch that
+    raises it has been cancelled and raises it before its next communication.
     """
     node, context = frame.node, frame.context
     parallel = (context.path, node)
@@ -89,7 +89,7 @@ def join_edges(
 
 
 class LawParallels:
-    """Control laws with many communications at once: each of them is a branch of a parallel."""
+    """Control laws with many communications at once: each communication becomes a branch of a parallel."""
 
     def __init__(self, thread: Thread, follower: Follower) -> None:
         self.thread = thread
@@ -98,7 +98,7 @@ class LawParallels:
     def fork(
         self, c: Configuration, frame: frames.Reading | frames.Writing, rest: frames.Stack, connections: list[Any]
     ) -> list[tuple[Label, Configuration]]:
-        """Starts the communications of a law that remain."""
+        """The edge that starts the remaining communications of a control law."""
         context, node, remaining = frame.context, frame.node, frame.remaining
         assert remaining is not None
         side: Side = "reading" if isinstance(frame, frames.Reading) else "writing"

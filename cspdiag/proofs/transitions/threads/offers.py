@@ -1,4 +1,4 @@
-"""What a thread offers where it waits: the edges out of a configuration."""
+"""The edges out of the configurations in which a thread waits."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
 _AT_ONCE = 4
-"""With more communications at once than that, each has a component of its own instead of all orders in one."""
+"""A control law with more communications at once than this gets a component for each of them; with fewer, one component
+has all their orders.
+"""
 
 
 class Offers(Abandoning):
@@ -115,12 +117,12 @@ class Offers(Abandoning):
                 | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again()
                 | frames.Turns() | frames.Catch() | frames.Leave()
             ):  # fmt: skip
-                raise AssertionError(f"{frame} is done in silence")
+                raise AssertionError(f"{frame} is a silent step")
             case _:
                 assert_never(frame)
 
     def _as_branch(self, c: Configuration, frame: frames.Idle | frames.Ended | frames.Raised) -> list[Move]:
-        """What the parent takes part in; the outermost process has none."""
+        """The edges in which the parent of a branch takes part; the outermost process has no parent."""
         match frame:
             case frames.Idle():
                 return [(Start(), c.at(self.body()))]
@@ -134,7 +136,7 @@ class Offers(Abandoning):
                 assert_never(frame)
 
     def body(self) -> Stack:
-        """All that the thread does."""
+        """The stack with which the thread starts."""
         root, node = self.thread.root, self.thread.node
         if node is None:
             return (frames.Foreign(root, None), (frames.Leave(root), None))
@@ -162,7 +164,7 @@ class Offers(Abandoning):
             case ir.ParallelSteps():
                 return fork_edges(self.thread, self.follower, c, node, context, rest)
             case _:
-                raise AssertionError(f"{type(action).__name__} is done in silence")
+                raise AssertionError(f"{type(action).__name__} is a silent step")
 
     def _choice(self, c: Configuration, frame: frames.Choosing, rest: Stack) -> list[Move]:
         node, context = frame.node, frame.context
@@ -177,8 +179,8 @@ class Offers(Abandoning):
         return found
 
     def _as_far_as_taken(self, context: Context, choice: ir.Choice, decided: frames.Decided) -> frames.Decided:
-        """The guards without those that are never taken, because another one is always ready: time-outs, and with
-        priority all that come after it.
+        """The guards, with None for those that are never taken because another one is always ready: time-outs, and in a
+        prioritized alternative all guards after that one.
         """
         always = [
             number
@@ -193,10 +195,10 @@ class Offers(Abandoning):
         )
 
     def _picking(self, c: Configuration, frame: frames.Picking, rest: Stack) -> list[Move]:
-        """An alternative with conditions that may hold or not: none of them does, or one.
+        """The choices of an alternative with open conditions: none of them holds, or one does.
 
-        Where several hold, the alternative does what it does where one of them holds, and refuses less: more need not
-        be distinguished.
+        If several hold, the alternative can do what it can if one of them holds, and refuses less: no further cases
+        need to be distinguished.
         """
         node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, ir.Choice)
@@ -237,9 +239,10 @@ class Offers(Abandoning):
         return found
 
     def _ordered(self, context: Context, inputs: list, remaining: tuple[int, ...]) -> tuple[list[int], list[int]]:  # type: ignore[type-arg]
-        """Those of the inputs that are always taken in the order of the ports, and the others.
+        """The inputs that can be read in the order of the ports without loss, and the others.
 
-        Inputs sampled together that nobody else in the process reads are there at the same instants.
+        Inputs that are sampled together, and that nothing else in the process reads, have their samples at the same
+        instants.
         """
         uses = context.definition.uses_of_ports
         chain = [
@@ -270,7 +273,7 @@ class Offers(Abandoning):
         return found
 
     def _computed(self, context: Context, connection: Connection, instance: str, reference: Reference) -> Known:
-        """What a control law writes, as far as it is followed."""
+        """The value that a control law writes, as far as it is followed."""
         medium = self.thread.medium(reference)
         if medium.kind != "output" or not medium.relevant:
             return UNKNOWN
@@ -302,8 +305,8 @@ class Offers(Abandoning):
         ]
 
     def _foreign(self, c: Configuration, frame: frames.Foreign, rest: Stack) -> list[Move]:
-        """A process written in another language: it may communicate on any of its ports, one after the other, and end
-        at any time.
+        """The edges of a process written in another language: it may communicate on any of its ports, one at a time,
+        and end at any time.
         """
         context, node = frame.context, frame.node
         self.thread.abstracted(

@@ -1,4 +1,4 @@
-"""What a thread does in a state, in words for people."""
+"""Describes in words what a thread does in a state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
 
 MISSED_A_SAMPLE = "raises Timeout"
-"""Where a missed sample has ended the outermost process."""
+"""The words for the state in which a missed sample has ended the outermost process."""
 
 
 def spot(thread: Thread, configuration: Configuration) -> Spot:
@@ -95,7 +95,7 @@ def _spot(thread: Thread, frame: frames.Frame) -> Spot:
             | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again() | frames.Turns()
             | frames.Catch() | frames.Leave()
         ):  # fmt: skip
-            raise AssertionError(f"{frame} is done in silence")
+            raise AssertionError(f"{frame} is a silent step")
         case _:
             assert_never(frame)
 
@@ -113,7 +113,7 @@ def _action(frame: frames.Run) -> Spot:
         case ir.ParallelSteps():
             return Spot("starts its parallel branches", None, node.span)
         case _:
-            raise AssertionError(f"{type(action).__name__} is done in silence")
+            raise AssertionError(f"{type(action).__name__} is a silent step")
 
 
 def _choice(frame: frames.Choosing) -> Spot:

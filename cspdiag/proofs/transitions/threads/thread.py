@@ -1,4 +1,4 @@
-"""A thread of control: the meaning of its names, its variables, and its configurations."""
+"""A thread of control while it is explored: its configurations and variables, and the media that its names refer to."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ from cspdiag.proofs.transitions.values import MOST_VALUES, UNKNOWN, Known, evalu
 
 
 class Configuration(NamedTuple):
-    """Where a thread is: what is to be done, the next first; the values of its variables; whether it was cancelled and
-    only goes on to its next communication; what a ready guard has read already (medium, value, guard); and values of
-    shared variables that were loaded for the next step.
+    """A state of a thread: what it has to do, the next frame first; the values of its variables; whether it was
+    cancelled and only continues to its next communication (``doomed``); what a ready guard has read already (medium,
+    value, guard); and the values of shared variables that were loaded for the next step.
     """
 
     stack: Stack
@@ -40,13 +40,13 @@ class Configuration(NamedTuple):
     loaded: tuple[tuple[Reference | Risk, Known], ...] = ()
 
     def at(self, stack: Stack) -> Configuration:
-        """The same with other things to be done: what ``_replace`` would give, in half the time."""
+        """The configuration with another stack: like ``_replace``, in half the time."""
         return Configuration(stack, self.variables, self.doomed, self.fetched, self.loaded)
 
 
 class Role(NamedTuple):
-    """What a thread is to others: the outermost process or a branch; one that may be cancelled; one whose faults are
-    caught by the process that started it; one that runs ``once`` at most.
+    """What a thread is to others: whether it is the outermost process rather than a branch; whether it may be
+    cancelled; whether its faults are caught by the process that started it; whether it runs at most ``once``.
     """
 
     outermost: bool
@@ -62,25 +62,25 @@ class Session(NamedTuple):
 
 
 Slot: TypeAlias = Reference | Session
-"""A local variable, or a note."""
+"""What a configuration keeps a value of: a local variable, or whether a session has begun."""
 
 
 class NeedsLoad(Exception):  # noqa: N818 - a step that is to be taken first
-    """A shared variable has to be loaded first."""
+    """A shared variable has to be loaded before the step."""
 
     def __init__(self, what: Reference | Risk) -> None:
         self.what = what
 
 
 class Restart(Exception):  # noqa: N818
-    """The whole thread has to be followed again, with what was found out."""
+    """The thread has to be explored again, with what was found out."""
 
 
 class Thread:
-    """A branch of a parallel, or the outermost process, while it is followed.
+    """A branch of a parallel, or the outermost process, while it is explored.
 
-    ``widened`` variables, of which ranges are followed, ``dropped`` ones, of which nothing is, and ``unfused`` guards
-    are those found out in earlier rounds.
+    Earlier rounds have found the ``widened`` variables, of which only ranges are followed, the ``dropped`` ones, which
+    are not followed, and the ``unfused`` guards, which are taken before anything is read.
     """
 
     def __init__(self, occurrence: Occurrence, node: Node | None, role: Role) -> None:
@@ -109,7 +109,7 @@ class Thread:
         self._sessions: dict[Path, list[Session]] = {}
 
     def context(self, outer: Context, name: str) -> Context:
-        """The process that an instance inside is."""
+        """The context of an instance inside another context."""
         path = (*outer.path, name)
         known = self._contexts.get(path)
         if known is None:
@@ -124,7 +124,7 @@ class Thread:
         return definition if isinstance(definition, SubmodelClass) else None
 
     def medium(self, reference: Reference) -> MediumFacts:
-        """What a reference stands for; ``constant`` and ``discard`` have media of their own."""
+        """The medium that a reference refers to; each ``Constant`` and ``Discard`` has a medium of its own."""
         known = self._media.get(reference)
         if known is None:
             known = self._media[reference] = self._medium(reference)
@@ -144,7 +144,7 @@ class Thread:
                 assert_never(reference)
 
     def domain(self, reference: Reference) -> tuple[Known, ...] | None:
-        """The values that may be read there; None if they are not followed."""
+        """The values that may be read from a medium; None if they are not followed."""
         self._ask(reference)
         return self.medium(reference).domain
 
@@ -187,18 +187,20 @@ class Thread:
         )
 
     def _parameter(self, occurrence: Occurrence, name: str) -> Known:
-        """A parameter's value if conditions depend on it: instances that differ in others only are followed once."""
+        """The value of a parameter if conditions depend on it: instances that differ in other parameters only share a
+        template.
+        """
         relevant = ("parameter", occurrence.definition.name, name) in self.facts.relevant
         return occurrence.arguments.get(name, UNKNOWN) if relevant else UNKNOWN
 
     def slot_value(self, configuration: Configuration, key: Slot) -> Known:
-        """The value of a local variable, or of a note such as whether a session has begun."""
+        """The value of a local variable, or whether a session has begun."""
         slot = self._slot(key)
         return configuration.variables[slot] if slot < len(configuration.variables) else self._initial[slot]
 
     def with_slot(self, configuration: Configuration, key: Slot, value: Known) -> Configuration:
-        """The configuration with another value of a local variable. Trailing initial values are left out, so that equal
-        ones look equal.
+        """The configuration with another value in a slot. Trailing initial values are left out, so equal configurations
+        compare equal.
         """
         value = self._followed(key, value)
         slot = self._slot(key)
@@ -235,7 +237,7 @@ class Thread:
         return self.medium(key).coarsened(value) if key in self.widened else value
 
     def pieces(self, reference: Reference, value: Known) -> tuple[Known, ...]:
-        """A value, or the parts of a range that are distinguished in a medium: which of them it is, is left open."""
+        """The value, or the parts of a range that are distinguished in a medium: which of them it is, is left open."""
         medium = self.medium(reference)
         parts = medium.pieces(value)
         if len(parts) > 1 and reference not in self.widened:
@@ -244,13 +246,14 @@ class Thread:
         return parts
 
     def _widen(self, key: Reference) -> None:
-        """From the next round on a variable is followed less closely."""
+        """Lets the next round follow a variable less closely."""
         less = self.dropped if key in self.widened or not self.medium(key).cells else self.widened
         less.add(key)
 
     def count(self, configuration: Configuration) -> None:
-        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are
-        distinguished; one that counts turns may have as many, as where a thread is in the loop says which it is.
+        """Notes the values in a new state. If a variable has more values than are distinguished it is followed less
+        closely, and Restart is raised; a variable that counts iterations may have as many values as there are
+        iterations, since the position in the loop determines its value anyway.
         """
         for slot, value in enumerate(configuration.variables):
             values = self._values[slot]
@@ -263,7 +266,7 @@ class Thread:
                     raise Restart
 
     def give_up(self, configurations: Iterable[Configuration]) -> bool:
-        """Follows the variable that has most values in some configurations less closely; whether any has several."""
+        """Lets the next round follow the variable with most values less closely; returns whether any has several."""
         found: dict[int, set[Known]] = {}
         for configuration in configurations:
             for slot, value in enumerate(configuration.variables):
@@ -280,21 +283,21 @@ class Thread:
         return True
 
     def begun(self, configuration: Configuration, context: Context, end: ReadingEnd) -> bool:
-        """Whether a sample may have been missed at an end: its process has read there before. Unknown counts
-        as that.
+        """Whether a sample may have been missed at an end, because its process has read there before; True if that is
+        not known.
         """
         if not self._follows_sessions(context):
             return True
         return bool(self.slot_value(configuration, Session(end)))
 
     def beginning(self, configuration: Configuration, context: Context, end: ReadingEnd) -> Configuration:
-        """A read at an end: the session has begun."""
+        """The configuration after a read at an end: its session has begun."""
         if not self._follows_sessions(context):
             return configuration
         return self.with_slot(configuration, Session(end), True)
 
     def closed(self, configuration: Configuration, context: Context) -> Configuration:
-        """The process ends, and with it the sessions of its ends."""
+        """The configuration after the end of a process: the sessions of its ends are over."""
         for key in self._sessions.get(context.path, ()):
             configuration = self.with_slot(configuration, key, False)
         return configuration
@@ -304,7 +307,7 @@ class Thread:
         return whole and not context.definition.has_parallel
 
     def abstracted(self, what: str, span: Span | None) -> None:
-        """Notes what is left open."""
+        """Notes something that is left open."""
         self.template.abstractions[Abstraction(what, span)] = None
 
 
@@ -316,7 +319,7 @@ def resolve(occurrence: Occurrence, reference: Reference) -> MediumFacts:
         case InnerChannel():
             return occurrence.at(reference.path).channel(reference.name)
         case Constant() | Discard():
-            raise AssertionError("nobody else accesses it")
+            raise AssertionError("only the thread itself accesses it")
         case _:
             assert_never(reference)
 

@@ -1,4 +1,4 @@
-"""All threads of a program, followed until nothing new is found out about the values that channels carry.
+"""All threads of a program, explored until nothing new is found out about the values on channels.
 
 Threads that are alike, as the elements of an array of instances are, share a template.
 """
@@ -26,7 +26,7 @@ ParallelKey: TypeAlias = tuple[Occurrence, Node]
 
 
 class Strand:
-    """A thread in its place: whose branch it is, and its template."""
+    """A thread at its place in the program: the instance that it belongs to, its parent, and its template."""
 
     def __init__(
         self, occurrence: Occurrence, node: Node | None, name: str, parent: Strand | None, branch: int
@@ -47,7 +47,7 @@ class Strand:
 
     @property
     def role(self) -> Role:
-        """What it is to others."""
+        """What the thread is to others."""
         return Role(outermost=self.parent is None, cancellable=self.cancellable, caught=self.caught, once=self.once)
 
 
@@ -71,8 +71,8 @@ class Strands:
             self._follow(strand)
 
     def _read_in_vain(self) -> bool:
-        """Channels that are read and that nobody writes: their readers wait for whatever value never comes. Returns
-        whether there are new ones.
+        """Gives an unknown value to channels that are read and never written, so their readers have a label to wait
+        with. Returns whether there are new ones.
         """
         for medium in [medium for medium in self._asking if medium.kind in CHANNELS and medium.values == set()]:
             medium.admit({UNKNOWN})
@@ -80,7 +80,7 @@ class Strands:
         return bool(self._pending)
 
     def all(self) -> list[Strand]:
-        """The threads that can run, each before its branches."""
+        """The threads that can run, each one before its branches."""
         found = [self.top]
         for strand in found:
             for key in strand.template.parallels:
@@ -138,7 +138,7 @@ class Strands:
         return known
 
     def _name(self, strand: Strand) -> None:
-        """A branch of another parallel may have the name already."""
+        """Makes the name of a thread unique: a branch of another parallel may have it already."""
         uses = self._names[strand.name] = self._names.get(strand.name, 0) + 1
         if uses > 1:
             strand.name = f"{strand.name} ({uses})"
@@ -154,7 +154,7 @@ class Strands:
         return template
 
     def _kind(self, strand: Strand) -> Hashable:
-        """What a template depends on besides what it asks."""
+        """What a template depends on besides the media that it asks for."""
         occurrence = strand.occurrence
         definition = occurrence.definition
         first: dict[MediumFacts, int] = {}
@@ -174,13 +174,13 @@ def _answer(occurrence: Occurrence, reference: Reference) -> object:
 
 
 def parallel_key(occurrence: Occurrence, key: ParallelId) -> ParallelKey:
-    """The parallel of an instance that a thread of ``occurrence`` knows by ``key``."""
+    """The parallel that a thread of ``occurrence`` knows as ``key``."""
     path, node = key
     return occurrence.at(path), node
 
 
 def _branch(occurrence: Occurrence, node: Node, parent: Strand, number: int) -> Strand:
-    """A branch; one that is just a process is that process's own thread."""
+    """The thread of a branch; if the branch only runs a process, it is the thread of that process."""
     label = None
     while isinstance(node.action, Group):
         label = label or node.action.label

@@ -1,1 +1,1 @@
-"""What a thread does on its own: silent steps, of which it needs no choice and nobody else sees."""
+"""Silent steps: what a thread does by itself, without a choice and without another process seeing it."""

@@ -1,4 +1,4 @@
-"""What a thread knows: the values of its expressions, what they may fail with, and how it ends."""
+"""What is known in a thread: the values of its expressions, which of them may fail, and how the thread ends."""
 
 from __future__ import annotations
 
@@ -55,17 +55,17 @@ from cspdiag.proofs.transitions.values import (
 
 
 class Computing:
-    """The values and the ends of one thread."""
+    """Evaluates the expressions of one thread, and ends it."""
 
     def __init__(self, thread: Thread) -> None:
         self.thread = thread
 
     def finished(self, configuration: Configuration) -> Configuration | None:
-        """The thread has ended."""
+        """The configuration of a thread that has ended."""
         return configuration._replace(stack=(frames.Ended(), None), doomed=False, fetched=None, loaded=())
 
     def abandoned(self, configuration: Configuration) -> Configuration:
-        """A cancelled thread ends at this point of its composition."""
+        """The configuration of a cancelled thread that ends here."""
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
@@ -74,7 +74,9 @@ class Computing:
         return configuration._replace(stack=(frames.Ended(), None), doomed=False, fetched=None, loaded=())
 
     def thrown(self, configuration: Configuration, exception: str) -> Configuration:
-        """An exception propagates to the ``catch`` that catches it, or ends the thread."""
+        """The configuration after an exception: in the handler of the ``catch`` that catches it, or at the end of the
+        thread.
+        """
         stack = configuration.stack
         while stack is not None:
             frame, stack = stack
@@ -87,7 +89,7 @@ class Computing:
                 case frames.Interrupt() if self.may_be_chosen(configuration, frame):
                     closing = (frames.Closing(frame, exception), stack)
                     return configuration._replace(stack=closing, fetched=None, loaded=())
-                case _:  # Any other frame is what is left undone.
+                case _:  # Any other frame is dropped.
                     pass
         end: frames.Frame = frames.Raised(exception)
         if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
@@ -95,7 +97,7 @@ class Computing:
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
 
     def may_be_chosen(self, configuration: Configuration, interrupt: frames.Interrupt) -> bool:
-        """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to
+        """Whether an alternative of another process may choose the guard of an interrupt although the body is about to
         end by itself.
         """
         assert isinstance(interrupt.node.action, ir.InterruptOn)
@@ -106,7 +108,9 @@ class Computing:
         return self.thread.medium(reference).kind in ("sync", "any", "broadcast")
 
     def passing(self, c: Configuration, following: frames.Stack, node: Node) -> Configuration:
-        """Goes on with ``following``; inside an interrupt, whose guard is looked at here as where the process waits."""
+        """Continues with ``following``. Inside an interrupt, its guard may be taken here, as at a point where the
+        process waits.
+        """
         stack = following
         while stack is not None:
             if isinstance(stack[0], frames.Interrupt):
@@ -115,13 +119,17 @@ class Computing:
         return c.at(following)
 
     def cannot_fuse(self, c: Configuration) -> None:
-        """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""
+        """Raises Restart: the value that a ready guard has read cannot be passed on to the read that follows it. In the
+        next round the guard is taken without reading.
+        """
         assert c.fetched is not None
         self.thread.unfused.add(c.fetched[2])
         raise Restart
 
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
-        """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
+        """The value of an expression. Raises NeedsLoad, through ``risk``, if the evaluation may fail where faults are
+        caught.
+        """
         value = self.thread.evaluate(configuration, context, expression)
         if self._may_fail(context, expression) and not (
             is_exact(value) and self._is_computed_from_exact(configuration, context, expression)
@@ -135,14 +143,14 @@ class Computing:
             self._risk_computing(configuration, context, expression)
 
     def _may_fail(self, context: Context, expression: Expression) -> bool:
-        """Whether a computation may end in a fault, where that makes a difference."""
+        """Whether a computation may end in a fault, in a program where that makes a difference."""
         facts = self.thread.facts
         matters = facts.catches_faults or facts.specification is not None
         return matters and facts.faults.of_expression(expression, context.definition.name)
 
     def _is_computed_from_exact(self, configuration: Configuration, context: Context, expression: Expression) -> bool:
-        """Whether all that an expression is computed from is known exactly, so that it surely gives its value: a
-        comparison may also be decided for a whole range, of which a part overflows before it is compared.
+        """Whether all operands of an expression are known exactly, so it certainly has its value: a comparison may also
+        be decided for a whole range of which a part overflows before it is compared.
         """
         return all(
             is_exact(self.thread.evaluate(configuration, context, part))
@@ -157,7 +165,7 @@ class Computing:
             self.thread.abstracted(f"{what} may end in a fault or not", expression.span)
 
     def risk(self, configuration: Configuration, what: str, span: Span | None) -> None:
-        """A step of which ``what`` may end in a fault, where faults are caught."""
+        """Raises NeedsLoad if faults are caught here, and it has not been decided whether ``what`` ends in one."""
         if not self.thread.facts.catches_faults or any(loaded == RISK for loaded, _ in configuration.loaded):
             return
         if self.faults_are_caught(configuration):
@@ -177,8 +185,8 @@ class Computing:
     def outcomes(
         self, configuration: Configuration, context: Context, condition: Expression
     ) -> list[tuple[bool, Configuration]]:
-        """Whether a condition holds: one answer, or several where that is left open; a variable of few values is then
-        given the one that decides.
+        """Whether a condition holds: one answer, or several if that is left open. A variable with few values then has
+        the value that decides the condition.
         """
         value = self.evaluate(configuration, context, condition)
         if value is not UNKNOWN:
@@ -216,7 +224,7 @@ class Computing:
     def assigned(
         self, configuration: Configuration, context: Context, target: ir.Target, value: Known
     ) -> Configuration:
-        """A variable, or an element of it, is given a value."""
+        """The configuration after an assignment to a variable or an element of it."""
         if target.channel == "":
             return configuration
         faults = self.thread.facts.faults
@@ -233,7 +241,7 @@ class Computing:
         return self.stored(configuration, reference, value)
 
     def stored(self, configuration: Configuration, reference: Reference, value: Known) -> Configuration:
-        """A variable is given a value; a shared one at the next step."""
+        """The configuration after a value is stored in a variable; for a shared one that is the next step."""
         if isinstance(reference, Constant | Discard) or not self.thread.medium(reference).relevant:
             return configuration
         parts = self.thread.pieces(reference, value)
@@ -248,8 +256,8 @@ class Computing:
         return self.thread.with_slot(configuration, reference, value)
 
     def _shown(self, c: Configuration, context: Context, medium: MediumFacts, expression: Expression) -> Known:
-        """What a specification, or who is held against one, writes to an output. What is computed from numbers that are
-        not distinguished may be any number.
+        """The value that a specification, or a process that is compared with one, writes to an output. A value computed
+        from numbers that are not distinguished is unknown.
         """
         value = UNKNOWN if isinstance(expression, PresentTime) else self.evaluate(c, context, expression)
         if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):
@@ -261,20 +269,24 @@ class Computing:
         return UNKNOWN
 
     def not_shown(self, context: Context, medium: MediumFacts, of: str, span: Span | None) -> None:
-        """A value that a specification writes is not followed, and so is not any value."""
+        """Notes that a value that a specification writes is not followed, so the specification allows no particular
+        value.
+        """
         if self.thread.facts.specification is not None:
             output = medium.name.rpartition(".")[2]
             where = context.definition.name
             self.thread.abstracted(f"the value {of} that `{where}` writes to `{output}` is not followed", span)
 
     def spent(self, c: Configuration) -> Configuration:
-        """After a value that a specification chooses was written: written again it would have to be the same one."""
+        """The configuration after a value that a specification chooses was written: variables that hold it become
+        unknown, since writing it again would have to give the same value.
+        """
         if ANY not in c.variables:
             return c
         return c._replace(variables=tuple(UNKNOWN if value == ANY else value for value in c.variables))
 
     def takes_time(self, c: Configuration, context: Context, delay: ir.WaitStep | ir.AfterEvent) -> bool:
-        """Whether a delay that begins here surely lasts longer than zero."""
+        """Whether a delay that begins here certainly takes time."""
         durations, duration = self.thread.facts.durations, delay.duration
         name = context.definition.name
         if durations.surely_takes_time(name, duration):
@@ -294,8 +306,8 @@ class Computing:
         return Time(words, instant=takes_time is not True)
 
     def offered(self, c: Configuration, context: Context, branch: ir.Branch) -> Known:
-        """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative
-        begins.
+        """The value that an output guard writes, or whether a time-out certainly takes time; evaluated when the
+        alternative begins.
         """
         event = branch.event
         match event:
@@ -330,19 +342,19 @@ class Computing:
 
 
 def _computed(expression: Expression, context: Context) -> str:
-    """What is computed, in words."""
+    """A computation in words."""
     return f"`{_as_written(expression)}` in `{context.definition.name}`"
 
 
 def _as_written(expression: Expression) -> str:
-    """As the text has it, without the test of what is stored."""
+    """The source text of an expression, without the check that a stored value is finite."""
     if isinstance(expression, FunctionCall) and expression.function == "finite":
         (expression,) = expression.arguments
     return expression_text(expression)
 
 
 def _check_indexes(target: ir.Target, kind: Type | None) -> None:
-    """Raises EvaluationFault where an element is certainly none of an array."""
+    """Raises EvaluationFault if an index is certainly out of range."""
     for index in target.indexes:
         assert isinstance(kind, ArrayType)
         number = index.value if isinstance(index, LiteralValue) else 0

@@ -1,6 +1,4 @@
-"""The silent steps of a thread: what it does on its own, without a choice, until it comes to something that others take
-part in or may see.
-"""
+"""Takes the silent steps of a thread until it reaches something that others take part in or may see."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from cspdiag.proofs.transitions.threads.thread import Configuration, NeedsLoad, 
 from cspdiag.proofs.transitions.values import ANY, UNKNOWN, EvaluationFault, Known
 
 _MANY_STEPS = 5_000
-"""The number of silent steps after which the variables that change are no longer followed."""
+"""The number of silent steps after which the variables that change are followed less closely."""
 
 
 Step: TypeAlias = Callable[[Configuration, Node, Context, Stack], Configuration | None]
@@ -31,20 +29,18 @@ class Follower(GuardSteps):
 
     @cached_property
     def _steps(self) -> dict[Node, Step]:
-        """How actions are begun that were come to."""
+        """The step that begins each action reached so far."""
         return {}
 
     @cached_property
     def _settled(self) -> dict[Configuration, Configuration]:
-        """Where the thread is after the choices that it came to: to one with many guards it comes back from each of
-        them.
+        """The settled configuration after each alternative reached so far: an alternative with many guards is reached
+        again from each of them.
         """
         return {}
 
     def settled(self, start: Configuration) -> Configuration:
-        """Where the thread is once it can do nothing more by itself. A circle of silent steps ends in a frame
-        ``diverges``.
-        """
+        """The configuration that silent steps lead to. A cycle of silent steps ends in a ``Diverges`` frame."""
         choices: list[Configuration] = []
         end = self._end_of(start, choices)
         self._settled.update(dict.fromkeys(choices, end))
@@ -85,7 +81,7 @@ class Follower(GuardSteps):
                 raise Restart
 
     def _step(self, configuration: Configuration) -> Configuration | None:
-        """One silent step, None if there is none."""
+        """The configuration after one silent step; None if the thread cannot take one."""
         stack = configuration.stack
         if stack is None:
             return self.finished(configuration)
@@ -254,7 +250,7 @@ class Follower(GuardSteps):
         return self._point(c, node, context, rest)
 
     def _point(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        """What waits: a cancelled process ends there."""
+        """A cancellation point: a cancelled process ends here, any other one waits."""
         if c.fetched is not None:
             self.cannot_fuse(c)
         return self.abandoned(c) if c.doomed else None
@@ -280,7 +276,7 @@ class Follower(GuardSteps):
         return c.at((frames.Turns(node, context, node.action.turns), rest))
 
     def _next_turn(self, c: Configuration, frame: frames.Turns, rest: Stack) -> Configuration | None:
-        """The turns that are left: the last one is followed by what comes after the loop."""
+        """The next iteration of a counted loop; the last one is followed by what comes after the loop."""
         node, context = frame.node, frame.context
         below = rest if frame.left == 1 else (frames.Turns(node, context, frame.left - 1), rest)
         return c.at((frames.Run(node.children[0], context), below))
@@ -298,7 +294,7 @@ class Follower(GuardSteps):
         )
 
     def _assigning(self, c: Configuration, frame: frames.Assign, rest: Stack) -> Configuration | None:
-        """What was read goes into its variable."""
+        """Assigns a value that was read."""
         after = c.at(rest)
         return self.assigned(after, frame.context, frame.target, frame.value)._replace(loaded=())
 
@@ -321,9 +317,9 @@ class Follower(GuardSteps):
 
 
 def _turn(configuration: Configuration, turns: frames.Turns) -> tuple[Configuration, Configuration]:
-    """What a turn of a counted loop begins with, whichever it is, and what comes after all turns.
+    """The beginning of an iteration of a counted loop, whatever its number, and the configuration after the loop.
 
-    A turn that came silently to the next one and changed nothing is as those that are left.
+    If an iteration silently reaches the next one and has changed nothing, the remaining iterations do the same.
     """
     assert configuration.stack is not None
     rest = configuration.stack[1]

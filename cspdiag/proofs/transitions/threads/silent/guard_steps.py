@@ -1,4 +1,4 @@
-"""The silent steps of conditions and guards: what they come to, before anybody may choose."""
+"""The silent steps of conditions and guards: their evaluation, before one of them is chosen."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cspdiag.proofs.transitions.values import ANY, UNKNOWN
 
 
 class GuardSteps(LawSteps):
-    """Decides conditions, and comes to alternatives and interrupts."""
+    """Evaluates the conditions and guards of one thread."""
 
     def _decided(
         self, c: Configuration, context: Context, condition: Expression, then: Stack, otherwise: Stack
@@ -37,9 +37,7 @@ class GuardSteps(LawSteps):
         return c.at((frames.Deciding(node, context, ()), rest))
 
     def _deciding(self, c: Configuration, frame: frames.Deciding, rest: Stack) -> Configuration | None:
-        """The conditions of the guards one after the other: None where one does not hold, else what the guard will
-        write, and whether that is left open.
-        """
+        """Evaluates the next condition: adds None to what is decided if it does not hold."""
         node, context, decided = frame.node, frame.context, frame.decided
         assert isinstance(node.action, Choice)
         branches = node.action.branches

@@ -1,4 +1,6 @@
-"""The silent steps of a control law: what of its inputs and outputs has to wait, and what it writes to variables."""
+"""The silent steps of a control law: which of its inputs and outputs are communications, and what it writes to
+variables.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ class LawSteps(Computing):
     """Runs the control laws of one thread."""
 
     def connections(self, context: Context, instance: str, direction: str) -> list[tuple[Connection, Reference]]:
-        """The connections of a submodel on one side, in the order of its ports, with their media."""
+        """The connections of the inputs or outputs of a submodel, in the order of its ports, with their media."""
         law = self.thread.law(context, instance)
         assert law is not None
         names = {port.name for port in law.ports if port.direction == direction}
@@ -27,7 +29,7 @@ class LawSteps(Computing):
         return [(c, context.reference(c.attachment)) for c in connections if c.port in names]
 
     def _reading(self, c: Configuration, frame: frames.Reading, rest: Stack) -> Configuration | None:
-        """The inputs that are still to be read: all at first."""
+        """Decides at first which inputs are to be read."""
         context, instance, node, remaining = frame.context, frame.instance, frame.node, frame.remaining
         if remaining is None:
             instance_of = context.definition.instances[instance]
@@ -62,7 +64,7 @@ class LawSteps(Computing):
         return c
 
     def _writing(self, c: Configuration, frame: frames.Writing, rest: Stack) -> Configuration | None:
-        """The outputs that are still to be written: all at first."""
+        """Decides at first which outputs are to be written."""
         context, instance, node, remaining = frame.context, frame.instance, frame.node, frame.remaining
         if remaining is None:
             if c.doomed:
@@ -77,7 +79,7 @@ class LawSteps(Computing):
 
 
 def constant_output(law: SubmodelClass, port: str) -> Known:
-    """The value of an output that is always the same."""
+    """The value of an output that always has the same value; otherwise UNKNOWN."""
     for equation in law.equations:
         if (
             not isinstance(equation, ExternalCall)
