@@ -236,6 +236,9 @@ class Code(Generic[A_co]):
 def following(code: Code) -> list[list[int]]:
     """The instructions after each: those behind it in the order of the text, then those that it goes back to, from the
     outermost loop; so the first after a ``Test`` is where its condition holds.
+
+    A branch of a parallel that has ended is followed by the ``Join``, where it waits for the others; there an analysis
+    arrives only if all of them can end.
     """
     after: list[list[int]] = [[] for _ in code.instructions]
     for index, before in enumerate(code.before):
@@ -243,4 +246,12 @@ def following(code: Code) -> list[list[int]]:
             after[earlier].append(index)
     for index, ways in enumerate(after):
         ways.sort(key=lambda way: (way <= index, way))
+    joins: list[int] = []
+    for index, instruction in reversed(list(enumerate(code.instructions))):
+        if joins and not after[index] and not isinstance(instruction, Stop | Raise):
+            after[index].append(joins[-1])
+        if isinstance(instruction, Join):
+            joins.append(index)
+        elif isinstance(instruction, Fork):
+            joins.pop()
     return after
