@@ -7,7 +7,7 @@ from typing import assert_never
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.paths import Job
-from cspdiag.analyses.timing.flow.starts import round_period
+from cspdiag.analyses.timing.flow.restarts import round_period
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.task import ONCE
 from cspdiag.base.record import record, replaced

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from cspdiag.analyses.timing.flow.books import (
+from cspdiag.analyses.timing.flow.followed import (
     NOTHING,
     Books,
     Standing,
@@ -24,8 +24,8 @@ from cspdiag.analyses.timing.flow.books import (
     with_standing,
 )
 from cspdiag.analyses.timing.flow.paths import Job, Node, Path, either
-from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS
 from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
+from cspdiag.analyses.timing.threads.termination import MOST_ROUNDS
 from cspdiag.base import Span
 from cspdiag.base.graphs import reached, strong_components
 from cspdiag.base.record import record

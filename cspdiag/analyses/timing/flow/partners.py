@@ -7,11 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
+from cspdiag.analyses.timing.flow.contention import Contention
+from cspdiag.analyses.timing.flow.deadlock import may_get_stuck
 from cspdiag.analyses.timing.flow.demands import Demands
 from cspdiag.analyses.timing.flow.jobs import cycles
-from cspdiag.analyses.timing.flow.meeting import may_get_stuck
 from cspdiag.analyses.timing.flow.paths import ChannelSide, Path
-from cspdiag.analyses.timing.flow.surroundings import Contention
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 from cspdiag.base import Span

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from cspdiag.analyses.timing.flow.books import Books
+from cspdiag.analyses.timing.flow.followed import Books
 from cspdiag.analyses.timing.threads.graph import Offer
 from cspdiag.base.record import record
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from cspdiag.analyses.timing.flow.passing import Passing, Spot, Stage
+from cspdiag.analyses.timing.flow.value_flow import Passing, Spot, Stage
 from cspdiag.analyses.timing.result import Chain
 from cspdiag.base.record import record, replaced
 

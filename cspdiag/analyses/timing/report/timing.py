@@ -7,24 +7,24 @@ from dataclasses import dataclass, replace
 from math import lcm
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour, behaviour
+from cspdiag.analyses.timing.flow.contention import Contention
 from cspdiag.analyses.timing.flow.demands import Demand, Demands, merged
 from cspdiag.analyses.timing.flow.partners import Partners, Together
-from cspdiag.analyses.timing.flow.passing import Passing, Stage
 from cspdiag.analyses.timing.flow.paths import Job
+from cspdiag.analyses.timing.flow.restarts import again
 from cspdiag.analyses.timing.flow.spinning import Spinning
-from cspdiag.analyses.timing.flow.starts import again
-from cspdiag.analyses.timing.flow.surroundings import Contention
+from cspdiag.analyses.timing.flow.value_flow import Passing, Stage
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
 from cspdiag.analyses.timing.report.outputs import Outputs, port_names
 from cspdiag.analyses.timing.result import Chain, LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE, Task
-from cspdiag.analyses.timing.tasks import demand as edf
+from cspdiag.analyses.timing.tasks import edf
 from cspdiag.analyses.timing.tasks.assignment import feasible_order
 from cspdiag.analyses.timing.tasks.response import Response, response_time, response_times
 from cspdiag.analyses.timing.tasks.witness import find_witness, is_overloaded
-from cspdiag.analyses.timing.threads.ends import capacities
 from cspdiag.analyses.timing.threads.graph import Thread
+from cspdiag.analyses.timing.threads.offers import capacities
 from cspdiag.analyses.timing.threads.threads import Threads
 from cspdiag.base import Span
 from cspdiag.base.record import replaced

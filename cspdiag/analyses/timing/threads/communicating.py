@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cspdiag.analyses.timing.refusal import Refusal
-from cspdiag.analyses.timing.threads.ends import never_waits
 from cspdiag.analyses.timing.threads.graph import Move, Offer
+from cspdiag.analyses.timing.threads.offers import never_waits
 from cspdiag.analyses.timing.threads.places import Context, Places, variables_in
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import ChannelEnd, CoreAction, InputEvent, OutputEvent, PortEnd, ReadValue, WriteValue

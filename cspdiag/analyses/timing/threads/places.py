@@ -7,9 +7,9 @@ from functools import cache
 from typing import Any
 
 from cspdiag.analyses.timing.refusal import Refusal
-from cspdiag.analyses.timing.threads.counting import Counting, Values, without
-from cspdiag.analyses.timing.threads.ends import Ends
 from cspdiag.analyses.timing.threads.graph import Missing, Move, Offer, Place, Thread
+from cspdiag.analyses.timing.threads.offers import Ends
+from cspdiag.analyses.timing.threads.termination import Counting, Values, without
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import Branch, CoreAction, Event, PortEnd, Step
 from cspdiag.network.ir.declared import Declared

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
 
-from cspdiag.analyses.timing.threads.beginnings import Beginnings
 from cspdiag.analyses.timing.threads.communicating import Communicating
-from cspdiag.analyses.timing.threads.counting import MOST_ROUNDS, Loop
+from cspdiag.analyses.timing.threads.first_waits import Beginnings
 from cspdiag.analyses.timing.threads.graph import Circle, Move, Offer, Thread
 from cspdiag.analyses.timing.threads.looping import Looping
 from cspdiag.analyses.timing.threads.places import Context, variables_in
+from cspdiag.analyses.timing.threads.termination import MOST_ROUNDS, Loop
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of

@@ -10,7 +10,7 @@ import pytest
 from cspdiag.analyses.timing.report.render_text import table
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.tasks.assignment import feasible_order
-from cspdiag.analyses.timing.tasks.demand import demand, meets_deadlines
+from cspdiag.analyses.timing.tasks.edf import demand, meets_deadlines
 from cspdiag.analyses.timing.tasks.response import response_times
 from cspdiag.analyses.timing.tasks.schedule import simulate
 from cspdiag.base.record import replaced

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import TypeAlias, assert_never
 
-from cspdiag.analyses.timing.threads.ends import Ends
+from cspdiag.analyses.timing.threads.offers import Ends
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType
 from cspdiag.network.ir import actions as ir

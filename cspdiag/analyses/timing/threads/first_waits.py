@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import assert_never
 
-from cspdiag.analyses.timing.threads.ends import Ends
+from cspdiag.analyses.timing.threads.offers import Ends
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Call, Communicate, Delay, Loop, Select, Watch
 from cspdiag.network.ir import actions as ir

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.demands import begun_by
 from cspdiag.analyses.timing.flow.paths import Job
-from cspdiag.analyses.timing.threads.ends import capacities
 from cspdiag.analyses.timing.threads.graph import Move
+from cspdiag.analyses.timing.threads.offers import capacities
 from cspdiag.base.record import record
 from cspdiag.network.ir.network import ChannelKind, CoreNetwork
 
