@@ -1,3 +1,3 @@
-"""Whether every sampled loop has its output in time: response times, latencies, reaction times, from stated execution
-times.
+"""Response times, latencies and reaction times of sampled loops, from stated execution times: is every output ready in
+time?
 """

@@ -1,4 +1,4 @@
-"""What the timing analysis has no bound for."""
+"""Why the timing analysis has no bound."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.base.record import record
 
 @record
 class Refusal:
-    """Something that has no bound, why, where, and what helps."""
+    """What has no bound, why, where, and how to change that."""
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
 

@@ -1,4 +1,4 @@
-"""What the timing analysis finds."""
+"""The results of the timing analysis."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from cspdiag.model.constants.durations import rounded
 
 @record
 class LoopTiming:
-    """One sampled loop; times are nanoseconds from the nominal release, the tick.
+    """One sampled loop; times are in nanoseconds from the nominal release, the tick.
 
-    ``work`` is what a sample needs, that of partners that it waits for included. ``response`` and
+    ``work`` is the execution time for a sample, including that of partners for which the loop waits. ``response`` and
     ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes;
-    ``latency`` from the sample to the outputs, the shortest and the longest, None without outputs. ``leaves`` are the
-    paths of the laws and processes that take part.
+    ``latency`` is the shortest and the longest time from the sample to the outputs, None without outputs. ``leaves``
+    are the paths of the laws and processes that take part.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -47,7 +47,7 @@ class LoopTiming:
 
     @property
     def slack(self) -> int | None:
-        """What is left of the period in the worst case; negative where it is not enough."""
+        """What remains of the period in the worst case; negative if the period is too short."""
         return None if self.response is None else self.period - self.response
 
     @property
@@ -63,10 +63,10 @@ class LoopTiming:
 
 @record
 class Chain:
-    """From an input of the program through loops to an output.
+    """A path from an input of the program through loops to an output.
 
-    ``reaction`` is the longest time from a change of the input to the first output that knows of it; ``age`` is how old
-    a sample is at most when an output that is based on it is handed over.
+    ``reaction`` is the longest time from a change of the input to the first output that reflects it; ``age`` is the
+    largest age of a sample when an output that is based on it is handed over.
     """
 
     source: str
@@ -78,8 +78,10 @@ class Chain:
 
 @record
 class Witness:
-    """A sample of a thread that is late when every law takes its longest time; instants in nanoseconds from the start
-    of the program. ``end`` is when it is ready, None where it has not even been taken when the next one comes.
+    """A sample of a thread that is late when every law takes its longest time; instants are in nanoseconds from the
+    start of the program.
+
+    ``end`` is the end of its work, None where it has not been taken before the next one arrives.
     """
 
     thread: str
@@ -89,11 +91,13 @@ class Witness:
 
 @record
 class TimingReport:
-    """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another
-    order of priorities would, as was proved, meet all deadlines and the present one is not known to;
-    ``is_edf_feasible`` tells whether earliest deadline first would, None where that is not known; ``tasks`` is what was
-    analysed; ``are_all_chains`` unless there are too many to follow. ``witness`` is a sample that is late, if one is
-    known; ``is_overloaded`` tells that for certain there is more work than time.
+    """The timing of a whole program.
+
+    ``advice`` lists the threads from the most to the least urgent, in an order that is proved to meet all deadlines
+    where the present one is not. ``is_edf_feasible`` says whether earliest deadline first would meet them, None where
+    that is not known. ``tasks`` are the tasks that were analysed. ``are_all_chains`` is False if there are too many
+    chains to follow. ``witness`` is a late sample, if one is known; ``is_overloaded`` means that there is certainly
+    more work than time.
     """
 
     process: str
@@ -113,9 +117,7 @@ class TimingReport:
 
     @property
     def is_schedulable(self) -> bool | None:
-        """True where it is proved, False where a loop is late when every law takes its longest time, None where neither
-        is known.
-        """
+        """True if proved, False if a loop is late when every law takes its longest time, None if neither is known."""
         if self.missing or self.refusals:
             return None
         if all(loop.is_met for loop in self.loops):
@@ -141,7 +143,7 @@ class TimingReport:
         if late and self.is_overloaded:
             return f"{_listed(late)} cannot always be ready before the next sample: there is more work than time"
         if late:
-            # That this analysis shows none does not say that there is none: W0707 may report what is missed.
+            # Another analysis may know of a late sample: W0707 may report missed ones.
             return (
                 f"{_listed(late)} may not be ready before the next sample, though response times alone show no run in "
                 "which it is late"

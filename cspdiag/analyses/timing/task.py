@@ -1,22 +1,23 @@
-"""What the timing analyses reason about: recurring work on one processor that is given up only between steps."""
+"""The task model of the timing analysis: recurring work on one processor, which switches only between steps."""
 
 from __future__ import annotations
 
 from cspdiag.base.record import record
 
 ONCE = 2**60
-"""The period of what happens at most once, in nanoseconds: longer than any program runs."""
+"""The period, in nanoseconds, of what happens at most once: longer than any program runs."""
 
 
 @record
 class Task:
     """Recurring work; all times are integer nanoseconds (any integer unit does).
 
-    A job is released at most every ``period``, nominally at k·period, and arrives up to ``jitter`` later. It executes
-    up to ``work``, in steps: a step runs until the process waits, and nothing preempts it. ``step`` is the longest of
-    them, ``final`` a lower bound of the last one; a job of one step has both equal to ``work``. ``priority`` orders
-    levels, the smallest being the most urgent; within a level the scheduler serves first come, first served.
-    ``suspensions`` counts how often a job lets time pass within ``work`` without using the processor.
+    A job is released at most once every ``period``, nominally at k·period, and arrives up to ``jitter`` later. Its
+    worst-case execution time is ``work``, in steps: a step runs without preemption until the process waits. ``step`` is
+    the longest step, ``final`` a lower bound of the last one; for a job of one step both are equal to ``work``.
+    ``priority`` orders levels, the smallest being the most urgent; within a level jobs are served first come, first
+    served. ``suspensions`` is the number of times that a job lets time pass within ``work`` without using the
+    processor.
     """
 
     name: str
@@ -44,5 +45,5 @@ class Task:
 
     @property
     def has_one_step(self) -> bool:
-        """Whether a job, once it has started, runs to its end."""
+        """Whether a job runs to its end once it has started."""
         return self.final == self.work

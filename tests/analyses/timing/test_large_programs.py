@@ -69,7 +69,7 @@ def test_loops_and_chains_that_are_not_shown_are_counted(monkeypatch: pytest.Mon
     lines = table(timing_report(network)).splitlines()
     assert "and 30 loops more" in lines
     assert "and 30 chains more" in lines
-    monkeypatch.setattr(chains, "LARGEST_NUMBER_OF_WAYS", 205)
+    monkeypatch.setattr(chains, "LARGEST_NUMBER_OF_ROUTES", 205)
     report = timing_report(network)
     assert "and at least 5 chains more" in table(report).splitlines()
     assert as_json(report)["allChains"] is False

@@ -1,1 +1,1 @@
-"""What threads do: from wait to wait, what they compute, and what they follow."""
+"""The behaviour of threads: what each computes from one wait to the next, and which samples it follows."""

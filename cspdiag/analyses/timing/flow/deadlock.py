@@ -1,4 +1,4 @@
-"""Whether two threads that communicate with each other can come to wait for each other on different channels."""
+"""Whether two threads that communicate with each other can deadlock by waiting for each other on different channels."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from cspdiag.analyses.timing.threads.graph import Offer, Place, Thread
 LARGEST_NUMBER_OF_PAIRS = 40_000
 
 
-def may_get_stuck(one: Thread, other: Thread, between: frozenset[str]) -> bool:
-    """Whether both may wait for the other alone, and neither for what the other offers.
+def may_deadlock(one: Thread, other: Thread, between: frozenset[str]) -> bool:
+    """Whether each thread may wait for the other alone, while neither offers what the other waits for.
 
-    ``between`` are the channels that only these two use. All else that they wait for is taken to come at any time; who
-    has ended may begin anew.
+    ``between`` are the channels that only these two threads use. Everything else that they wait for may come at any
+    time, and a thread that has ended may begin again.
     """
     seen = {(one.entry, other.entry)}
     pending = list(seen)
@@ -35,7 +35,7 @@ def may_get_stuck(one: Thread, other: Thread, between: frozenset[str]) -> bool:
 
 
 def _free(thread: Thread, place: Place, between: frozenset[str]) -> list[int]:
-    """Where a thread goes on without the other one."""
+    """The places where a thread may continue without the other one."""
     if not place.offers:
         return place.successors or [thread.entry]
     found = [offer.target for offer in place.offers if offer.kind != "partner" or offer.channel not in between]
@@ -53,7 +53,7 @@ def _is_stuck(one: Place, other: Place, between: frozenset[str]) -> bool:
 
 
 def _waits_only(place: Place, between: frozenset[str]) -> bool:
-    """Whether what ends a wait, whatever holds, are communications on some channels alone."""
+    """Whether everything that is certain to end a wait is a communication on one of some channels."""
     certain = [offer for offer in place.offers if offer.is_certain]
     return (
         bool(place.offers)

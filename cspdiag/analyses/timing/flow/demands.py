@@ -1,4 +1,6 @@
-"""What each thread asks of the processor: how often each of its jobs may come, and what it causes in others."""
+"""What each thread demands of the processor: how often its jobs are released, and which work it triggers in other
+threads.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +9,22 @@ from typing import assert_never
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.paths import Job
-from cspdiag.analyses.timing.flow.restarts import round_period
+from cspdiag.analyses.timing.flow.restarts import shortest_iteration
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.task import ONCE
 from cspdiag.base.record import record, replaced
 
 LARGEST_NUMBER_OF_COMMUNICATIONS = 1_000
-"""On one channel in one period, before the search for what they begin is given up."""
+"""On one channel in one period; with more of them the search for what they trigger is given up."""
 
 
 @record
 class Demand:
-    """Recurring work of a thread at a level of priority. ``origin`` is the thread whose samples cause it, -1 for none;
-    ``late`` tells that it comes only when that one has communicated. ``behind`` is how much later than at its period a
-    job may come besides, since something was kept for it. For ``held`` the thread itself lets time pass in it, without
-    using the processor.
+    """Recurring work of a thread at a priority level.
+
+    ``origin`` is the thread whose samples cause it, -1 if there is none; ``is_triggered`` says that it is released only
+    when that thread has communicated. ``jitter`` is the release jitter besides this, ``suspension`` the time that the
+    thread itself lets pass in a job without using the processor.
     """
 
     thread: int
@@ -31,20 +34,22 @@ class Demand:
     step: int
     delays: int = 0
     origin: int = -1
-    late: bool = False
+    is_triggered: bool = False
     cause: str = ""
-    """What begins the work: of one cause only one job comes in a period."""
-    behind: int = 0
-    held: int = 0
+    """What releases the work: each cause releases one job in a period."""
+    jitter: int = 0
+    suspension: int = 0
     meets: int = 0
-    """How many jobs in a period may wait for partners while samples are followed."""
-    shared: frozenset[int] = frozenset()
-    """Other threads whose work this may be instead."""
+    """The number of jobs in a period that may wait for partners while samples are followed."""
+    shared_with: frozenset[int] = frozenset()
+    """Other threads, of which one may do this work instead."""
 
 
 @record
-class _Begun:
-    """Communications that a thread makes, ``count`` in a period; ``hops`` threads came before it."""
+class _Trigger:
+    """Communications of a thread that may begin work in others: ``count`` in a period, at the end of a chain of
+    ``hops`` threads.
+    """
 
     thread: int
     channel: str
@@ -52,15 +57,15 @@ class _Begun:
     period: int
     count: int
     hops: int
-    behind: int
+    jitter: int
 
 
 class Demands:
-    """The demands of all threads, and those that threads cause in others by communicating with them.
+    """The demands of all threads, with the work that they trigger in each other by communicating.
 
-    ``grid`` is the shortest time between two events of one input in nanoseconds, None where nothing tells.
-    ``capacities`` are the numbers of values that channels hold, ``restarted`` the threads that may begin again, each
-    with the shortest time between.
+    ``grid`` is the shortest time between two events of one input in nanoseconds, None where it is unknown.
+    ``capacities`` are the numbers of values that channels hold; ``restarted`` are the threads that may begin again,
+    each with the shortest time between two starts.
     """
 
     def __init__(
@@ -73,7 +78,7 @@ class Demands:
     ) -> None:
         self.behaviours = behaviours
         self.grid = grid
-        self.own: dict[int, list[Demand]] = {}
+        self.by_thread: dict[int, list[Demand]] = {}
         self._capacities = capacities
         self._restarted = restarted
         self._sides: dict[tuple[str, bool], dict[int, Behaviour]] = {}
@@ -84,15 +89,15 @@ class Demands:
                         self._sides.setdefault(offer.end, {})[one.number] = one
         self._activated: set[tuple[int, str, bool, int, int]] = set()
         for one in behaviours:
-            self.own[one.number] = list(self._of(one, refusals))
+            self.by_thread[one.number] = list(self._own_demands(one, refusals))
         for one in behaviours:
-            self._spread_from(one, refusals)
+            self._propagate_from(one, refusals)
 
-    def _of(self, one: Behaviour, refusals: list[Refusal]) -> Iterator[Demand]:
+    def _own_demands(self, one: Behaviour, refusals: list[Refusal]) -> Iterator[Demand]:
         for job in one.jobs:
             path = job.path
-            held = path.delayed if job.is_owed else 0
-            if not (path.work or held or (path.meets and job.is_owed)):
+            suspension = path.delay_time if job.follows_samples else 0
+            if not (path.work or suspension or (path.meets and job.follows_samples)):
                 continue
             period = self._period(one, job)
             if period is None:
@@ -107,11 +112,11 @@ class Demands:
             yield Demand(
                 one.number, one.level, period, path.work, path.step, path.delays, one.number if is_sample else -1,
                 False, cause,
-                self._behind(one, job, period), held, int(bool(path.meets) and job.is_owed),
+                self._jitter(one, job, period), suspension, int(bool(path.meets) and job.follows_samples),
             )  # fmt: skip
 
     def _period(self, one: Behaviour, job: Job) -> int | None:
-        """How often a job may come; 0 where that is unknown, None where partners decide."""
+        """The shortest time between two releases of a job; 0 where it is unknown, None where partners determine it."""
         if job.offer is None:
             return self._restarted.get(one.number, ONCE)
         if job.offer.kind in ("delay", "event") and job.wait not in one.loop_of:
@@ -119,7 +124,7 @@ class Demands:
         match job.offer.kind:
             case "join":
                 if job.wait in one.loop_of:
-                    return round_period(one, job.wait, self.grid)
+                    return shortest_iteration(one, job.wait, self.grid)
                 return self._restarted.get(one.number, ONCE)
             case "sample" | "delay":
                 return job.offer.period
@@ -130,99 +135,99 @@ class Demands:
             case _:
                 assert_never(job.offer.kind)
 
-    def _behind(self, one: Behaviour, job: Job, period: int) -> int:
-        """By how much a job may come later than its period says."""
+    def _jitter(self, one: Behaviour, job: Job, period: int) -> int:
+        """By how much a job may be released later than its period says."""
         if period == ONCE or (job.offer is not None and job.offer.kind == "sample"):
             return 0
         if job.offer is None or job.offer.kind == "join" or job.wait not in one.loop_of:
             return period
         if job.offer.kind == "event":
-            # An event is kept until somebody asks for it.
-            is_asked = one.thread.begins_at_once and one.is_prompt(job.offer.channel, writes=False)
-            return 0 if is_asked else period
-        # What it does after waiting on the way comes when it may.
+            # An event is kept until a thread waits for it.
+            is_waited_for = one.thread.begins_at_once and one.is_prompt(job.offer.channel, writes=False)
+            return 0 if is_waited_for else period
+        # After waiting within a job it may arrive late at the delay.
         return period if job.offer.kind == "delay" and (job.path.meets or job.path.delays) else 0
 
-    def _spread_from(self, one: Behaviour, refusals: list[Refusal]) -> None:
-        """The communications in the jobs of a thread begin jobs in others, and these in others again."""
-        pending: list[_Begun] = []
+    def _propagate_from(self, one: Behaviour, refusals: list[Refusal]) -> None:
+        """Add the jobs that the communications of a thread begin in others, and those that these begin in turn."""
+        pending: list[_Trigger] = []
         for job in one.jobs:
             period = self._period(one, job)
             if period:
                 is_sample = job.offer is not None and job.offer.kind == "sample"
-                # Who follows no samples may have been kept from communicating for any time.
-                behind = 0 if is_sample or period == ONCE else self._behind(one, job, period) + period
+                # A thread without samples may have been kept from communicating for any length of time.
+                jitter = 0 if is_sample or period == ONCE else self._jitter(one, job, period) + period
                 pending += [
-                    _Begun(one.number, channel, writes, period, count, 0 if is_sample else 1, behind)
-                    for channel, writes, count in begun_by(one, job)
+                    _Trigger(one.number, channel, writes, period, count, 0 if is_sample else 1, jitter)
+                    for channel, writes, count in triggered_by(one, job)
                 ]
         while pending:
-            begun = pending.pop()
-            known = (begun.thread, begun.channel, begun.writes, begun.period, begun.count)
+            trigger = pending.pop()
+            known = (trigger.thread, trigger.channel, trigger.writes, trigger.period, trigger.count)
             if known in self._activated:
                 continue
-            if begun.count > LARGEST_NUMBER_OF_COMMUNICATIONS:
-                refusals.append(_without_end(one, begun))
+            if trigger.count > LARGEST_NUMBER_OF_COMMUNICATIONS:
+                refusals.append(_unbounded_triggering(one, trigger))
                 return
             self._activated.add(known)
-            for other in self.taking_part(begun.channel, writes=not begun.writes):
-                if other.number != begun.thread:
-                    pending += self._begin(one, begun, other)
+            for other in self.taking_part(trigger.channel, writes=not trigger.writes):
+                if other.number != trigger.thread:
+                    pending += self._begin(one, trigger, other)
 
-    def _begin(self, one: Behaviour, begun: _Begun, other: Behaviour) -> Iterator[_Begun]:
-        """What communications begin in who takes part in them."""
-        jobs = other.jobs_on(begun.channel, writes=not begun.writes)
-        behind = self._kept(begun, other)
+    def _begin(self, one: Behaviour, trigger: _Trigger, other: Behaviour) -> Iterator[_Trigger]:
+        """Add the jobs that communications begin in another thread; returns what these trigger."""
+        jobs = other.jobs_begun_by(trigger.channel, writes=not trigger.writes)
+        jitter = self._jitter_of_triggered(trigger, other)
         work = max((job.path.work for job in jobs), default=0)
-        held = max((job.path.delayed for job in jobs if job.is_owed), default=0)
-        meets = any(job.path.meets and job.is_owed for job in jobs)
-        if work or held or meets:
+        suspension = max((job.path.delay_time for job in jobs if job.follows_samples), default=0)
+        meets = any(job.path.meets and job.follows_samples for job in jobs)
+        if work or suspension or meets:
             step = max(job.path.step for job in jobs)
-            # Each who communicates there begins the work once more.
-            self.own[other.number].append(
+            # Each thread that communicates there begins the work again.
+            self.by_thread[other.number].append(
                 Demand(
-                    other.number, other.level, begun.period, begun.count * work, step,
-                    begun.count * max(job.path.delays for job in jobs),
-                    one.number, True, f"{begun.channel} of {begun.thread}", behind, begun.count * held,
-                    begun.count * meets,
+                    other.number, other.level, trigger.period, trigger.count * work, step,
+                    trigger.count * max(job.path.delays for job in jobs),
+                    one.number, True, f"{trigger.channel} of {trigger.thread}", jitter, trigger.count * suspension,
+                    trigger.count * meets,
                 )
             )  # fmt: skip
         for job in jobs:
-            for met, side, times in begun_by(other, job):
-                yield _Begun(other.number, met, side, begun.period, begun.count * times, begun.hops + 1, behind)
+            for met, side, times in triggered_by(other, job):
+                yield _Trigger(other.number, met, side, trigger.period, trigger.count * times, trigger.hops + 1, jitter)
 
-    def _kept(self, begun: _Begun, other: Behaviour) -> int:
-        """By how much communications may be behind when they begin jobs in another thread."""
-        if begun.period == ONCE or other.is_prompt(begun.channel, writes=not begun.writes):
-            return begun.behind
-        kept = self._capacities.get(begun.channel, 0)
-        if begun.hops == 0:
-            # Who follows samples waits until its value is taken, or it lies in the channel.
-            return begun.period * (kept + 1) if kept else 0
-        return begun.period * (len(self.behaviours) + sum(self._capacities.values()) + 2)
+    def _jitter_of_triggered(self, trigger: _Trigger, other: Behaviour) -> int:
+        """The release jitter of jobs that communications begin in another thread."""
+        if trigger.period == ONCE or other.is_prompt(trigger.channel, writes=not trigger.writes):
+            return trigger.jitter
+        capacity = self._capacities.get(trigger.channel, 0)
+        if trigger.hops == 0:
+            # A thread with samples waits until its value is taken, or the value is kept in the channel.
+            return trigger.period * (capacity + 1) if capacity else 0
+        return trigger.period * (len(self.behaviours) + sum(self._capacities.values()) + 2)
 
     def taking_part(self, channel: str, *, writes: bool) -> list[Behaviour]:
-        """The threads that may communicate on a channel, on that side."""
+        """The threads that may communicate on that side of a channel."""
         return list(self._sides.get((channel, writes), {}).values())
 
     def activators(self, channel: str, *, writes: bool) -> set[int]:
-        """The threads that communicate on a channel, on that side."""
+        """The threads that do communicate on that side of a channel."""
         return {number for number, other, side, _, _ in self._activated if (other, side) == (channel, writes)}
 
 
-def _without_end(one: Behaviour, begun: _Begun) -> Refusal:
-    """Communications that seem to begin others, and these more of them."""
-    name = begun.channel.rpartition(".")[2]
+def _unbounded_triggering(one: Behaviour, trigger: _Trigger) -> Refusal:
+    """Refuse communications that seem to trigger ever more of themselves."""
+    name = trigger.channel.rpartition(".")[2]
     return Refusal(
         one.thread.path,
         f"how often it makes others communicate on `{name}` in a period cannot be bounded",
         one.thread.places[one.thread.entry].span,
-        f"let who reads or writes `{name}` do so once in each of its rounds",
+        f"read or write `{name}` once in each round of the loops that do",
     )
 
 
 def _unknown_rate(one: Behaviour, job: Job) -> Refusal:
-    """Work of which nobody knows how often it comes."""
+    """Refuse work that may be released at an unknown rate."""
     place = one.thread.places[max(job.wait, 0)]
     what, advice = "a delay of unknown length", "let how long it waits be a constant, longer than zero"
     if job.offer is not None and job.offer.kind == "event":
@@ -235,9 +240,10 @@ def _unknown_rate(one: Behaviour, job: Job) -> Refusal:
     return Refusal(job.path.heaviest[1] or place.path, reason, place.span, advice)
 
 
-def begun_by(one: Behaviour, job: Job) -> Iterator[tuple[str, bool, int]]:
-    """What a job communicates, and what a thread without samples then waits to communicate: channels and sides, and how
-    often.
+def triggered_by(one: Behaviour, job: Job) -> Iterator[tuple[str, bool, int]]:
+    """The communications that a job may begin: channel, side, and how often.
+
+    Includes those that a thread without samples waits for afterwards.
     """
     yield from job.path.communications()
     for stop in job.path.stops:
@@ -247,9 +253,9 @@ def begun_by(one: Behaviour, job: Job) -> Iterator[tuple[str, bool, int]]:
 
 
 def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:
-    """What any of some alternatives demands at most, of which one is active at a time.
+    """The largest demands of several alternatives, of which one is active at a time.
 
-    Samples of one period in a thread exclude each other too, since it runs one mode after another.
+    Jobs for samples of one period in a thread exclude each other too, because it runs in one mode at a time.
     """
     most: dict[tuple[int, int, int, str], Demand] = {}
     for demands in alternatives:
@@ -261,23 +267,25 @@ def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:
 
 
 def _larger(one: Demand, other: Demand) -> Demand:
-    shared = one.shared | other.shared | ({other.thread} if other.thread != one.thread else set())
+    shared_with = one.shared_with | other.shared_with | ({other.thread} if other.thread != one.thread else set())
     return replaced(
-        one, origin=one.origin if one.origin == other.origin or not one.late else -1, shared=shared,
+        one, origin=one.origin if one.origin == other.origin or not one.is_triggered else -1, shared_with=shared_with,
         work=max(one.work, other.work), step=max(one.step, other.step), delays=max(one.delays, other.delays),
-        behind=max(one.behind, other.behind), held=max(one.held, other.held), meets=max(one.meets, other.meets),
+        jitter=max(one.jitter, other.jitter), suspension=max(one.suspension, other.suspension),
+        meets=max(one.meets, other.meets),
     )  # fmt: skip
 
 
-def across(groups: Iterable[list[Demand]]) -> list[Demand]:
-    """What one of several groups of threads demands at most: slot by slot the largest, the groups never being active
-    together.
+def largest_of_groups(groups: Iterable[list[Demand]]) -> list[Demand]:
+    """The largest demands of several groups of threads that are never active together.
+
+    At each level and period the demands of a group are compared in order, from the largest on.
     """
     slots: dict[tuple[int, int, bool], list[Demand]] = {}
     for group in groups:
         own: dict[tuple[int, int, bool], list[Demand]] = {}
         for part in group:
-            own.setdefault((part.level, part.period, part.late), []).append(part)
+            own.setdefault((part.level, part.period, part.is_triggered), []).append(part)
         for key, parts in own.items():
             known = slots.setdefault(key, [])
             for k, part in enumerate(sorted(parts, key=lambda part: -part.work)):

@@ -1,7 +1,6 @@
-"""The books that processes keep of their sampled inputs: which ends a process follows, and what of them it has taken.
+"""The ends of sampled inputs that processes follow, and whether the sample of the last tick has been taken there.
 
-An end is followed from the first wait for one of its samples until the process whose end it is has ended.
-Each entry is an end with its period and how it stands.
+A process follows an end from its first wait for a sample there until the process has ended.
 """
 
 from __future__ import annotations
@@ -9,77 +8,80 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import IntEnum
 
-from cspdiag.analyses.timing.threads.graph import Key, Offer, Place
+from cspdiag.analyses.timing.threads.graph import InputEnd, Offer, Place
 
 
-class Standing(IntEnum):
-    """How a process stands with an end that it follows."""
+class SampleStatus(IntEnum):
+    """What is known of the sample at an end that a process follows."""
 
     TAKEN = 0
-    """It has the sample of the last tick, or waits for a first one."""
-    OWED = 1
-    """The sample of the present tick is still to be taken."""
-    AHEAD = 2
-    """Parallel parts come one after another in a thread: one that comes later may follow this end already."""
+    """The sample of the last tick has been taken, or the first one is waited for."""
+    DUE = 1
+    """The sample of the last tick has still to be taken."""
+    POSSIBLE = 2
+    """Parallel parts are analysed one after another in a thread: a part that comes later may already follow this end.
+    """
 
 
-Books = frozenset[tuple[Key, int, Standing]]
-NOTHING: Books = frozenset()
+FollowedEnds = frozenset[tuple[InputEnd, int, SampleStatus]]
+NOTHING_FOLLOWED: FollowedEnds = frozenset()
 
 
-def periods(books: Books) -> frozenset[int]:
-    """The periods of which some end is followed."""
-    return frozenset(period for _, period, _ in books)
+def periods(followed: FollowedEnds) -> frozenset[int]:
+    """The periods of the ends that are followed."""
+    return frozenset(period for _, period, _ in followed)
 
 
-def at_tick(books: Books, period: int) -> Books:
-    """After a tick of a period: a sample of every end of it is to be taken."""
-    return frozenset((key, each, Standing.OWED if each == period else stands) for key, each, stands in books)
+def after_tick(followed: FollowedEnds, period: int) -> FollowedEnds:
+    """After a tick of a period: at every end with this period a sample is due."""
+    return frozenset((key, each, SampleStatus.DUE if each == period else status) for key, each, status in followed)
 
 
-def with_standing(books: Books, offers: Iterable[Offer], standing: Standing) -> Books:
-    """The books with another standing of the ends of some offers."""
+def with_status(followed: FollowedEnds, offers: Iterable[Offer], status: SampleStatus) -> FollowedEnds:
+    """The same with another status of the ends of some offers."""
     changed = {offer.key: offer.period for offer in offers if offer.kind == "sample"}
     if not changed:
-        return books
-    kept = frozenset(entry for entry in books if entry[0] not in changed)
-    return kept | {(key, period, standing) for key, period in changed.items()}
+        return followed
+    kept = frozenset(entry for entry in followed if entry[0] not in changed)
+    return kept | {(key, period, status) for key, period in changed.items()}
 
 
-def opened(books: Books, ends: Iterable[tuple[Key, int]]) -> Books:
-    """The books with some more ends that may be followed already."""
-    known = {key for key, _, _ in books}
-    return books | {(key, period, Standing.AHEAD) for key, period in ends if key not in known}
+def with_possible(followed: FollowedEnds, ends: Iterable[tuple[InputEnd, int]]) -> FollowedEnds:
+    """The same with some more ends that may already be followed."""
+    known = {key for key, _, _ in followed}
+    return followed | {(key, period, SampleStatus.POSSIBLE) for key, period in ends if key not in known}
 
 
-def is_owed(books: Books, offer: Offer) -> bool:
+def is_due(followed: FollowedEnds, offer: Offer) -> bool:
     """Whether the sample that is offered is there for certain."""
-    return (offer.key, offer.period, Standing.OWED) in books
+    return (offer.key, offer.period, SampleStatus.DUE) in followed
 
 
-def is_first(books: Books, offer: Offer, *, surely: bool = False) -> bool:
-    """Whether this may be a first read by a process that follows the period already: it has the sample of the present
+def may_be_first_read(followed: FollowedEnds, offer: Offer, *, surely: bool = False) -> bool:
+    """Whether this may be the first read of a process that already follows the period: it gets the sample of the last
     tick.
     """
     others = False
-    for key, period, standing in books:
-        if key == offer.key and standing != Standing.AHEAD:
+    for key, period, status in followed:
+        if key == offer.key and status != SampleStatus.POSSIBLE:
             return False
         if key != offer.key and key[1] == offer.key[1] and period == offer.period:
-            others |= standing != Standing.AHEAD or not surely
+            others |= status != SampleStatus.POSSIBLE or not surely
     return others
 
 
-def is_open(books: Books, offer: Offer) -> bool:
-    """Whether the end is followed for certain."""
-    return any(key == offer.key and standing != Standing.AHEAD for key, _, standing in books)
+def is_surely_followed(followed: FollowedEnds, offer: Offer) -> bool:
+    """Whether the end of an offer is followed for certain."""
+    return any(key == offer.key and status != SampleStatus.POSSIBLE for key, _, status in followed)
 
 
-def moved(books: Books, place: Place, to: Place) -> Books:
-    """After a step from a place to another one: the books of a process are closed when it is left, or begins anew."""
-    if not books or (place.path == to.path and not to.starts):
-        return books
-    return frozenset(entry for entry in books if not _is_within(place.path, entry[0][1]) or _is_kept(entry[0][1], to))
+def after_step(followed: FollowedEnds, place: Place, to: Place) -> FollowedEnds:
+    """After a step from one place to another: ends are no longer followed when their process is left or begins anew."""
+    if not followed or (place.path == to.path and not to.starts):
+        return followed
+    return frozenset(
+        entry for entry in followed if not _is_within(place.path, entry[0][1]) or _is_kept(entry[0][1], to)
+    )
 
 
 def _is_kept(owner: str, to: Place) -> bool:

@@ -1,5 +1,5 @@
-"""Partners that a sampled loop waits for within a sample: whether they come in time, and what they
-compute meanwhile.
+"""The partners that a sampled loop waits for within a sample: whether they arrive in time, and what they compute
+meanwhile.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.contention import Contention
-from cspdiag.analyses.timing.flow.deadlock import may_get_stuck
+from cspdiag.analyses.timing.flow.deadlock import may_deadlock
 from cspdiag.analyses.timing.flow.demands import Demands
 from cspdiag.analyses.timing.flow.jobs import cycles
 from cspdiag.analyses.timing.flow.paths import ChannelSide, Path
@@ -19,56 +19,56 @@ from cspdiag.model.constants.durations import duration
 
 
 @dataclass
-class Together:
-    """A loop with the partners it waits for: their work for one of its samples is one piece, at the level of the least
-    urgent of them.
+class JointWork:
+    """The work of a loop and of the partners that it waits for, for one of its samples: one piece, at the priority of
+    the least urgent of them.
 
-    Whichever of them is ready runs, so the work is done when nothing of it and nothing more urgent is left.
+    Any of them that is ready runs, so the work is done when none of it and nothing more urgent is left.
     """
 
     work: int
     step: int
     level: int
     members: set[int]
-    replaced: set[tuple[int, int, int]] = field(default_factory=set)
-    """Demands that are part of ``work``: thread, period, origin."""
-    met: set[tuple[int, int]] = field(default_factory=set)
-    """Threads that wait for each other, the smaller number first."""
+    included: set[tuple[int, int, int]] = field(default_factory=set)
+    """The demands that are part of ``work``: thread, period, origin."""
+    waiting_pairs: set[tuple[int, int]] = field(default_factory=set)
+    """Pairs of threads that wait for each other, the smaller number first."""
 
 
 class Partners:
-    """Follows the rendezvous of one loop of a thread, whose samples have a period; without one, of what else it does
+    """Follows the rendezvous of one loop of a thread from sample to sample; with period 0 those of what the thread does
     between its samples.
     """
 
     def __init__(
         self,
         demands: Demands,
-        surroundings: Contention,
+        contention: Contention,
         owner: Behaviour,
         period: int,
         span: Span,
         refusals: list[Refusal],
     ) -> None:
         self.demands = demands
-        self.surroundings = surroundings
+        self.contention = contention
         self.owner = owner
         self.period = period
         self.span = span
         self.refusals = refusals
 
-    def together(self, path: Path) -> Together:
-        """The loop's own path with all that it waits for."""
-        found = Together(path.work, path.step, self.owner.level, {self.owner.number})
-        # Who asks a server meets it at the question; at the answer it is on its way.
+    def joint_work(self, path: Path) -> JointWork:
+        """The work of the loop's own path together with that of all partners that it waits for."""
+        found = JointWork(path.work, path.step, self.owner.level, {self.owner.number})
+        # A client meets its server at the request; by the answer the server is already counted.
         for (channel, writes), count in sorted(path.meets.items(), key=lambda met: self._is_answer(*met[0])):
-            self._add(found, self.owner, (channel, not writes), count, path.fewest.get((channel, writes), 0))
-        if len(found.met) >= len(found.members) and len(found.members) > 1:
+            self._wait_for(found, self.owner, (channel, not writes), count, path.fewest_meets.get((channel, writes), 0))
+        if len(found.waiting_pairs) >= len(found.members) and len(found.members) > 1:
             self._refuse_all("several partners wait for each other in a circle")
         return found
 
     def _is_answer(self, channel: str, writes: bool) -> bool:
-        """Whether the loop waits there for who it has asked before."""
+        """Whether the loop waits there for a partner to which it has sent a request before."""
         return any(
             offer.end == (channel, not writes) and self._requester(one, wait, offer) is self.owner
             for one in self.demands.taking_part(channel, writes=not writes)
@@ -76,26 +76,26 @@ class Partners:
             for offer in one.thread.places[wait].offers
         )
 
-    def _add(self, found: Together, who: Behaviour, end: ChannelSide, count: int, fewest: int) -> None:
-        """``who`` waits for a communication on a side of a channel, up to ``count`` times in a sample, ``fewest`` at
-        least.
+    def _wait_for(self, found: JointWork, who: Behaviour, end: ChannelSide, count: int, fewest: int) -> None:
+        """``who`` waits for a communication on a side of a channel, between ``fewest`` and ``count`` times in
+        a sample.
         """
         channel, writes = end
         others = [one for one in self.demands.taking_part(channel, writes=writes) if one is not who]
         if not others:
-            self._refuse(channel, writes, "nobody is bound to write it before the next sample")
+            self._refuse(channel, writes, "no other process is certain to write it before the next sample")
         for partner in others:
             pair = (min(who.number, partner.number), max(who.number, partner.number))
-            if pair not in found.met:
-                found.met.add(pair)
+            if pair not in found.waiting_pairs:
+                found.waiting_pairs.add(pair)
                 self._check_order(who, partner, channel, writes)
             if not self._is_bounded(partner, end, count if count == fewest else 0):
                 continue
             if partner.number in found.members:
-                # Another channel to who takes part already.
+                # Another channel to a partner that already takes part.
                 if partner is not self.owner and not partner.has_samples:
                     found.work += count * max(
-                        (job.path.work for job in partner.jobs_on(channel, writes=writes)), default=0
+                        (job.path.work for job in partner.jobs_begun_by(channel, writes=writes)), default=0
                     )
                 continue
             found.members.add(partner.number)
@@ -103,13 +103,13 @@ class Partners:
             self._count(found, partner, channel, writes, count)
 
     def _check_order(self, one: Behaviour, other: Behaviour, channel: str, writes: bool) -> None:
-        """Two threads that wait for each other have to agree on the order."""
-        if may_get_stuck(one.thread, other.thread, self._between(one, other)):
+        """Two threads that wait for each other have to use their channels in the same order."""
+        if may_deadlock(one.thread, other.thread, self._private_channels(one, other)):
             reason = f"it and `{_short(other.thread.path)}` may wait for each other at different channels"
             self._refuse(channel, writes, reason)
 
-    def _between(self, one: Behaviour, other: Behaviour) -> frozenset[str]:
-        """The channels that two threads alone use."""
+    def _private_channels(self, one: Behaviour, other: Behaviour) -> frozenset[str]:
+        """The channels that are used by two threads only."""
         both = {one.number, other.number}
         mine = {offer.channel for place in one.thread.places for offer in place.offers if offer.kind == "partner"}
         return frozenset(
@@ -120,14 +120,14 @@ class Partners:
         )
 
     def _is_bounded(self, partner: Behaviour, end: ChannelSide, times: int) -> bool:
-        """Whether the partner comes to the channel as soon as it has done its work, wherever it waits. ``times`` it is
-        wanted in each sample, 0 where that varies.
+        """Whether the partner reaches the channel as soon as it has done its work, wherever it waits. It is needed
+        ``times`` in each sample, 0 where that varies.
         """
         channel, writes = end
         name = f"`{_short(partner.thread.path)}`"
-        if not self.surroundings.is_alive(partner.number, self.owner.number):
+        if not self.contention.runs_whenever(partner.number, self.owner.number):
             return self._refuse(channel, writes, f"{name} need not run meanwhile")
-        if partner.ends:
+        if partner.may_end:
             return self._refuse(channel, writes, f"{name} may have ended by then")
         if any(job.path.delays for job in partner.jobs):
             return self._refuse(channel, writes, f"{name} may wait for time to pass meanwhile")
@@ -137,17 +137,17 @@ class Partners:
             return self._refuse(channel, writes, f"{name} may wait for {_awaited(place)} meanwhile")
         if self._has_asked(partner, end):
             return True
-        after = partner.stops_after()
+        after = partner.next_waits()
         elsewhere = {
             wait for wait in partner.waits
             if not partner.thread.places[wait].offers_end(channel, writes) and not partner.thread.places[wait].is_idle
         }  # fmt: skip
         if cycles({wait: after.get(wait, frozenset()) & elsewhere for wait in elsewhere}):
-            return self._refuse(channel, writes, f"{name} may go on with others and never come back to it")
+            return self._refuse(channel, writes, f"{name} may continue with others and never return to it")
         return True
 
     def _has_asked(self, server: Behaviour, end: ChannelSide) -> bool:
-        """Whether the loop waits for the answer of a server that it has just asked, which gives none but that next."""
+        """Whether the loop waits for the answer of a server to a request of its own, and the server answers it next."""
         channel, writes = end
         asked = [
             job for job in server.jobs
@@ -160,28 +160,28 @@ class Partners:
         )
 
     def _is_in_step(self, partner: Behaviour, wait: int, end: ChannelSide, times: int) -> bool:
-        """Whether the partner follows the same samples, and communicates as often in each of them."""
+        """Whether the partner follows the same samples, and communicates equally often in each of them."""
         place = partner.thread.places[wait]
         if not self.period or self.period not in place.certain_periods():
             return False
         channel, writes = end
-        for job in partner.at(wait):
+        for job in partner.jobs_after(wait):
             is_sample = job.offer is not None and job.offer.kind == "sample" and job.offer.period == self.period
             wanted = times if is_sample else 0
             if (
                 job.path.meets.get((channel, writes), 0) != wanted
-                or job.path.fewest.get((channel, writes), 0) != wanted
+                or job.path.fewest_meets.get((channel, writes), 0) != wanted
             ):
                 return False
         return times > 0
 
     def _refuse(self, channel: str, writes: bool, reason: str) -> bool:
-        """``writes`` tells the side of the partner. Always False."""
+        """Refuse to bound a communication; ``writes`` is the side of the partner. Always False."""
         name = channel.rpartition(".")[2]
         offered = f"let the partner offer `{name}` in an alternative wherever it waits"
         advice = f"make `{name}` an `overwrite 1` channel, or {offered}"
         if writes:
-            advice = f"read `{name}` in an alternative beside the sample, which keeps the last value in a variable"
+            advice = f"read `{name}` in an alternative with the sample, which keeps the last value in a variable"
             advice += f", or {offered}" if self.demands.taking_part(channel, writes=True) else ""
         reason = f"it waits at `{name}` without bound: {reason}"
         self.refusals.append(Refusal(self.owner.thread.path, reason, self.span, advice))
@@ -191,8 +191,8 @@ class Partners:
         advice = "make one of the channels an `overwrite 1` channel"
         self.refusals.append(Refusal(self.owner.thread.path, reason, self.span, advice))
 
-    def _count(self, found: Together, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
-        """The partner's work for ``count`` communications, and for what it is doing when the first is wanted."""
+    def _count(self, found: JointWork, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
+        """Add the partner's work for ``count`` communications, and for what it may be doing before the first."""
         inside = [job for job in partner.jobs if job.wait in partner.waits]
         found.step = max(found.step, max((job.path.step for job in inside), default=0))
         if partner.has_samples:
@@ -205,13 +205,13 @@ class Partners:
             found.work += count * sum(by_wait.values())
             others = self.demands.activators(channel, writes=not writes) - found.members
             found.work += max(by_wait.values(), default=0) if others else 0
-            found.replaced.add((partner.number, self.period, self.owner.number))
+            found.included.add((partner.number, self.period, self.owner.number))
         for wait in partner.waits:
             for offer in partner.thread.places[wait].offers:
                 if not _offers(partner.thread.places[wait], channel, writes):
                     self._follow(found, partner, wait, offer, count)
 
-    def _count_sampled(self, found: Together, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
+    def _count_sampled(self, found: JointWork, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
         in_step = [
             job for job in partner.jobs
             if job.wait in partner.waits
@@ -219,38 +219,38 @@ class Partners:
             and job.offer.kind == "sample"
             and job.offer.period == self.period
         ]  # fmt: skip
-        on_channel = partner.jobs_on(channel, writes=writes)
+        on_channel = partner.jobs_begun_by(channel, writes=writes)
         if on_channel:
             found.work += count * max(job.path.work for job in on_channel)
-            found.replaced.add((partner.number, self.period, self.owner.number))
+            found.included.add((partner.number, self.period, self.owner.number))
             if partner.level >= self.owner.level:
                 found.work += max((job.path.work for job in partner.jobs if job.wait in partner.waits), default=0)
         else:
             found.work += max((job.path.work for job in in_step), default=0)
-            found.replaced.add((partner.number, self.period, partner.number))
+            found.included.add((partner.number, self.period, partner.number))
         for job in partner.jobs:
             in_step_job = job in in_step
             for (other, side), times in job.path.meets.items():
                 if other != channel:
-                    fewest = job.path.fewest.get((other, side), 0) * count if in_step_job else 0
-                    self._add(found, partner, (other, not side), times * count, fewest)
+                    fewest = job.path.fewest_meets.get((other, side), 0) * count if in_step_job else 0
+                    self._wait_for(found, partner, (other, not side), times * count, fewest)
 
-    def _follow(self, found: Together, partner: Behaviour, wait: int, offer: Offer, count: int) -> None:
-        """What the partner itself waits for at another channel, before it comes back to this one."""
+    def _follow(self, found: JointWork, partner: Behaviour, wait: int, offer: Offer, count: int) -> None:
+        """Follow what the partner itself waits for at another channel before it returns to this one."""
         if offer.kind != "partner" or partner.thread.places[wait].is_idle:
             return
         asking = self._requester(partner, wait, offer)
         if asking is None:
-            self._add(found, partner, (offer.channel, not offer.writes), count, 0)
+            self._wait_for(found, partner, (offer.channel, not offer.writes), count, 0)
         else:
-            # What it computes counts beside the loop; it has to be served for the partner to go on.
+            # Its work counts separately from the loop; the partner cannot continue until it is served.
             found.level = max(found.level, asking.level)
             if asking is not self.owner:
                 self._check_order(asking, partner, offer.channel, not offer.writes)
 
     def _requester(self, server: Behaviour, wait: int, answer: Offer) -> Behaviour | None:
-        """The one thread that has made the server come to this wait, and now waits for its answer with nothing in
-        between; None if that is not so for certain.
+        """The only thread that can have led the server to this wait, if its next wait is surely for the answer;
+        otherwise None.
         """
         clients = self.demands.taking_part(answer.channel, writes=not answer.writes)
         if len(clients) != 1 or clients[0].number == server.number:
@@ -268,12 +268,12 @@ class Partners:
 
 
 def _offers(place: Place, channel: str, writes: bool) -> bool:
-    """Whether one who waits there would take part in a communication on that side of a channel."""
+    """Whether a thread that waits there may take part in a communication on that side of a channel."""
     return any(offer.kind == "partner" and offer.end == (channel, writes) for offer in place.offers)
 
 
 def _waits_at_once(client: Thread, asked: Offer, answer: Offer) -> bool:
-    """Whether a thread that has communicated on one channel waits next for another one."""
+    """Whether a thread that has communicated on one channel waits next on another one."""
     places = client.places
     pending = [
         offer.target
@@ -292,7 +292,7 @@ def _waits_at_once(client: Thread, asked: Offer, answer: Offer) -> bool:
             return False
         if place.offers and not (len(place.offers) == 1 and _offers(place, answer.channel, not answer.writes)):
             return False
-        # It has arrived there: what comes after that is another matter.
+        # It has arrived there; what comes after that does not count.
         pending += [] if place.offers else place.successors
     return bool(seen)
 

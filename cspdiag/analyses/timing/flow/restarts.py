@@ -1,4 +1,4 @@
-"""How often threads begin again."""
+"""How often threads are started again."""
 
 from __future__ import annotations
 
@@ -10,31 +10,32 @@ from cspdiag.analyses.timing.task import ONCE
 from cspdiag.analyses.timing.threads.graph import Thread
 
 
-def again(threads: Sequence[Thread], behaviours: Sequence[Behaviour], grid: int | None) -> dict[int, int]:
-    """The threads that may begin more than once, each with the shortest time between, 0 where nothing tells.
+def restart_intervals(threads: Sequence[Thread], behaviours: Sequence[Behaviour], grid: int | None) -> dict[int, int]:
+    """The threads that may be started more than once, by number, each with the shortest time between two starts; 0
+    where no shortest time is known.
 
-    Those that are started come after those that start them.
+    A thread comes after the one that starts it in ``threads``.
     """
     numbers = {id(thread): k for k, thread in enumerate(threads)}
-    known = {one.number: one for one in behaviours}
+    by_number = {one.number: one for one in behaviours}
     found: dict[int, int] = {}
     for number, thread in enumerate(threads):
-        one = known.get(number)
+        one = by_number.get(number)
         for join, group in zip(thread.joins, thread.forks, strict=True):
             if one is None or number in found or join in one.loop_of:
                 shortest = 0 if one is None else found.get(number, ONCE)
                 if one is not None and join in one.loop_of:
-                    shortest = min(shortest, round_period(one, join, grid))
+                    shortest = min(shortest, shortest_iteration(one, join, grid))
                 found |= dict.fromkeys((numbers[id(branch)] for branch in group), shortest)
     return found
 
 
-def round_period(one: Behaviour, wait: int, grid: int | None) -> int:
-    """The shortest time from one pass of a wait to the next but one, and so on; 0 where nothing tells.
+def shortest_iteration(one: Behaviour, wait: int, grid: int | None) -> int:
+    """The shortest time from one pass of a wait to the next; 0 where no shortest time is known.
 
-    A wait without which there is no way back tells, if all that ends it takes time.
+    It is known where every way back to the wait leads through another wait whose offers all take time.
     """
-    after = one.stops_after()
+    after = one.next_waits()
     loop = {other for other, cycle in one.loop_of.items() if cycle == one.loop_of.get(wait)}
     known = [0]
     for passed in loop:

@@ -1,6 +1,4 @@
-"""Threads that may go on forever while no time passes, with each other or each by itself, so that nothing else ever
-runs.
-"""
+"""Threads that may run forever while no time passes, together or alone, so nothing else ever runs."""
 
 from __future__ import annotations
 
@@ -8,16 +6,15 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.analyses.timing.flow.paths import ChannelSide
 from cspdiag.analyses.timing.refusal import Refusal
-from cspdiag.analyses.timing.threads.graph import Circle, Offer, Place, Thread
+from cspdiag.analyses.timing.threads.graph import LoopRange, Offer, Place, Thread
 from cspdiag.base.graphs import reached, strong_components
 
 
 class Spinning:
-    """Looks for sets of threads each of which goes round with communications of the set alone, and for loops that only
-    compute.
+    """Searches for sets of threads that communicate in loops with each other only, and for loops that only compute.
 
-    From all that may go round at all, those are left out whose partners do not; what is left in the end may spin. A
-    loop of computing spins unless it is known to come to its end.
+    It starts from all loops that take no time, and drops those that wait for a partner without such a loop, until no
+    more can be dropped. A loop that only computes is reported unless it is known to terminate.
     """
 
     def __init__(self, threads: Sequence[Thread]) -> None:
@@ -26,16 +23,16 @@ class Spinning:
         self._timed: dict[int, bool] = {}
 
     def refusals(self) -> list[Refusal]:
-        """One for each channel on which some threads may communicate without end, and for each loop that may compute
-        without end.
+        """One for each channel on which threads may communicate forever, and one for each loop that may compute
+        forever.
         """
         supplied: dict[ChannelSide, set[int]] | None = None
         while True:
-            rounds = {k: list(self._rounds(k, supplied)) for k in range(len(self._threads))}
+            rounds = {k: list(self._instant_iterations(k, supplied)) for k in range(len(self._threads))}
             found: dict[ChannelSide, set[int]] = {}
             for number, ways in rounds.items():
                 for place, offers in ways:
-                    for end in (*(offer.end for offer in offers), *((net, True) for net in place.gives)):
+                    for end in (*(offer.end for offer in offers), *((net, True) for net in place.sends)):
                         found.setdefault(end, set()).add(number)
             if found == supplied:
                 break
@@ -56,9 +53,9 @@ class Spinning:
     def _endless(self, supplied: dict[ChannelSide, set[int]]) -> Iterator[Refusal]:
         """The loops that may run forever without waiting or communicating."""
         for number, thread in enumerate(self._threads):
-            for circle in thread.circles:
-                if self._goes_round_silently(number, circle, supplied) and not circle.ends():
-                    place = thread.places[circle.again]
+            for loop in thread.loops:
+                if self._may_iterate_silently(number, loop, supplied) and not loop.terminates():
+                    place = thread.places[loop.header]
                     reason = (
                         "this loop may compute forever while no time passes, so that nothing else runs: nothing shows "
                         "that it ends"
@@ -69,35 +66,37 @@ class Spinning:
                     )
                     yield Refusal(place.path, reason, place.span, advice)
 
-    def _goes_round_silently(self, number: int, circle: Circle, supplied: dict[ChannelSide, set[int]]) -> bool:
-        """Whether a round of a loop may go by without waiting or communicating."""
-        reached, pending = {circle.again}, [circle.again]
+    def _may_iterate_silently(self, number: int, loop: LoopRange, supplied: dict[ChannelSide, set[int]]) -> bool:
+        """Whether an iteration of a loop may pass without waiting or communicating."""
+        reached, pending = {loop.header}, [loop.header]
         while pending:
-            for target, offer in self._at_once(number, pending.pop(), supplied):
-                if target == circle.again and offer is None:
+            for target, offer in self._instant_steps(number, pending.pop(), supplied):
+                if target == loop.header and offer is None:
                     return True
-                if offer is None and circle.again < target < circle.end and target not in reached:
+                if offer is None and loop.header < target < loop.end and target not in reached:
                     reached.add(target)
                     pending.append(target)
         return False
 
-    def _rounds(self, number: int, supplied: dict[ChannelSide, set[int]] | None) -> Iterator[tuple[Place, list[Offer]]]:
-        """The places of a thread at which it communicates on a way back that takes no time."""
+    def _instant_iterations(
+        self, number: int, supplied: dict[ChannelSide, set[int]] | None
+    ) -> Iterator[tuple[Place, list[Offer]]]:
+        """The places of a thread at which it communicates in a loop that takes no time."""
         thread = self._threads[number]
-        edges = {k: self._at_once(number, k, supplied) for k in range(len(thread.places))}
+        edges = {k: self._instant_steps(number, k, supplied) for k in range(len(thread.places))}
         found = strong_components(edges, lambda place: sorted({target for target, _ in edges[place]}))
         for group in found:
             inside = set(group)
             for k in group:
                 offers = [offer for target, offer in edges[k] if target in inside and offer is not None]
-                is_round = len(group) > 1 or any(target == k for target, _ in edges[k])
-                if is_round and (offers or thread.places[k].gives):
+                is_cycle = len(group) > 1 or any(target == k for target, _ in edges[k])
+                if is_cycle and (offers or thread.places[k].sends):
                     yield thread.places[k], offers
 
-    def _at_once(
+    def _instant_steps(
         self, number: int, at: int, supplied: dict[ChannelSide, set[int]] | None
     ) -> list[tuple[int, Offer | None]]:
-        """Where a thread may go on from a place while no time passes, and by which communication."""
+        """The places that a thread may reach from a place while no time passes, each with the communication for it."""
         thread = self._threads[number]
         place = thread.places[at]
         found: list[tuple[int, Offer | None]] = [(target, None) for target in place.successors]
@@ -114,7 +113,7 @@ class Spinning:
         return found
 
     def _takes_time(self, number: int, join: int) -> bool:
-        """Whether some branch of a parallel surely needs time to come to its end."""
+        """Whether some branch of a parallel composition is certain to take time before it ends."""
         thread = self._threads[number]
         group = thread.forks[thread.joins.index(join)]
         return any(self._needs_time(self._numbers[id(branch)]) for branch in group)
@@ -122,7 +121,9 @@ class Spinning:
     def _needs_time(self, number: int) -> bool:
         if number not in self._timed:
             thread = self._threads[number]
-            at_once = reached([thread.entry], lambda at: [target for target, _ in self._at_once(number, at, None)])
-            ends = (thread.places[k] for k in at_once)
+            instantly = reached(
+                [thread.entry], lambda at: [target for target, _ in self._instant_steps(number, at, None)]
+            )
+            ends = (thread.places[k] for k in instantly)
             self._timed[number] = not any(not place.offers and not place.successors for place in ends)
         return self._timed[number]

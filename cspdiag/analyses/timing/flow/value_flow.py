@@ -1,4 +1,4 @@
-"""How values go from place to place within the samples of loops, and from one loop to another."""
+"""How values flow from place to place within the samples of loops, and from one loop to another."""
 
 from __future__ import annotations
 
@@ -7,46 +7,50 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
-from cspdiag.analyses.timing.flow.demands import begun_by
+from cspdiag.analyses.timing.flow.demands import triggered_by
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.threads.graph import Move
 from cspdiag.analyses.timing.threads.offers import capacities
 from cspdiag.base.record import record
 from cspdiag.network.ir.network import ChannelKind, CoreNetwork
 
-Spot = tuple[int, int]
-"""A place of a thread, by their numbers."""
+Location = tuple[int, int]
+"""A place of a thread: the numbers of the thread and of the place."""
 
 
 @dataclass
 class Stage:
-    """A sampled loop as something that values pass: at ``spots`` it hands them on, and ``taken`` are those of them
-    where another loop begins what is done, between the samples of its own. ``mode`` is the thread and its cycle.
+    """A sampled loop on the path of a value, which it passes on at ``locations``.
+
+    At those in ``triggered`` another thread does work that this loop begins, between its own samples. ``mode`` is the
+    thread of the loop, and the cycle in it.
     """
 
     period: int
     response: int
     mode: tuple[int, int]
-    spots: set[Spot] = field(default_factory=set)
-    taken: set[Spot] = field(default_factory=set)
+    locations: set[Location] = field(default_factory=set)
+    triggered: set[Location] = field(default_factory=set)
     jobs: dict[int, list[Job]] = field(default_factory=lambda: defaultdict(list))
-    """By thread, the jobs that these are part of."""
+    """By thread, the jobs that these locations are part of."""
 
 
 @record
 class Hop:
-    """From a spot to another one: in the same sample, or to a sample of the stage ``to``. ``waits`` is the time from
-    the sample until that one has the value, at most; in the same sample only what it may lie in a channel.
+    """A value's step from one location to the next: within the same sample, or to a sample of the stage ``to``.
+
+    ``waits`` is the longest time from the sample until that stage has the value; within the same sample, how long the
+    value may lie in a channel.
     """
 
     to: int
-    spot: Spot
+    location: Location
     in_sample: bool
     waits: int = 0
 
 
-class Passing:
-    """What the stages hand on to each other."""
+class ValueFlow:
+    """Where the values go that stages pass on."""
 
     def __init__(self, network: CoreNetwork, behaviours: Mapping[int, Behaviour], stages: Sequence[Stage]) -> None:
         self._behaviours = behaviours
@@ -63,67 +67,71 @@ class Passing:
             for channel, writes in {(job.offer.channel, job.offer.writes) for job in one.jobs if job.offer is not None}:
                 self._taking_part[channel, writes].append(one)
         for stage in stages:
-            self._take_up(stage)
-        self._readers: dict[str, list[tuple[int, Spot]]] = defaultdict(list)
+            self._add_triggered(stage)
+        self._readers: dict[str, list[tuple[int, Location]]] = defaultdict(list)
         for k, stage in enumerate(stages):
-            for spot in sorted(stage.spots):
-                for net in self.move(spot).reads:
-                    self._readers[net].append((k, spot))
-        self._free: dict[tuple[int, Spot], set[int]] = {}
+            for location in sorted(stage.locations):
+                for net in self.move_at(location).reads:
+                    self._readers[net].append((k, location))
+        self._free: dict[tuple[int, Location], set[int]] = {}
 
-    def move(self, spot: Spot) -> Move:
-        """What is handed on at a spot."""
-        move = self._behaviours[spot[0]].thread.places[spot[1]].move
+    def move_at(self, location: Location) -> Move:
+        """What is passed on at a location."""
+        move = self._behaviours[location[0]].thread.places[location[1]].move
         assert move is not None
         return move
 
-    def leaf(self, spot: Spot) -> str:
-        """The law that computes there, if one does."""
-        return self._behaviours[spot[0]].thread.places[spot[1]].leaf
+    def law_at(self, location: Location) -> str:
+        """The law that computes at a location; empty where none does."""
+        return self._behaviours[location[0]].thread.places[location[1]].leaf
 
-    def hops(self, at: int, spot: Spot) -> Iterator[Hop]:
-        """Where what is handed on there by a stage goes."""
+    def hops(self, at: int, location: Location) -> Iterator[Hop]:
+        """Where the values go that a stage passes on at a location."""
         stage = self._stages[at]
-        for net in sorted(self.move(spot).writes):
+        for net in sorted(self.move_at(location).writes):
             if net in self.periods:
                 continue
             for to, other in self._readers.get(net, ()):
                 if to == at:
-                    yield self._within(at, net, spot, other)
-                elif self._run_together(stage, self._stages[to]) and self._takes(net, to, other):
+                    yield self._within(at, net, location, other)
+                elif self._can_run_together(stage, self._stages[to]) and self._takes(net, to, other):
                     yield Hop(to, other, in_sample=False, waits=self._until_taken(net, stage, self._stages[to], other))
 
-    def is_in_order(self, at: int, first: Spot, then: Spot) -> bool:
-        """Whether of two spots of a thread the second is never passed in a sample before the first."""
+    def is_in_order(self, at: int, first: Location, then: Location) -> bool:
+        """Whether within a sample a thread never passes ``then`` before ``first``."""
         key = at, first
         if key not in self._free:
-            stage, ways = self._stages[at], self._behaviours[first[0]].ways
+            stage, search = self._stages[at], self._behaviours[first[0]].search
             found: set[int] = set()
             for job in stage.jobs[first[0]]:
                 assert job.offer is not None
                 period = job.offer.period if job.offer.kind == "sample" else 0
-                found |= ways.reachable([job.offer.target], period, first[1])
+                found |= search.reachable([job.offer.target], period, first[1])
             self._free[key] = found
         return then[1] not in self._free[key]
 
-    def _within(self, at: int, net: str, spot: Spot, other: Spot) -> Hop:
-        if spot[0] == other[0]:
-            stage, in_order = self._stages[at], self.is_in_order(at, spot, other)
+    def _within(self, at: int, net: str, location: Location, other: Location) -> Hop:
+        if location[0] == other[0]:
+            stage, in_order = self._stages[at], self.is_in_order(at, location, other)
             return Hop(at, other, in_order, 0 if in_order else stage.period + stage.response)
         late = self._kind(net) == "overwrite"
-        return Hop(at, other, in_sample=True, waits=self._pick_up(other[0]) if late else 0)
+        return Hop(at, other, in_sample=True, waits=self._pick_up_time(other[0]) if late else 0)
 
-    def _takes(self, net: str, to: int, spot: Spot) -> bool:
-        """Whether a stage takes what another one has handed on. From a channel each takes what began its own work."""
-        return self._kind(net) == "var" or spot not in self._stages[to].taken
+    def _takes(self, net: str, to: int, location: Location) -> bool:
+        """Whether a stage takes a value that another one passes on. What a channel triggers takes the value in its own
+        stage.
+        """
+        return self._kind(net) == "var" or location not in self._stages[to].triggered
 
-    def _until_taken(self, net: str, stage: Stage, to: Stage, spot: Spot) -> int:
-        """Who writes is done a response after its sample. In a rendezvous within a sample of who reads, that has the
-        value then; otherwise it lies there until the next value comes, and in a buffer of which a sample takes one
-        until those before it have been taken.
+    def _until_taken(self, net: str, stage: Stage, to: Stage, location: Location) -> int:
+        """The longest time from a sample of the writer until the reader has the value.
+
+        The writer is done a response time after its sample. After a rendezvous within a sample the reader has the value
+        at once. Otherwise the value waits for the reader's next sample, in a buffer until all values before it have
+        been taken, one in each sample.
         """
         kind = self._kind(net)
-        if kind == "var" or spot in to.taken:
+        if kind == "var" or location in to.triggered:
             return stage.period + stage.response
         if kind == "buffer":
             return stage.period + stage.response + self._capacities[net] * to.period
@@ -132,27 +140,29 @@ class Passing:
     def _kind(self, net: str) -> ChannelKind:
         return self._kinds.get(net, "var")
 
-    def _pick_up(self, thread: int) -> int:
-        """How long a thread takes to come to what lies there for it."""
+    def _pick_up_time(self, thread: int) -> int:
+        """How long a thread takes at most to reach a value that is there for it."""
         return max((stage.response for stage in self._stages if stage.mode[0] == thread), default=0)
 
     @staticmethod
-    def _run_together(one: Stage, other: Stage) -> bool:
+    def _can_run_together(one: Stage, other: Stage) -> bool:
         return one.mode[0] != other.mode[0] or one.mode == other.mode
 
-    def _take_up(self, stage: Stage) -> None:
-        """Add what the stage begins in loops that take values between their own samples, and what that begins."""
+    def _add_triggered(self, stage: Stage) -> None:
+        """Add the jobs that the stage triggers in other loops, between their own samples, and the jobs that these
+        trigger.
+        """
         pending = [(number, job) for number, jobs in stage.jobs.items() for job in jobs]
         while pending:
             number, begins = pending.pop()
-            for channel, writes, _ in begun_by(self._behaviours[number], begins):
+            for channel, writes, _ in triggered_by(self._behaviours[number], begins):
                 for one in self._taking_part.get((channel, not writes), ()):
                     if not one.has_samples or one.number == stage.mode[0]:
                         continue
-                    for job in one.jobs_on(channel, writes=not writes):
+                    for job in one.jobs_begun_by(channel, writes=not writes):
                         if job not in stage.jobs[one.number]:
                             stage.jobs[one.number].append(job)
-                            spots = {(one.number, place) for place in job.path.moves}
-                            stage.spots |= spots
-                            stage.taken |= spots
+                            locations = {(one.number, place) for place in job.path.moves}
+                            stage.locations |= locations
+                            stage.triggered |= locations
                             pending.append((one.number, job))

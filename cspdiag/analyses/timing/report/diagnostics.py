@@ -1,4 +1,4 @@
-"""The timing report as a diagnostic about the assertion that asks for it."""
+"""The timing report as a diagnostic at the assertion that requests it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One hyperperiod as a Gantt chart in SVG: a row a thread, a bar each step, a mark each release."""
+"""One hyperperiod as a Gantt chart in SVG: a row for each thread, a bar for each step, an arrow for each release."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from cspdiag.analyses.timing.tasks.schedule import Schedule, simulate
 
 _LEAST_WIDTH, _LARGEST_WIDTH, _ROW, _TOP, _MARGIN = 900, 4000, 34, 58, 24
 _SPACE = 16
-"""Between two releases of the most frequent task, in pixels, as long as the picture does not become too wide."""
+"""Between two releases of the most frequent task, in pixels, unless the picture becomes too wide."""
 _COLOURS = ("#1b6ca8", "#d1721c", "#3a8f4d", "#8e5aa8", "#b5443c", "#5b7083", "#a38a1f", "#2a9d9d")
 _LARGEST_NUMBER_OF_BARS = 4000
 
 
 def gantt_svg(report: TimingReport) -> str:
-    """The chart of everything that recurs, all periods beginning together and every job taking its longest time.
+    """The chart of all recurring work, with all periods beginning together and every job taking its longest time.
 
-    If a hyperperiod has more steps than can be distinguished, its beginning is shown.
+    If a hyperperiod has more steps than can be distinguished, only its beginning is shown.
     """
     tasks = [task for task in report.tasks if task.period < ONCE and task.work]
     if not tasks:
@@ -76,7 +76,7 @@ def _chart(report: TimingReport, tasks: Sequence[Task], schedule: Schedule, left
             f'height="18" fill="{colour}">'
             f"<title>{escape(tip)}</title></rect>"
         )
-    note = "arrows: releases; within a level of priority who comes first is served first"
+    note = "arrows: releases; within a priority level first come, first served"
     note += "; red: ends after the next release" if is_late else ""
     yield f'<text x="{_MARGIN}" y="{bottom + 38}" class="note">{note}</text>'
 

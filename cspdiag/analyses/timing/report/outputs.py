@@ -23,11 +23,11 @@ class Outputs:
         }
 
     def names(self, written: Iterable[str]) -> tuple[str, ...]:
-        """Those at the end of some nets, in the order of the text."""
+        """The names of the outputs at the end of some nets, in the order of the text."""
         return tuple(_short(net) for net in sorted(written, key=self._order.__getitem__))
 
     def interval(self, written: Iterable[str], period: int, response: int | None) -> tuple[int, int] | None:
-        """From a sample to outputs that are based on it, the shortest and the longest time; None without outputs or
+        """The shortest and the longest time from a sample to outputs that are based on it; None without outputs or
         without a bound.
         """
         ports = [self._ports[net] for net in written if net in self._ports]
@@ -38,30 +38,33 @@ class Outputs:
         return shortest, max(_latency(port, period, response)[0] for port in ports)
 
     def latency(self, net: str, period: int, response: int) -> tuple[int, int] | None:
-        """The age of a sample when an output that is based on it is handed over, and the delay from a sample to the
-        first output that is based on it or a later one, at most; None where the net leads to no output.
+        """The age of a sample when an output that is based on it is handed over, and the longest delay from a sample to
+        the first output that is based on it or a later one.
+
+        None if the net leads to no output.
         """
         port = self._ports.get(net)
         return None if port is None else _latency(port, period, response)
 
 
 def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
-    """A latched output changes at the first of its ticks after it was written, by the last value that was; an immediate
-    one when it is written.
+    """The age and the delay of an output: a latched one changes at its next tick, to the last value written, an
+    immediate one when it is written.
     """
     ticks = _latch(port)
     if ticks is None:
         return response, response
     grid = gcd(period, ticks.period)
     delay = _first(ticks, grid, max(response, 1)) + ticks.period - grid
-    # The last sample that has been written for certain began a response and not quite a period before the tick.
+    # The last sample that is certain to be written came a response time and almost a period before the tick.
     age = max(_first(ticks, grid, 1), _first(ticks, grid, response + period) - grid)
     return min(age, delay), delay
 
 
 def _first(ticks: Sampling, grid: int, least: int) -> int:
-    """The least time from a sample to a tick, of those of at least the given nanoseconds: samples come at the multiples
-    of their period, and so all such times differ by multiples of the grid.
+    """The first time from a sample to a tick that is at least ``least`` nanoseconds.
+
+    All times from samples to ticks differ by multiples of the grid, because samples come at multiples of their period.
     """
     return least + (ticks.offset - least) % grid
 
@@ -71,7 +74,7 @@ def _latch(port: ExternalPort) -> Sampling | None:
 
 
 def port_names(ports: Iterable[ExternalPort]) -> list[str]:
-    """Their names, those of arrays with their numbers."""
+    """The names of ports; those in an array with their numbers."""
     return [
         port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]" for port in ports
     ]

@@ -1,4 +1,4 @@
-"""The timing report as tables for people."""
+"""The timing report as tables of text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROWS_SHOWN = 200
 
 
 def table(report: TimingReport) -> str:
-    """The whole report; it ends with a line break."""
+    """The report as text, with a line break at its end."""
     return "\n".join(_lines(report)) + "\n"
 
 
@@ -47,7 +47,7 @@ def _lines(report: TimingReport) -> Iterator[str]:
         if len(report.chains) > _ROWS_SHOWN or not report.are_all_chains:
             more = "at least " if not report.are_all_chains else ""
             yield f"and {more}{len(report.chains) - len(rows) + 1} chains more"
-        yield "reaction: from a change of the input to the first output that knows of it"
+        yield "reaction: from a change of the input to the first output that reflects it"
         yield "age: of a sample, when an output that is based on it is handed over"
 
 
@@ -133,8 +133,8 @@ def time(nanoseconds: int) -> str:
 
 
 def _aligned(rows: Sequence[tuple[str, ...]], right: int | None = None) -> Iterator[str]:
-    """Columns: the first and the last to the left, the rest to the right; ``right`` is how many of the last ones are to
-    the right instead.
+    """The rows with aligned columns: the first and the last to the left, the rest to the right; with ``right`` only
+    that number of the last columns is aligned to the right.
     """
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     last = len(widths) - 1

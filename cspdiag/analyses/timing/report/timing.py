@@ -9,11 +9,11 @@ from math import lcm
 from cspdiag.analyses.timing.flow.behaviours import Behaviour, behaviour
 from cspdiag.analyses.timing.flow.contention import Contention
 from cspdiag.analyses.timing.flow.demands import Demand, Demands, merged
-from cspdiag.analyses.timing.flow.partners import Partners, Together
+from cspdiag.analyses.timing.flow.partners import JointWork, Partners
 from cspdiag.analyses.timing.flow.paths import Job
-from cspdiag.analyses.timing.flow.restarts import again
+from cspdiag.analyses.timing.flow.restarts import restart_intervals
 from cspdiag.analyses.timing.flow.spinning import Spinning
-from cspdiag.analyses.timing.flow.value_flow import Passing, Stage
+from cspdiag.analyses.timing.flow.value_flow import Stage, ValueFlow
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
 from cspdiag.analyses.timing.report.outputs import Outputs, port_names
@@ -32,7 +32,7 @@ from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork
 
 LARGEST_NUMBER_OF_ROUNDS = 50
-"""Rounds after which response times that depend on each other are given up."""
+"""The number of iterations after which response times that depend on each other are considered unbounded."""
 
 
 @dataclass
@@ -45,9 +45,9 @@ class _Loop:
     period: int
     span: Span
     jobs: list[Job]
-    together: Together
+    joint_work: JointWork
     delays: int
-    delayed: int
+    delay_time: int
     has_one_step: bool
 
 
@@ -55,30 +55,30 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     """Analyse the sampled loops of a program.
 
     Execution times are those that its submodels and processes state by ``wcet``, or the ``measured`` ones, in
-    nanoseconds by path. What processes themselves do between laws counts nothing unless they state a time. Whatever has
-    no bound is refused, with the reason.
+    nanoseconds by path. Computation between the laws of a process is neglected unless the process states a time.
+    Whatever has no bound is refused, with the reason.
     """
     threads = Threads(network, measured or {})
     used = tuple(sorted(set(measured or {}) & set(threads.instances)))
     shifted = list(_shifted_inputs(network))
     refusals = [*shifted, *threads.unseen]
-    every = list(threads.root.with_forks())
-    levels = {priority: k for k, priority in enumerate(sorted({_level(thread) for thread in every}))}
-    found = [behaviour(k, thread, levels[_level(thread)], refusals) for k, thread in enumerate(every)]
+    all_threads = list(threads.root.with_forks())
+    levels = {priority: k for k, priority in enumerate(sorted({_level(thread) for thread in all_threads}))}
+    found = [behaviour(k, thread, levels[_level(thread)], refusals) for k, thread in enumerate(all_threads)]
     behaviours = [one for one in found if one is not None]
-    if any(thread.has_samples() for thread in every):
-        refusals += Spinning(every).refusals()
+    if any(thread.has_samples() for thread in all_threads):
+        refusals += Spinning(all_threads).refusals()
     order = {path: k for k, path in enumerate(threads.instances)}
     missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
-    # What is unknown counts nothing: the rest of the figures would only mislead.
-    analysis = _analysis(network, every, behaviours, refusals, are_loops_known=not (missing or shifted))
+    # Unknown times would count as zero, and the other figures would mislead.
+    analysis = _analysis(network, all_threads, behaviours, refusals, are_loops_known=not (missing or shifted))
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
     recurring = [task for task in tasks if task.period < ONCE]
     inputs = {f"{network.top}.{name}": k for k, name in enumerate(port_names(network.external_ports))}
     found_chains, are_all_chains = ([], True) if missing or refusals else analysis.chains(network, rows)
     is_late = not all(row.is_met for row in rows)
-    overloaded = is_overloaded(every, behaviours)
+    overloaded = is_overloaded(all_threads, behaviours)
     return TimingReport(
         network.top,
         tuple(rows),
@@ -89,16 +89,18 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
         sum(task.utilization for task in recurring),
         lcm(*(row.period for row in rows), *(task.period for task in recurring)) if rows else 0,
         False if overloaded else (True if analysis.is_independent and edf.meets_deadlines(recurring) else None),
-        _advice(network, every, behaviours, recurring) if is_late and not refusals else None,
+        _advice(network, all_threads, behaviours, recurring) if is_late and not refusals else None,
         used,
         are_all_chains,
-        find_witness(every, behaviours, inputs) if is_late and not shifted else None,
+        find_witness(all_threads, behaviours, inputs) if is_late and not shifted else None,
         overloaded,
     )
 
 
 def _shifted_inputs(network: CoreNetwork) -> Iterator[Refusal]:
-    """Jobs are taken to begin together, at the multiples of their periods."""
+    """Refuse inputs with an offset: the analysis assumes that all jobs begin together, at the multiples of their
+    periods.
+    """
     for name, port in zip(port_names(network.external_ports), network.external_ports, strict=True):
         if port.direction == "in" and port.sampling is not None and port.sampling.offset:
             yield Refusal(
@@ -109,33 +111,35 @@ def _shifted_inputs(network: CoreNetwork) -> Iterator[Refusal]:
 
 def _analysis(
     network: CoreNetwork,
-    every: Sequence[Thread],
+    all_threads: Sequence[Thread],
     behaviours: Sequence[Behaviour],
     refusals: list[Refusal],
     *,
     are_loops_known: bool = True,
 ) -> _Analysis:
-    """The loops of a program and what they ask of each other, with the priorities that its threads have."""
+    """The loops of a program and what they demand of each other, with the priorities of its threads."""
     grid = min((environment.step for environment in network.environments), default=None)
-    demands = Demands(behaviours, grid, capacities(network), again(every, behaviours, grid), refusals)
-    surroundings = Contention(every, demands.own)
+    demands = Demands(behaviours, grid, capacities(network), restart_intervals(all_threads, behaviours, grid), refusals)
+    contention = Contention(all_threads, demands.by_thread)
     order = {instance.path: k for k, instance in enumerate(network.instances)}
     loops = sorted(
-        (loop for one in behaviours for loop in _loops(one, demands, surroundings, refusals)),
+        (loop for one in behaviours for loop in _loops(one, demands, contention, refusals)),
         key=lambda loop: order.get(loop.name, len(order)),
     )
-    waited = {one.number: _waited_between(one, demands, surroundings, refusals) for one in behaviours}
-    return _Analysis(surroundings, behaviours, demands, loops if are_loops_known else [], waited)
+    partner_work = {one.number: _partner_work_between(one, demands, contention, refusals) for one in behaviours}
+    return _Analysis(contention, behaviours, demands, loops if are_loops_known else [], partner_work)
 
 
 def _advice(
-    network: CoreNetwork, every: Sequence[Thread], behaviours: Sequence[Behaviour], tasks: Sequence[Task]
+    network: CoreNetwork, all_threads: Sequence[Thread], behaviours: Sequence[Behaviour], tasks: Sequence[Task]
 ) -> tuple[str, ...] | None:
-    """Another order of priorities of the branches of one parallel, if it is proved to meet every deadline."""
+    """Another order of priorities of the branches of one parallel composition, if it is proved to meet every
+    deadline.
+    """
     order = feasible_order(tasks)
     branches = [one for one in behaviours if not one.thread.forks]
     known = {one.thread.path: one for one in branches}
-    groups = {id(group) for thread in every for group in thread.forks}
+    groups = {id(group) for thread in all_threads for group in thread.forks}
     if order is None or len(groups) != 1 or len(known) != len(branches):
         return None
     paths = tuple(dict.fromkeys(tasks[k].name for k in order))
@@ -143,45 +147,45 @@ def _advice(
         return None
     ranked = [replace(one, level=paths.index(one.thread.path) if one.thread.path in known else 0) for one in behaviours]
     refusals: list[Refusal] = []
-    rows = _analysis(network, every, ranked, refusals).rows(network, refusals)
+    rows = _analysis(network, all_threads, ranked, refusals).rows(network, refusals)
     is_met = not refusals and all(row.is_met for row in rows)
     return tuple(path.partition(".")[2] or path for path in paths) if is_met else None
 
 
 def _level(thread: Thread) -> tuple[int, ...]:
-    """Ranks from the outermost prioritized parallel inwards, compared as if padded with zeros."""
+    """Ranks from the outermost prioritized parallel composition inwards, compared as if padded with zeros."""
     priority = thread.priority
     while priority and priority[-1] == 0:
         priority = priority[:-1]
     return priority
 
 
-def _waited_between(
-    one: Behaviour, demands: Demands, surroundings: Contention, refusals: list[Refusal]
+def _partner_work_between(
+    one: Behaviour, demands: Demands, contention: Contention, refusals: list[Refusal]
 ) -> tuple[int, int]:
     """How much partners compute at most for what a thread does between its samples, and the level of the least urgent
     of them.
     """
     longest, level = 0, one.level
     for job in one.jobs:
-        if job.is_owed and job.path.meets and job.offer is not None and job.offer.kind != "sample":
-            partners = Partners(demands, surroundings, one, 0, one.thread.places[job.wait].span, refusals)
-            together = partners.together(job.path)
-            longest, level = max(longest, together.work - job.path.work), max(level, together.level)
+        if job.follows_samples and job.path.meets and job.offer is not None and job.offer.kind != "sample":
+            partners = Partners(demands, contention, one, 0, one.thread.places[job.wait].span, refusals)
+            joint_work = partners.joint_work(job.path)
+            longest, level = max(longest, joint_work.work - job.path.work), max(level, joint_work.level)
     return longest, level
 
 
-def _loops(one: Behaviour, demands: Demands, surroundings: Contention, refusals: list[Refusal]) -> Iterator[_Loop]:
-    """The sampled loops of a thread: those waits for samples that it comes back to, or after which it follows their
-    inputs further.
+def _loops(one: Behaviour, demands: Demands, contention: Contention, refusals: list[Refusal]) -> Iterator[_Loop]:
+    """The sampled loops of a thread: waits for samples that it reaches again, or after which it still follows their
+    inputs.
     """
     grouped: dict[tuple[str, int], list[Job]] = {}
     for job in one.jobs:
         if job.offer is None or job.offer.kind != "sample":
             continue
-        if job.wait in one.loop_of or job.offer.period in job.path.keeps:
+        if job.wait in one.loop_of or job.offer.period in job.path.still_followed:
             of_wait = [
-                other for other in one.at(job.wait)
+                other for other in one.jobs_after(job.wait)
                 if other.offer is not None and other.offer.kind == "sample" and other.offer.period == job.offer.period
             ]  # fmt: skip
             heaviest = max(of_wait, key=lambda other: other.path.heaviest[0]).path.heaviest
@@ -189,19 +193,19 @@ def _loops(one: Behaviour, demands: Demands, surroundings: Contention, refusals:
             grouped.setdefault((name, job.offer.period), []).append(job)
     for (name, period), jobs in grouped.items():
         span = one.thread.places[jobs[0].wait].span
-        partners = Partners(demands, surroundings, one, period, span, refusals)
-        pieces = [partners.together(job.path) for job in jobs]
-        together = max(pieces, key=lambda piece: piece.work)
-        together.step = max(piece.step for piece in pieces)
-        together.level = max(piece.level for piece in pieces)
+        partners = Partners(demands, contention, one, period, span, refusals)
+        pieces = [partners.joint_work(job.path) for job in jobs]
+        joint_work = max(pieces, key=lambda piece: piece.work)
+        joint_work.step = max(piece.step for piece in pieces)
+        joint_work.level = max(piece.level for piece in pieces)
         for piece in pieces:
-            together.members |= piece.members
-            together.replaced |= piece.replaced
-        alone = len(together.members) == 1
+            joint_work.members |= piece.members
+            joint_work.included |= piece.included
+        alone = len(joint_work.members) == 1
         yield _Loop(
-            name, one, tuple(dict.fromkeys(job.wait for job in jobs)), period, span, jobs, together,
+            name, one, tuple(dict.fromkeys(job.wait for job in jobs)), period, span, jobs, joint_work,
             max(job.path.delays for job in jobs),
-            max(job.path.delayed for job in jobs),
+            max(job.path.delay_time for job in jobs),
             alone and all(not job.path.switches for job in jobs),
         )  # fmt: skip
 
@@ -209,33 +213,37 @@ def _loops(one: Behaviour, demands: Demands, surroundings: Contention, refusals:
 class _Analysis:
     def __init__(
         self,
-        surroundings: Contention,
+        contention: Contention,
         behaviours: Sequence[Behaviour],
         demands: Demands,
         loops: Sequence[_Loop],
-        waited: Mapping[int, tuple[int, int]],
+        partner_work: Mapping[int, tuple[int, int]],
     ) -> None:
         self.behaviours = {one.number: one for one in behaviours}
         self.demands = demands
-        self.surroundings = surroundings
+        self.contention = contention
         self.loops = loops
-        self.waited = waited
-        """By thread, how much partners compute for what it does between its samples, and at which level."""
+        self.partner_work = partner_work
+        """By thread, how much partners compute for what it does between its samples, and the level of the
+        least urgent.
+        """
         self.lateness: dict[int, int] = {}
-        """By thread, how late what its samples cause in others may come."""
-        self._causing = {part.origin for parts in demands.own.values() for part in parts if part.late}
-        self._waiting = {loop.owner.number for loop in loops if loop.delays or len(loop.together.members) > 1}
-        self._waiting |= {number for number, parts in demands.own.items() for part in parts if part.held or part.meets}
+        """By thread, how late the work may be released that its samples trigger in others."""
+        self._causing = {part.origin for parts in demands.by_thread.values() for part in parts if part.is_triggered}
+        self._waiting = {loop.owner.number for loop in loops if loop.delays or len(loop.joint_work.members) > 1}
+        self._waiting |= {
+            number for number, parts in demands.by_thread.items() for part in parts if part.suspension or part.meets
+        }
         self._tasks: dict[Demand, Task] = {}
-        self._together: dict[tuple[int, int], dict[int, Response]] = {}
+        self._by_group: dict[tuple[int, int], dict[int, Response]] = {}
 
     @property
     def is_independent(self) -> bool:
-        """Whether no loop waits for another one, or for time, nor causes work in another."""
+        """Whether no loop waits for another one, or for time, or triggers work in another."""
         return not (self._waiting or self._causing)
 
     def rows(self, network: CoreNetwork, refusals: list[Refusal]) -> list[LoopTiming]:
-        """Every loop with its bound; rounds until those that wait for each other agree."""
+        """Every loop with its bound, iterated until the bounds of loops that wait for each other are consistent."""
         outputs = Outputs(network)
         matters = self._waiting or any(loop.owner.number in self._causing for loop in self.loops)
         for _ in range(LARGEST_NUMBER_OF_ROUNDS):
@@ -246,150 +254,150 @@ class _Analysis:
                 lateness[loop.owner.number] = max(late, lateness.get(loop.owner.number, 0))
             if lateness == self.lateness or not matters:
                 return rows
-            self._come_late(lateness)
-        # Nothing of a loop that is in time comes later than a period after its tick: if all are even so, the bounds
-        # hold.
+            self._set_lateness(lateness)
+        # What a loop that is in time triggers comes at most a period after its tick: if all loops are in time under
+        # this assumption, the bounds hold.
         most = dict(self.lateness)
         for loop in self.loops:
             most[loop.owner.number] = max(loop.period, most[loop.owner.number])
-        self._come_late(most)
+        self._set_lateness(most)
         rows = [self._row(outputs, loop) for loop in self.loops]
         if not all(row.is_met for row in rows):
             reason = "the response times of its loops depend on each other and do not settle"
             refusals.append(Refusal(network.top, reason, self.loops[0].span, "use fewer rendezvous between loops"))
         return rows
 
-    def _come_late(self, lateness: dict[int, int]) -> None:
+    def _set_lateness(self, lateness: dict[int, int]) -> None:
         self.lateness = lateness
         self._tasks.clear()
-        self._together.clear()
+        self._by_group.clear()
 
     def _row(self, ports: Outputs, loop: _Loop) -> LoopTiming:
         task = self.task(loop)
         response = self._response(loop, task)
-        jobs = [*loop.jobs, *self._of_partners(loop)]
+        jobs = [*loop.jobs, *self._partner_jobs(loop)]
         written = frozenset(net for job in jobs for net in job.path.outputs)
         leaves = frozenset(leaf for job in jobs for leaf in job.path.leaves)
         places = frozenset(loop.owner.thread.places[wait].path for wait in loop.waits)
         outputs = ports.names(written)
         return LoopTiming(
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period,
-            loop.together.level,
-            loop.together.work, task.step, response.blocking, response.worst, response.start,
+            loop.joint_work.level,
+            loop.joint_work.work, task.step, response.blocking, response.worst, response.start,
             outputs, ports.interval(written, loop.period, response.worst),
             tuple(
                 self.behaviours[k].thread.path.partition(".")[2]
-                for k in sorted(loop.together.members - {loop.owner.number})
+                for k in sorted(loop.joint_work.members - {loop.owner.number})
             ),
             leaves | places, task,
         )  # fmt: skip
 
     def _response(self, loop: _Loop, task: Task) -> Response:
-        """The bound of a loop; those of a parallel of which each is alone in its branch are found together."""
+        """The bound of a loop; loops that are alone in the branches of a parallel composition are bounded together."""
         number = loop.owner.number
-        group = self.surroundings.group_of(number)
-        alone = self.surroundings.below(number)
-        beside = self._beside_own(loop)
+        group = self.contention.group_of(number)
+        alone = self.contention.of_subtree(number)
+        beside = self._other_demands_of_thread(loop)
         if (
             group is not None
             and not beside
             and len(alone) == 1
             and replaced(self._as_task(alone[0]), name=task.name) == task
         ):
-            if group not in self._together:
-                parts = self.surroundings.together(group)
+            if group not in self._by_group:
+                parts = self.contention.of_group(group)
                 found = response_times([self._as_task(part) for part in parts])
-                self._together[group] = {part.thread: response for part, response in zip(parts, found, strict=True)}
-            return self._together[group][number]
-        others = [self._as_task(part) for part in self.surroundings.beside(number, loop.together.replaced)]
-        if any(part.held or part.meets for part in beside):
-            # It comes back to the queue when others have come to it, and to partners that are less urgent.
-            task = replaced(task, final=0, priority=max(task.priority, self.waited[number][1]))
+                self._by_group[group] = {part.thread: response for part, response in zip(parts, found, strict=True)}
+            return self._by_group[group][number]
+        others = [self._as_task(part) for part in self.contention.in_parallel_with(number, loop.joint_work.included)]
+        if any(part.suspension or part.meets for part in beside):
+            # It may rejoin the queue behind others, and wait for less urgent partners.
+            task = replaced(task, final=0, priority=max(task.priority, self.partner_work[number][1]))
         below = max((other.step for other in others if other.priority > task.priority), default=0)
-        return response_time(task, [*others, *(self._as_own(part, below) for part in merged([beside]))])
+        return response_time(task, [*others, *(self._as_own_task(part, below) for part in merged([beside]))])
 
-    def _of_partners(self, loop: _Loop) -> list[Job]:
+    def _partner_jobs(self, loop: _Loop) -> list[Job]:
         """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
-        partners = [self.behaviours[number] for number in loop.together.members]
+        partners = [self.behaviours[number] for number in loop.joint_work.members]
         return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
 
     def chains(self, network: CoreNetwork, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
-        """How values pass through the loops, and whether that is complete."""
+        """The chains of values through the loops, and whether these are all."""
         bounded = [(loop, row.response) for loop, row in zip(self.loops, rows, strict=True) if row.response is not None]
         stages = [self._stage(loop, response) for loop, response in bounded]
-        passing = Passing(network, self.behaviours, stages)
-        return chains(passing, stages, [loop.name for loop, _ in bounded], Outputs(network).latency)
+        flow = ValueFlow(network, self.behaviours, stages)
+        return chains(flow, stages, [loop.name for loop, _ in bounded], Outputs(network).latency)
 
     def _stage(self, loop: _Loop, response: int) -> Stage:
         wait = loop.waits[0]
         stage = Stage(loop.period, response, (loop.owner.number, loop.owner.loop_of.get(wait, -1 - wait)))
         stage.jobs[loop.owner.number] = list(loop.jobs)
-        for number in loop.together.members:
+        for number in loop.joint_work.members:
             one = self.behaviours[number]
             if not one.has_samples:
                 stage.jobs[number] = [job for job in one.jobs if job.wait in one.waits]
-        stage.spots = {
+        stage.locations = {
             (number, place) for number, jobs in stage.jobs.items() for job in jobs for place in job.path.moves
         }
         return stage
 
     def task(self, loop: _Loop) -> Task:
         """The loop with its partners as a task."""
-        together = loop.together
-        final = together.work if loop.has_one_step else 0
-        # Time that it lets pass is as good as work to itself, and leaves the processor to others.
+        joint_work = loop.joint_work
+        final = joint_work.work if loop.has_one_step else 0
+        # To the loop itself the time that it lets pass is work, though others may use the processor.
         return Task(
-            loop.name, loop.period, together.work + loop.delayed, loop.period, together.level,
-            step=min(together.step, together.work),
+            loop.name, loop.period, joint_work.work + loop.delay_time, loop.period, joint_work.level,
+            step=min(joint_work.step, joint_work.work),
             final=final, suspensions=loop.delays,
         )  # fmt: skip
 
     def _as_task(self, part: Demand) -> Task:
         found = self._tasks.get(part)
         if found is None:
-            found = self._tasks[part] = self._made_task(part)
+            found = self._tasks[part] = self._new_task(part)
         return found
 
-    def _made_task(self, part: Demand) -> Task:
+    def _new_task(self, part: Demand) -> Task:
         jitter = 0
-        if part.late:
+        if part.is_triggered:
             jitter = self.lateness.get(part.origin, part.period)
-        elif part.origin == part.thread and self._waiting & {part.thread, *part.shared}:
-            # Waiting for partners or for time delays the rest of its work.
-            latest = max(self.lateness.get(number, 0) for number in (part.thread, *part.shared))
+        elif part.origin == part.thread and self._waiting & {part.thread, *part.shared_with}:
+            # Waiting for partners or delays postpones the rest of its work.
+            latest = max(self.lateness.get(number, 0) for number in (part.thread, *part.shared_with))
             jitter = max(0, latest - part.work)
-        jitter += part.behind
+        jitter += part.jitter
         thread = self.behaviours[part.thread].thread
         return Task(
             thread.path, part.period, part.work, part.period, part.level, jitter=jitter, step=part.step,
             final=part.work if part.step == part.work else 0, suspensions=part.delays,
         )  # fmt: skip
 
-    def _as_own(self, part: Demand, below: int) -> Task:
-        """What a thread does between its samples, to itself.
+    def _as_own_task(self, part: Demand, below: int) -> Task:
+        """What a thread does between its samples, as interference with its own loop.
 
-        Time that it lets pass is as good as work, after which a step ``below`` may have begun; and what comes later may
-        be served first.
+        Time that it lets pass counts as work, after which a step of length ``below`` may have begun; and what is
+        released later may be served first.
         """
         task = self._as_task(part)
-        held = part.held + part.delays * below + part.meets * self.waited[part.thread][0]
-        return replaced(task, work=task.work + held, final=0 if held else task.final, priority=-1)
+        suspension = part.suspension + part.delays * below + part.meets * self.partner_work[part.thread][0]
+        return replaced(task, work=task.work + suspension, final=0 if suspension else task.final, priority=-1)
 
-    def _beside_own(self, loop: _Loop) -> list[Demand]:
-        """What else the loop's own thread may want to do while the loop does."""
+    def _other_demands_of_thread(self, loop: _Loop) -> list[Demand]:
+        """What else the thread of a loop may demand while the loop runs."""
         return [
-            part for part in self.demands.own[loop.owner.number]
-            if (part.period < ONCE and (part.origin != loop.owner.number or part.late))
+            part for part in self.demands.by_thread[loop.owner.number]
+            if (part.period < ONCE and (part.origin != loop.owner.number or part.is_triggered))
             or self._of_same_loop(loop, part)
         ]  # fmt: skip
 
     def _of_same_loop(self, loop: _Loop, part: Demand) -> bool:
-        """Samples of another period that the same loop follows."""
-        if part.origin != loop.owner.number or part.late or part.period == loop.period:
+        """Whether a demand is that of samples with another period in the same loop."""
+        if part.origin != loop.owner.number or part.is_triggered or part.period == loop.period:
             return False
         places = (loop.owner.thread.places[wait] for wait in loop.owner.waits)
         return any({part.period, loop.period} <= place.periods() for place in places)
 
     def tasks(self) -> list[Task]:
-        """What the whole program demands at most at any time."""
-        return [self._as_task(part) for part in self.surroundings.everything()]
+        """What the program demands at most at any time, as tasks."""
+        return [self._as_task(part) for part in self.contention.of_program()]

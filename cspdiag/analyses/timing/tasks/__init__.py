@@ -1,1 +1,1 @@
-"""Recurring work on one processor: response times, schedules and advice on priorities."""
+"""Response times, schedules and priority assignment for recurring work on one processor."""

@@ -1,7 +1,7 @@
-"""Advice on priorities: an order under which every deadline is met, if there is one.
+"""An order of priorities under which every deadline is met, if there is one.
 
 Audsley, "On priority assignment in fixed priority scheduling" (2001): level by level from the least urgent; a task that
-meets its deadline there may have it, whatever the order of the others.
+meets its deadline at a level may have it, whatever the order of the more urgent ones.
 """
 
 from __future__ import annotations
@@ -14,19 +14,18 @@ from cspdiag.base.record import replaced
 
 
 def feasible_order(tasks: Sequence[Task]) -> list[int] | None:
-    """Indexes of the tasks from the most to the least urgent, or None where no order meets every deadline.
+    """Indexes of the tasks from the most to the least urgent, or None if no order meets every deadline.
 
-    Of several that may have a level it goes to the one with the longest deadline, so that the order is the usual one
-    where that is possible.
+    If several tasks may have a level, the one with the longest deadline gets it: that is the usual order.
     """
-    open_ = list(range(len(tasks)))
+    unassigned = list(range(len(tasks)))
     order: list[int] = []
-    while open_:
-        candidates = sorted(open_, key=lambda k: (-tasks[k].deadline, -k))
-        chosen = next((k for k in candidates if _fits_lowest(tasks, k, open_, order)), None)
+    while unassigned:
+        candidates = sorted(unassigned, key=lambda k: (-tasks[k].deadline, -k))
+        chosen = next((k for k in candidates if _fits_lowest(tasks, k, unassigned, order)), None)
         if chosen is None:
             return None
-        open_.remove(chosen)
+        unassigned.remove(chosen)
         order.insert(0, chosen)
     return order
 

@@ -1,6 +1,6 @@
-"""What earliest deadline first could do with the same tasks: the processor's demand, for comparison.
+"""Whether earliest deadline first would meet the deadlines of the same tasks, by their demand bound.
 
-Jeffay, Stanat and Martel (1991) for steps that nothing preempts; the search is the quick processor-demand analysis of
+Jeffay, Stanat and Martel (1991) for steps without preemption; the search is the quick processor-demand analysis of
 Zhang and Burns (2009).
 """
 
@@ -12,8 +12,8 @@ from fractions import Fraction
 from cspdiag.analyses.timing.task import Task
 
 
-def demand(tasks: Sequence[Task], interval: int) -> int:
-    """The work that must be done within an interval: jobs that arrive and have their deadlines in it."""
+def demand_bound(tasks: Sequence[Task], interval: int) -> int:
+    """The demand bound of an interval: the work of all jobs that arrive and have their deadlines in it."""
     total = 0
     for task in tasks:
         jobs = (interval + task.jitter - task.deadline) // task.period + 1
@@ -33,12 +33,12 @@ def meets_deadlines(tasks: Sequence[Task]) -> bool:
     shortest = min(task.deadline - task.jitter for task in tasks)
     interval = _deadline_before(tasks, horizon + 1)
     while interval is not None and interval >= shortest:
-        wanted = demand(tasks, interval) + _blocking(tasks, interval)
-        if wanted > interval:
+        demanded = demand_bound(tasks, interval) + _blocking(tasks, interval)
+        if demanded > interval:
             return False
-        # Less is wanted in shorter intervals, except that more may block them: there the next deadline is looked at.
+        # Shorter intervals have less demand, but more tasks may block them; there the next deadline is checked.
         interval = _deadline_before(
-            tasks, interval if wanted == interval else max(wanted + 1, _change(tasks, interval))
+            tasks, interval if demanded == interval else max(demanded + 1, _change(tasks, interval))
         )
     return True
 
@@ -48,12 +48,12 @@ def _blocking(tasks: Sequence[Task], interval: int) -> int:
 
 
 def _change(tasks: Sequence[Task], interval: int) -> int:
-    """The next shorter interval at which another task begins to block, plus one; 0 where there is none."""
+    """The next shorter interval at which another task begins to block, plus one; 0 if there is none."""
     return max((d for task in tasks if (d := task.deadline - task.jitter) <= interval), default=0)
 
 
 def _horizon(tasks: Sequence[Task], load: Fraction) -> int:
-    """No interval longer than the longest busy period needs to be looked at (Spuri, 1996)."""
+    """The longest interval to check: no longer than the longest busy period (Spuri, 1996)."""
     latest = max(task.deadline for task in tasks)
     if load < 1:
         surplus = sum(
@@ -68,7 +68,7 @@ def _horizon(tasks: Sequence[Task], load: Fraction) -> int:
 
 
 def _deadline_before(tasks: Sequence[Task], limit: int) -> int | None:
-    """The latest absolute deadline before an instant, arrivals being as early as they may."""
+    """The latest absolute deadline before an instant, with all arrivals as early as possible."""
     latest: int | None = None
     for task in tasks:
         first = task.deadline - task.jitter

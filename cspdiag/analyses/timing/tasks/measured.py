@@ -1,4 +1,4 @@
-"""Measured execution times, brought down to the laws that they bound."""
+"""Measured execution times, assigned to the laws that they bound."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 
 @record
 class Measured:
-    """The longest step of a law, of a process with its own laws, or of a thread with everything that is flattened into
-    it, in nanoseconds.
+    """The longest step in nanoseconds of a law, of a process with its own laws, or of a thread with all that is
+    flattened into it.
     """
 
     path: str
@@ -21,11 +21,10 @@ class Measured:
 
 
 def times_of_laws(network: CoreNetwork, measured: Iterable[Measured]) -> dict[str, int]:
-    """For each law, and each process written by hand, the longest time that it can have taken, as far as that was
-    measured.
+    """The longest time that each law, and each process written by hand, can have taken, if that was measured.
 
-    A law is given its own time, or that of a step of the process that runs it, or of the thread: what else the step did
-    counts as the law's, which is too much rather than too little.
+    A law gets its own time, or that of a step of the process that runs it, or of the thread. Whatever else the step did
+    is then included in the law's time, which can only make it too long.
     """
     given = {entry.path: entry for entry in measured}
     found: dict[str, int] = {}

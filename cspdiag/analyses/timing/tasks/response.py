@@ -1,11 +1,11 @@
-"""Worst response times under fixed priorities with steps that nothing preempts.
+"""Worst-case response times under fixed priorities with steps that are not preempted.
 
-Joseph and Pandya (1986) with jitter, blocking and arbitrary deadlines (Audsley and others, 1993; Tindell, 1994), the
-last step that cannot be preempted (George, Rivierre and Spuri, 1996; Bril, Lukkien and Verhaegh, 2009), and first come,
-first served within a level (George and others, section on FIFO). Time is discrete: who blocks has started at least one
+Joseph and Pandya (1986) with jitter, blocking and arbitrary deadlines (Audsley and others, 1993; Tindell, 1994), a last
+step that is not preempted (George, Rivierre and Spuri, 1996; Bril, Lukkien and Verhaegh, 2009), and first come, first
+served within a level (George and others, section on FIFO). Time is discrete: a blocking step has started at least one
 unit before.
 
-The response is measured from the nominal release, k·period, to the end of the last step.
+The response time is measured from the nominal release, k·period, to the end of the last step.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ from cspdiag.analyses.timing.task import Task
 from cspdiag.base.record import record
 
 LARGEST_NUMBER_OF_JOBS = 100_000
-"""A busy period with more jobs of one task is given up."""
+"""A busy period with more jobs of one task is not analysed."""
 
 
 @record
 class Response:
-    """The bound for one task: ``worst`` response, latest ``start`` of a job's last step, both from the nominal release;
-    ``blocking`` by less urgent steps. ``worst`` and ``start`` are None where the level is overloaded, so that there is
-    no bound.
+    """The bound for one task: its ``worst`` response time, the latest ``start`` of a job's last step, both from the
+    nominal release, and ``blocking`` by less urgent steps.
+
+    ``worst`` and ``start`` are None where the level is overloaded, so there is no bound.
     """
 
     worst: int | None
@@ -36,7 +37,7 @@ class Response:
 
 
 _Interference = tuple[tuple[int, int, int], ...]
-"""Of each interfering task: period, work, jitter."""
+"""Period, work and jitter of each interfering task."""
 
 
 def response_times(tasks: Sequence[Task]) -> list[Response]:
@@ -61,7 +62,7 @@ def response_times(tasks: Sequence[Task]) -> list[Response]:
 
 
 def response_time(task: Task, others: Sequence[Task]) -> Response:
-    """The bound for one task beside others."""
+    """The bound for one task in competition with others."""
     blocking = max((other.step - 1 for other in others if other.priority > task.priority), default=0)
     above = [other for other in others if other.priority < task.priority]
     same = [other for other in others if other.priority == task.priority]
@@ -92,13 +93,13 @@ class _Queue:
         if task.has_one_step and len(self.members) > 1:
             jobs = self._work(busy, task)
             if task.jitter:
-                jobs = [(arrival, work + _own(task, arrival)) for arrival, work in jobs]
+                jobs = [(arrival, work + _own_correction(task, arrival)) for arrival, work in jobs]
         else:
-            # Others of the level may come between its steps, as those above do.
+            # Other tasks of the level may run between its steps, like the more urgent ones.
             interference += _interference([other for other in self.members if other is not task])
             jobs = [(k * task.period, (k + 1) * task.work) for k in range(-(-max(busy, 1) // task.period))]
         if task.has_one_step and not interference and not task.jitter and len(self.members) > 1:
-            # Nothing tells the tasks of the most urgent level apart.
+            # All tasks of the most urgent level have the same bound.
             if self._longest_queue is None:
                 self._longest_queue = max(work - arrival for arrival, work in jobs)
             worst = max(blocking + self._longest_queue, task.final)
@@ -111,8 +112,8 @@ class _Queue:
         return Response(worst + task.jitter, latest + task.jitter, blocking)
 
     def _work(self, busy: int, task: Task) -> list[tuple[int, int]]:
-        """The instants of a busy period, from its beginning, after which a job of the task may wait longest, each with
-        the work that has arrived at the level by then.
+        """The instants of a busy period at which a job of the task may have the longest response, each with the work
+        that has arrived at the level by then.
         """
         if self._arrivals is None:
             arriving: dict[int, int] = {0: 0}
@@ -125,16 +126,14 @@ class _Queue:
             self._arrivals = list(zip(instants, accumulate(arriving[instant] for instant in instants), strict=True))
         if task.jitter == 0:
             return self._arrivals
-        # Its own jobs come together as closely as they may when they arrive at multiples of its period.
+        # Its own jobs arrive as close together as possible if they arrive at multiples of its period.
         arrivals = self._arrivals
         own = range(0, busy, task.period)
         return arrivals + [(at, arrivals[bisect_right(arrivals, at, key=itemgetter(0)) - 1][1]) for at in own]
 
 
-def _own(task: Task, arrival: int) -> int:
-    """What to add to the work of a level for a job of the task that arrives now: its own earlier jobs were no later
-    than it is.
-    """
+def _own_correction(task: Task, arrival: int) -> int:
+    """The correction of a level's work for a job that arrives now: earlier jobs of the same task arrived no later."""
     return (arrival // task.period - (arrival + task.jitter) // task.period) * task.work
 
 
@@ -143,13 +142,13 @@ def _interference(tasks: Sequence[Task]) -> _Interference:
 
 
 def _load(tasks: Sequence[Task]) -> Fraction | float:
-    """The share of the processor that the tasks need; exact where it is close to all of it."""
+    """The share of the processor that the tasks need; exact if it is close to all of it."""
     load = sum([task.work / task.period for task in tasks])
     return load if load < 1 - 1e-9 else sum((Fraction(task.work, task.period) for task in tasks), Fraction())
 
 
 def _busy_period(tasks: Sequence[Task], blocking: int) -> int | None:
-    """The longest time for which a level stays busy; None where it has no bound."""
+    """The longest time for which a level stays busy; None if it has no bound."""
     demands = tuple((task.period, task.work, task.jitter) for task in tasks if task.work)
     if not demands:
         return blocking
@@ -169,7 +168,7 @@ def _busy_period(tasks: Sequence[Task], blocking: int) -> int | None:
 
 
 def _least_start(before: int, interference: _Interference) -> int:
-    """The least s with s = before + the work above that arrives up to s."""
+    """The least s with s = before + the more urgent work that arrives up to s."""
     if not interference:
         return before
     load = sum([work / period for period, work, _ in interference])
@@ -182,9 +181,7 @@ def _least_start(before: int, interference: _Interference) -> int:
 
 
 def _lower_bound(before: int, demands: _Interference, load: float) -> int:
-    """Not more than the least fixed point: each task demands at least its share of the time. The margin makes up for
-    rounding.
-    """
+    """At most the least fixed point: each task demands at least its share of the time. The margin covers rounding."""
     if load > 0.999:
         return before
     certain = before + sum([work * jitter / period for period, work, jitter in demands])

@@ -1,8 +1,7 @@
-"""One hyperperiod, simulated: every job takes its longest time, and all periods begin together, as those of a program
-do.
+"""A simulation of one hyperperiod: every job takes its longest time, and all periods begin together, as in a program.
 
-It shows the schedule, it does not bound it: under scheduling without preemption a job that ends early may make another
-late, which the response-time analysis takes into account and this does not.
+It shows the schedule but does not bound it: without preemption a job that ends early may make another one late, which
+the response-time analysis takes into account and this simulation does not.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ LARGEST_NUMBER_OF_JOBS = 20_000
 
 @record
 class Slice:
-    """A step of a job that runs: the index of its task, when the job was released, and from when to when it ran, in
+    """A step of a job: the index of its task, the release of the job, and from when to when the step ran, in
     nanoseconds.
     """
 
@@ -32,9 +31,7 @@ class Slice:
 
 @record
 class Schedule:
-    """What ran in ``length`` nanoseconds; ``is_whole`` unless the hyperperiod is longer, or had too many jobs to look
-    at.
-    """
+    """What ran in ``length`` nanoseconds; ``is_whole`` is False if the hyperperiod is longer, or has too many jobs."""
 
     hyperperiod: int
     length: int
@@ -42,18 +39,20 @@ class Schedule:
     is_whole: bool
 
     def longest_response(self, task: int) -> int:
-        """The longest time from the release of a job of the task to its end that was seen; 0 where none ended."""
+        """The longest observed time from a release of the task to the end of that job; 0 if none ended."""
         return max((part.end - part.release for part in self.slices if part.task == task and part.is_last), default=0)
 
 
 def hyperperiod(tasks: Sequence[Task]) -> int:
-    """After which everything repeats."""
+    """The time after which the schedule repeats."""
     return lcm(*(task.period for task in tasks)) if tasks else 0
 
 
 def simulate(tasks: Sequence[Task], *, limit: int | None = None, hyperperiods: int = 1, first: int = 0) -> Schedule:
-    """Run the tasks from one tick of all of them over some hyperperiods, or up to ``limit`` nanoseconds. ``first`` is
-    the number of the first job of each: 1 as when a program starts, which has its first sample after a period.
+    """Run the tasks from a common tick over some hyperperiods, or up to ``limit`` nanoseconds.
+
+    ``first`` is the number of the first job of each task: 1 when a program starts, because its first samples come after
+    a period.
     """
     whole = hyperperiod(tasks)
     length = hyperperiods * whole if limit is None else min(hyperperiods * whole, limit)

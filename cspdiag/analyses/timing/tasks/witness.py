@@ -1,5 +1,6 @@
-"""A schedule in which a loop is late: that a bound is longer than a period does not show that the loop ever takes so
-long.
+"""Schedules in which a loop is late.
+
+A bound that is longer than the period does not show that the loop ever takes so long; such a schedule does.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from cspdiag.analyses.timing.threads.graph import Thread
 def find_witness(
     threads: Sequence[Thread], behaviours: Sequence[Behaviour], order: Mapping[str, int]
 ) -> Witness | None:
-    """The first sample that is late where all loops are independent and go but one way, so that there is only one
-    schedule with all times at their longest; None where there is no such sample or the program is not as simple as
-    that. ``order`` numbers the inputs, by their nets.
+    """The first late sample, if all loops are independent and have one path each, so there is only one schedule with
+    all times at their longest.
+
+    None if no sample is late, or if the program is not of this form. ``order`` numbers the inputs by their nets.
     """
     if len(behaviours) != len(threads) or not _start_together(threads) or _may_fail(threads):
         return None
@@ -30,18 +32,18 @@ def find_witness(
         if not jobs:
             continue
         job = jobs[0]
-        if len(jobs) > 1 or job.offer is None or not _is_plain(one, job) or not _begins_at(one, job.wait):
+        if len(jobs) > 1 or job.offer is None or not _is_one_step_loop(one, job) or not _begins_at(one, job.wait):
             return None
         period, work = job.offer.period, job.path.work
         tasks.append((Task(one.thread.path, period, work, period, one.level), one, job))
     found = [_first_late([task for task, _, _ in sorted(tasks, key=key)]) for key in _orders(order)]
-    # Who of those that are ready at the same instant comes first is known but for who waits for several inputs.
+    # The order of threads that are ready at the same instant is known, except if one waits for several inputs.
     return found[0] if tasks and None not in found else None
 
 
 def is_overloaded(threads: Sequence[Thread], behaviours: Sequence[Behaviour]) -> bool:
-    """Whether there is more work than time for certain: in one sample, whichever way it goes, or by loops alone that
-    all run forever and have only one path.
+    """Whether there is certainly more work than time: in one sample on every path, or by all loops that run forever and
+    have one path each.
     """
     if _may_fail(threads):
         return False
@@ -54,16 +56,16 @@ def is_overloaded(threads: Sequence[Thread], behaviours: Sequence[Behaviour]) ->
         if (
             len(jobs) == 1
             and jobs[0].offer is not None
-            and _is_plain(one, jobs[0])
-            and _comes_surely(one, jobs[0].wait)
+            and _is_one_step_loop(one, jobs[0])
+            and _is_surely_reached(one, jobs[0].wait)
         ):
             load += Fraction(jobs[0].path.work, jobs[0].offer.period)
     return load > 1 and _start_together(threads)
 
 
 def _is_too_much(one: Behaviour, job: Job) -> bool:
-    """Whether what a sample begins takes longer than its period, whichever way it goes, and may well begin."""
-    return job.offer is not None and job.path.least > job.offer.period and _comes_surely(one, job.wait)
+    """Whether a sample that is certain to be taken begins work that takes longer than its period on every path."""
+    return job.offer is not None and job.path.least_work > job.offer.period and _is_surely_reached(one, job.wait)
 
 
 def _may_fail(threads: Sequence[Thread]) -> bool:
@@ -72,19 +74,19 @@ def _may_fail(threads: Sequence[Thread]) -> bool:
 
 
 def _begins_at(one: Behaviour, wait: int) -> bool:
-    """Whether a thread goes to a wait at once when it begins."""
-    return all(job.path.is_only and job.path.stops == {wait} for job in one.jobs if job.offer is None)
+    """Whether the first wait of a thread is this one in any case."""
+    return all(job.path.is_unique and job.path.stops == {wait} for job in one.jobs if job.offer is None)
 
 
-def _comes_surely(one: Behaviour, goal: int) -> bool:
-    """Whether some environment leads a thread to a wait for a sample: no condition, partner or shorter time decides."""
+def _is_surely_reached(one: Behaviour, goal: int) -> bool:
+    """Whether some environment leads a thread to a wait for a sample, whatever conditions, partners and delays do."""
     if any(offer.kind not in ("sample", "event") for offer in one.thread.places[goal].offers):
         return False
     jobs = [job for job in one.jobs if job.offer is None]
     seen: set[int] = set()
     while jobs:
         job = jobs.pop()
-        if not job.path.is_only or len(job.path.stops) != 1:
+        if not job.path.is_unique or len(job.path.stops) != 1:
             continue
         (wait,) = job.path.stops
         if wait == goal:
@@ -96,10 +98,10 @@ def _comes_surely(one: Behaviour, goal: int) -> bool:
 
 
 def _chosen_outside(one: Behaviour, wait: int) -> list[Job]:
-    """The jobs after a wait that come if the environment wants it."""
+    """The jobs that the environment can begin after a wait."""
     kinds = {offer.kind for offer in one.thread.places[wait].offers}
     if kinds <= {"event", "sample"} or kinds == {"delay"} or kinds == {"event", "delay"}:
-        jobs = (job for job in one.at(wait) if job.offer is not None)
+        jobs = (job for job in one.jobs_after(wait) if job.offer is not None)
         return [job for job in jobs if job.offer is not None and job.offer.is_certain]
     return []
 
@@ -110,14 +112,12 @@ def _start_together(threads: Sequence[Thread]) -> bool:
     return len(root.forks) == (1 if others else 0) and not any(thread.forks for thread in others)
 
 
-def _is_plain(one: Behaviour, job: Job) -> bool:
-    """Whether a job is one step that a sample begins, after which the next sample is waited for, and nothing else can
-    happen.
-    """
+def _is_one_step_loop(one: Behaviour, job: Job) -> bool:
+    """Whether a job is one step that a sample begins, followed by the wait for the next sample and nothing else."""
     path = job.path
-    is_alone = len(one.thread.places[job.wait].offers) == 1 and path.is_only and path.stops == {job.wait}
+    is_alone = len(one.thread.places[job.wait].offers) == 1 and path.is_unique and path.stops == {job.wait}
     is_sample = job.offer is not None and job.offer.kind == "sample"
-    return is_alone and is_sample and not (path.switches or path.delays or path.meets or path.gives)
+    return is_alone and is_sample and not (path.switches or path.delays or path.meets or path.sends)
 
 
 def _orders(order: Mapping[str, int]) -> Iterator[Callable[[tuple[Task, Behaviour, Job]], int]]:
@@ -134,9 +134,7 @@ def _orders(order: Mapping[str, int]) -> Iterator[Callable[[tuple[Task, Behaviou
 
 
 def _first_late(tasks: Sequence[Task]) -> Witness | None:
-    """The first sample of a run of the program that is late; what comes after it is not looked at, since a sample may
-    have been missed.
-    """
+    """The first late sample in a run of the program; later ones do not count, because a sample may have been missed."""
     begun: dict[tuple[int, int], int] = {}
     late: list[tuple[int, Witness]] = []
     for part in simulate(tasks, hyperperiods=2, first=1).slices:

@@ -1,1 +1,1 @@
-"""The control flow of each thread of a program: where it computes, where it waits and for what."""
+"""The control-flow graph of each thread of a program: where it computes, where it waits, and for what."""

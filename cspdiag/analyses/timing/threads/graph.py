@@ -1,8 +1,8 @@
-"""The control flow of each thread of a program: where it computes, where it waits and for what.
+"""The control-flow graph of a thread: its nodes are places where it computes or waits.
 
-A thread is what the scheduler switches between: the outermost process, and every branch of a parallel that has a loop
-in it. The branches of a parallel without loops are work of the thread that starts them, one after another, since one
-processor runs them so.
+A thread is what the scheduler switches between: the outermost process, and every branch of a parallel composition that
+has a loop in it. The branches of a parallel composition without loops belong to the thread that starts them, one after
+another, because that is how one processor runs them.
 """
 
 from __future__ import annotations
@@ -15,21 +15,23 @@ from cspdiag.base import Span
 from cspdiag.base.graphs import reached
 from cspdiag.base.record import record
 
-Key = tuple[str, str, int]
-"""An end of a sampled input: its net, the process that keeps its books, and which of its ends."""
+InputEnd = tuple[str, str, int]
+"""An end of a sampled input: its net, the process that follows samples there, and the number of the end in that
+process.
+"""
 
 WaitKind = Literal["sample", "event", "delay", "partner", "join"]
 
 
 @record
 class Offer:
-    """What a waiting thread goes on with.
+    """One of the events that can end a wait, and the place ``target`` where the thread then continues.
 
-    ``channel`` is the path of the net; ``period`` that of a sampled input, or how long a delay lasts, 0 where it is
-    computed, and ``takes_time`` if that is longer than zero; ``key`` tells apart who keeps books of the samples of an
-    input, and without ``takes`` a sample is only looked for; ``writes`` tells the side of a rendezvous; ``is_certain``
-    unless it is there only where a condition holds, or abandons what waits. ``opens`` are the inputs, with their
-    periods, that branches which are abandoned may have followed.
+    ``channel`` is the path of the net. ``period`` is that of a sampled input, or the length of a delay, 0 if it is
+    computed; then ``takes_time`` says whether it is certainly longer than zero. ``key`` is the end at which a sample is
+    read; without ``takes`` the sample is only waited for, not taken. ``writes`` is the side of a rendezvous.
+    ``is_certain`` is False if the offer depends on a condition, or if it abandons the wait. ``may_follow`` are the
+    ends, with their periods, that abandoned branches may have followed.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -39,12 +41,12 @@ class Offer:
     span: Span
     channel: str = ""
     period: int = 0
-    key: Key = ("", "", 0)
+    key: InputEnd = ("", "", 0)
     takes: bool = True
     takes_time: bool = False
     writes: bool = False
     is_certain: bool = True
-    opens: frozenset[tuple[Key, int]] = frozenset()
+    may_follow: frozenset[tuple[InputEnd, int]] = frozenset()
 
     @property
     def end(self) -> tuple[str, bool]:
@@ -54,7 +56,7 @@ class Offer:
 
 @record
 class Move:
-    """Values pass from some channels and variables to others, by the paths of their nets."""
+    """Values pass from some channels and variables to others, given by the paths of their nets."""
 
     reads: frozenset[str]
     writes: frozenset[str]
@@ -62,16 +64,16 @@ class Move:
 
 @dataclass(slots=True)
 class Place:
-    """A point of a thread: it computes for ``cost`` and goes on to one of ``successors``, or waits for one of
-    ``offers``; an end has neither.
+    """A node of the control-flow graph: it computes for ``cost`` and continues at one of ``successors``, or waits for
+    one of ``offers``; at an end both are empty.
 
-    ``leaf`` is the law or process that computes, ``outputs`` are the nets that it writes to the outside. ``breaks``
-    tells that another thread may run before it goes on. ``starts`` is the path of a process that begins here, without
-    samples of its own yet, and ``opens`` are the inputs that parts which begin together follow, though they come one
-    after another here. ``polls`` tells that it takes an offer only where it need not wait for it, and may go on
-    without. ``raises`` tells an end by an exception, ``halts`` a ``stop``. ``gives`` are the channels that it writes
-    without ever waiting for who reads them. ``move`` is what it hands on, of a write before who reads is waited for, of
-    a read after who writes was.
+    ``leaf`` is the law or process that computes, ``outputs`` are the nets that it writes to the environment, and
+    ``sends`` the channels that it writes without waiting for a reader. ``breaks`` means that another thread may run
+    before it continues. ``starts`` is the path of a process that begins here and follows no samples yet. ``may_follow``
+    are the ends that parts which begin together follow, although they come one after another here. ``polls`` means that
+    it takes an offer only if it is ready, and otherwise continues without one. ``raises`` marks an end by an exception,
+    ``halts`` a ``stop``. ``move`` is what it passes on: before a write waits for its reader, and after a read has
+    waited for its writer.
     """
 
     span: Span
@@ -82,12 +84,12 @@ class Place:
     offers: list[Offer] = field(default_factory=list)
     breaks: bool = False
     starts: str = ""
-    opens: frozenset[tuple[Key, int]] = frozenset()
+    may_follow: frozenset[tuple[InputEnd, int]] = frozenset()
     polls: bool = False
     raises: bool = False
     halts: bool = False
     outputs: tuple[str, ...] = ()
-    gives: tuple[str, ...] = ()
+    sends: tuple[str, ...] = ()
     move: Move | None = None
 
     @property
@@ -97,47 +99,50 @@ class Place:
 
     @property
     def is_end(self) -> bool:
-        """Whether nothing comes after it, though no exception was raised."""
+        """Whether nothing comes after it, and no exception was raised."""
         return not self.offers and not self.successors and not self.raises
 
     def periods(self) -> frozenset[int]:
-        """Those of which a sample is waited for."""
+        """The periods of the samples that are waited for."""
         return frozenset(offer.period for offer in self.offers if offer.kind == "sample")
 
     def certain_periods(self) -> frozenset[int]:
-        """Those of which a sample, whatever holds, ends the wait."""
+        """The periods of the samples that end the wait under any condition."""
         return frozenset(offer.period for offer in self.offers if offer.kind == "sample" and offer.is_certain)
 
     def offers_end(self, channel: str, writes: bool) -> bool:
-        """Whether who waits here takes part, whatever holds, in a communication on that side of a channel."""
+        """Whether a thread that waits here communicates on that side of a channel under any condition."""
         return any(
             offer.kind == "partner" and offer.is_certain and offer.end == (channel, writes) for offer in self.offers
         )
 
     def longest_delay(self) -> int | None:
-        """After which the wait is over, whatever happens; None where no known time ends it."""
+        """The time after which the wait has ended in any case; None if no known time ends it."""
         known = [offer.period for offer in self.offers if offer.kind == "delay" and offer.is_certain and offer.period]
         return min(known, default=None)
 
 
 @record
-class Circle:
-    """A loop of a thread: each round begins anew at the place ``again`` and passes others from there on, up to ``end``.
-    ``ends`` says whether it surely ends if nothing in it waits forever; ``turns`` how many rounds it has, where that is
-    known though they are too many to be followed one by one.
+class LoopRange:
+    """A loop of a thread: the place ``header`` where each iteration begins, and the places from there up to ``end``.
+
+    ``terminates`` says whether the loop is certain to end if nothing in it waits forever; ``iterations`` is their
+    number, if it is known but too large for the iterations to be followed one by one.
     """
 
-    again: int
+    header: int
     end: int
-    ends: Callable[[], bool]
-    turns: int | None = None
+    terminates: Callable[[], bool]
+    iterations: int | None = None
 
 
 @dataclass(slots=True)
 class Thread:
-    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for, each at the
-    place in ``joins``. ``shared`` are the processes, with the periods, of which other threads read sampled inputs, too;
-    ``begins_at_once`` where the program begins with it.
+    """A sequential part of the program.
+
+    ``forks`` are the groups of threads that it starts and waits for, each at the place in ``joins``. ``shared`` are the
+    processes, with the periods, whose sampled inputs other threads read as well; ``begins_at_once`` means that the
+    program begins with this thread.
     """
 
     path: str
@@ -146,26 +151,26 @@ class Thread:
     entry: int = 0
     forks: list[list[Thread]] = field(default_factory=list)
     joins: list[int] = field(default_factory=list)
-    circles: list[Circle] = field(default_factory=list)
+    loops: list[LoopRange] = field(default_factory=list)
     shared: frozenset[tuple[str, int]] = frozenset()
     begins_at_once: bool = False
     is_outermost: bool = False
 
     def with_forks(self) -> Iterator[Thread]:
-        """The thread and all that it starts."""
+        """The thread and all threads that it starts."""
         pending = [self]
         while pending:
             thread = pending.pop()
             yield thread
             pending += [inner for group in reversed(thread.forks) for inner in reversed(group)]
 
-    def samples(self) -> frozenset[tuple[Key, int]]:
+    def samples(self) -> frozenset[tuple[InputEnd, int]]:
         """The ends of sampled inputs that the thread itself reads, with their periods."""
         offers = (offer for place in self.places for offer in place.offers)
         return frozenset((offer.key, offer.period) for offer in offers if offer.kind == "sample")
 
-    def waits_first(self) -> set[int]:
-        """The waits that it comes to from its beginning."""
+    def first_waits(self) -> set[int]:
+        """The waits that it reaches from its beginning."""
         on_the_way = reached([self.entry], lambda number: self.places[number].successors)
         return {number for number in on_the_way if self.places[number].offers}
 

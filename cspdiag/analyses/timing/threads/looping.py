@@ -1,4 +1,4 @@
-"""Which parts of a composition loop: branches of a parallel that do are threads."""
+"""Which parts of a composition have loops: those branches of a parallel composition are threads."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.network.ir.walk import all_actions
 
 
 class Looping:
-    """The loops within actions and the processes that they run."""
+    """Finds the loops within actions and in the processes that they run."""
 
     def __init__(self, network: CoreNetwork) -> None:
         self._classes = {entry.name: entry for entry in network.classes}

@@ -1,4 +1,4 @@
-"""What communicating at the end of a channel waits for."""
+"""What a process waits for when it communicates at the end of a channel."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalVal
 from cspdiag.network.ir.network import CoreNetwork, Net, ProcessClass
 
 
-class Ends:
-    """The ends of the channels of a network."""
+class ChannelEnds:
+    """The ends of the channels of a network, and the offers of a process that communicates there."""
 
     def __init__(self, network: CoreNetwork) -> None:
         self._arguments = {instance.path: instance.arguments for instance in network.instances}
@@ -31,9 +31,7 @@ class Ends:
     def reading(
         self, path: str, end: End, target: int, where: Step | Declared, *, owner: str = "", takes: bool = True
     ) -> list[Offer]:
-        """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books
-        of samples.
-        """
+        """What reading waits for; empty if it never waits. ``owner`` is the process that follows samples there."""
         net = self.net(path, end)
         if net is None or (net.kind == "var" and net.external is None):
             return []
@@ -45,14 +43,14 @@ class Ends:
         return [Offer("partner", target, where.span, net.path)]
 
     def writing(self, path: str, end: End, target: int, where: Step | Declared) -> list[Offer]:
-        """What writing waits for; nothing where it never waits."""
+        """What writing waits for; empty if it never waits."""
         net = self.net(path, end)
         if net is None or net.external is not None or net.kind in ("var", "overwrite"):
             return []
         return [Offer("partner", target, where.span, net.path, writes=True)]
 
     def delay(self, path: str, duration: Expression, target: int, span: Span) -> list[Offer]:
-        """The time that passes, 0 where it is computed; nothing where it never waits."""
+        """A delay, with period 0 if its length is computed; empty if it never waits."""
         known = self.constant(path, duration)
         if known is None or not isinstance(known, int):
             return [
@@ -63,7 +61,7 @@ class Ends:
         return [Offer("delay", target, span, period=known)] if known > 0 else []
 
     def constant(self, path: str, expression: Expression) -> Value | None:
-        """The value of an expression of a process, None where it is not constant."""
+        """The value of an expression of a process; None if it is not constant."""
         arguments = dict(self._arguments[path])
 
         def lookup(part: ParameterValue | SignalValue) -> Value | None:
@@ -72,20 +70,18 @@ class Ends:
         return constant_value(expression, lookup)
 
     def is_own(self, path: str, variable: str) -> bool:
-        """Whether only assignments and reads of a process itself change its variable, and no law or process
-        inside it.
-        """
+        """Whether only the process itself, and no law or process inside it, changes its variable."""
         net = self._nets.get(f"{path}.{variable}")
         return net is None or not net.writers
 
 
 def never_waits(net: Net) -> bool:
-    """Whether writing never waits, though somebody may be waiting to read."""
+    """Whether writing never waits, though a reader may be waiting for the value."""
     return net.external is None and net.kind == "overwrite"
 
 
 def capacities(network: CoreNetwork) -> dict[str, int]:
-    """How many values each buffer and each channel that overwrites holds, by the path of its net."""
+    """The number of values that each buffer and each channel that overwrites holds, by the path of its net."""
     channels = {
         entry.name: [channel for channel in entry.channels if channel.kind in ("buffer", "overwrite")]
         for entry in network.classes

@@ -1,4 +1,4 @@
-"""The places of threads: what each computes, waits for and goes on to."""
+"""The places of threads: what each computes, what it waits for, and where it continues."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.threads.graph import Missing, Move, Offer, Place, Thread
-from cspdiag.analyses.timing.threads.offers import Ends
-from cspdiag.analyses.timing.threads.termination import Counting, Values, without
+from cspdiag.analyses.timing.threads.offers import ChannelEnds
+from cspdiag.analyses.timing.threads.termination import Termination, Values, without_changed
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import Branch, CoreAction, Event, PortEnd, Step
 from cspdiag.network.ir.declared import Declared
@@ -20,11 +20,11 @@ from cspdiag.network.ir.walk import parts
 
 @record
 class Context:
-    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those
-    inside.
+    """The surroundings of an action: its thread and process, what may end it early, and the stated execution time that
+    replaces those inside it.
 
-    ``before`` gives what is known of the variables of the process when the action begins; ``is_first`` where it begins
-    but once.
+    ``before`` gives the values of variables that are known when the action begins; ``runs_once`` means that it begins
+    only once.
     """
 
     thread: Thread
@@ -34,17 +34,18 @@ class Context:
     interrupts: tuple[Offer, ...] = ()
     stated: int | None = None
     before: Callable[[], Values] = dict
-    is_first: bool = False
+    runs_once: bool = False
 
-    def changed(self, *by: CoreAction | Event) -> Context:
-        """After something may have been done in part."""
-        return replaced(self, before=cache(lambda: without(self.before(), *by)))
+    def after_partial(self, *by: CoreAction | Event) -> Context:
+        """The context after a part of some actions may have been executed."""
+        return replaced(self, before=cache(lambda: without_changed(self.before(), *by)))
 
 
 class Places:
-    """Makes the places of threads. ``missing`` are the laws without a worst-case execution time; ``measured`` gives
-    times by path, in nanoseconds, that count instead of stated ones. ``unseen`` says of what no analysis can know how
-    it communicates.
+    """Makes the places of threads.
+
+    ``missing`` are the laws without a worst-case execution time, ``measured`` the times by path, in nanoseconds, that
+    are used instead of stated ones. ``unseen`` are the refusals of processes whose communications cannot be analysed.
     """
 
     def __init__(self, network: CoreNetwork, measured: Mapping[str, int]) -> None:
@@ -52,18 +53,18 @@ class Places:
         self.measured = measured
         self.classes = {entry.name: entry for entry in network.classes}
         self.instances = {instance.path: instance for instance in network.instances}
-        self.ends = Ends(network)
-        self.counting = Counting(self.ends)
+        self.channel_ends = ChannelEnds(network)
+        self.termination = Termination(self.channel_ends)
         self.missing: dict[str, Missing] = {}
         self.unseen: list[Refusal] = []
 
     def place(self, context: Context, where: Step | Declared, **fields: Any) -> int:
-        """A new place of a thread: its number."""
+        """Add a place to a thread; returns its number."""
         context.thread.places.append(Place(where.span, context.path, **fields))
         return len(context.thread.places) - 1
 
     def cost(self, path: str, entry: ProcessClass | SubmodelClass, context: Context) -> int:
-        """How long it computes at most, in nanoseconds; 0 within a process that states its time."""
+        """The worst-case execution time in nanoseconds; 0 within a process that states its time."""
         if context.stated is not None:
             return 0
         stated = self.measured.get(path, entry.wcet)
@@ -74,7 +75,7 @@ class Places:
         return stated
 
     def waiting(self, context: Context, where: Step | Declared, offers: list[Offer], following: int) -> int:
-        """A place that waits for one communication; ``following`` where it never waits."""
+        """A place that waits for one of ``offers``; ``following`` if it never waits."""
         if not offers:
             return following
         waits = self.place(context, where)
@@ -84,8 +85,10 @@ class Places:
         return waits
 
     def resumed(self, context: Context, where: Step | Declared, target: int) -> int:
-        """Within a process that states its time, every step takes that long; where a fault is caught, what is computed
-        next may be one.
+        """The place where a thread continues after a wait.
+
+        Within a process that states its time, every step takes that long; where a fault is caught, the next computation
+        may fault.
         """
         fault = self.handler(context, "Fault")
         if context.stated is None and fault is None:
@@ -96,35 +99,35 @@ class Places:
         return resumed
 
     def interruptible(self, place: Place, context: Context) -> None:
-        """Adds what may end a wait from around it: interrupts, and a sample that was missed."""
+        """Add the offers that may end a wait from outside: interrupts, and missed samples."""
         missed = [(offer, self.handler(context, "Timeout")) for offer in place.offers if offer.kind == "sample"]
         place.offers += [replaced(offer, target=target) for offer, target in missed if target is not None]
         place.offers += context.interrupts
 
     def handler(self, context: Context, exception: str) -> int | None:
-        """Where an exception is caught, None where it leaves the thread."""
+        """Where an exception is caught; None if it leaves the thread."""
         return next((target for name, target in reversed(context.handlers) if name == exception), None)
 
     def move(self, path: str, connections: Iterable[Connection], inputs: Collection[str]) -> Move:
-        """What a law or a process written by hand computes from what."""
-        nets = [(self.ends.net(path, PortEnd(c.port, c.index)), c.port in inputs) for c in connections]
+        """From which nets a law or a process written by hand computes, and to which."""
+        nets = [(self.channel_ends.net(path, PortEnd(c.port, c.index)), c.port in inputs) for c in connections]
         reads = frozenset(net.path for net, is_read in nets if net is not None and is_read)
         return Move(reads, frozenset(net.path for net, is_read in nets if net is not None and not is_read))
 
     def faults(self, context: Context) -> list[int]:
-        """Where a computation that may fail goes on, if that is caught."""
+        """Where a computation that may fault continues, if the fault is caught."""
         fault = self.handler(context, "Fault")
         return [] if fault is None else [fault]
 
     def may_hold(self, branch: Branch[CoreAction], context: Context) -> bool:
-        """Whether the condition of a guard is not false for certain."""
-        return branch.condition is None or self.ends.constant(context.path, branch.condition) is not False
+        """Whether the condition of a guard may be true."""
+        return branch.condition is None or self.channel_ends.constant(context.path, branch.condition) is not False
 
     def must_hold(self, branch: Branch[CoreAction], context: Context) -> bool:
-        """Whether a guard has no condition, or one that is true for certain."""
-        return branch.condition is None or self.ends.constant(context.path, branch.condition) is True
+        """Whether a guard has no condition, or one that is always true."""
+        return branch.condition is None or self.channel_ends.constant(context.path, branch.condition) is True
 
 
 def variables_in(path: str, value: Expression) -> frozenset[str]:
-    """The variables of a process that a value is computed from."""
+    """The variables of a process from which a value is computed."""
     return frozenset(f"{path}.{part.channel}" for part in parts(value) if isinstance(part, VariableValue))

@@ -1,5 +1,5 @@
-"""Loops of computing that come to an end: by a count that draws nearer to the bound of their condition, or because all
-of their values are known.
+"""Loops of computation that terminate: their counter approaches the bound in their condition, or all their values are
+known.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import TypeAlias, assert_never
 
-from cspdiag.analyses.timing.threads.offers import Ends
+from cspdiag.analyses.timing.threads.offers import ChannelEnds
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType
 from cspdiag.network.ir import actions as ir
@@ -35,117 +35,123 @@ from cspdiag.network.ir.network import CoreClass
 from cspdiag.network.ir.walk import parts
 
 Values: TypeAlias = Mapping[str, Value]
-"""What is known of the variables of a process, by name; one that is not in it may have any value."""
+"""The known values of the variables of a process, by name; a variable that is not in it may have any value."""
 
-MOST_ROUNDS = 1_000
-"""Rounds of loops that are followed value by value."""
+LARGEST_NUMBER_OF_ITERATIONS = 1_000
+"""Iterations of loops that are evaluated with their values."""
 
 _NEGATED = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 
 
 @record
 class Loop:
-    """A loop of a process, by its path; ``before`` gives what is known when it begins."""
+    """A loop of the process at ``path``; ``before`` gives the values that are known when it begins."""
 
     path: str
     action: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction]
     before: Callable[[], Values]
 
 
-class _TooManyRoundsError(Exception):
-    """More rounds than are followed."""
+class _TooManyIterationsError(Exception):
+    """More iterations than are evaluated."""
 
 
-class Counting:
-    """Says of loops whether they end. Nobody but the loop changes a variable meanwhile: parallel parts share none."""
+class Termination:
+    """Decides whether loops terminate. Only the loop itself changes its variables: parallel parts share none."""
 
-    def __init__(self, ends: Ends) -> None:
-        self._ends = ends
+    def __init__(self, ends: ChannelEnds) -> None:
+        self._channel_ends = ends
 
     def initial(self, path: str, entry: CoreClass) -> dict[str, Value]:
-        """The values of variables with which a process begins for the first time."""
+        """The values of variables when a process begins for the first time."""
         found = {}
         for channel in entry.channels:
-            if channel.initial is not None and self._ends.is_own(path, channel.name):
-                value = self._ends.constant(path, channel.initial)
+            if channel.initial is not None and self._channel_ends.is_own(path, channel.name):
+                value = self._channel_ends.constant(path, channel.initial)
                 if value is not None:
                     found[channel.name] = value
         return found
 
     def ends(self, loop: Loop) -> bool:
-        """Whether the loop surely ends, if nothing in it waits forever. A fault ends it, too."""
-        return self._draws_nearer(loop) or self._is_followed(loop)
+        """Whether the loop is certain to end if nothing in it waits forever. A fault ends it, too."""
+        return self._approaches_bound(loop) or self._ends_by_evaluation(loop)
 
-    # What is known after actions.
+    # Evaluation.
 
     def after(self, path: str, action: ir.CoreAction, values: Values) -> Values:
-        """What is known when an action has come to its end."""
+        """The values that are known after an action has ended."""
         try:
-            return self._after(path, action, values, [MOST_ROUNDS])
-        except _TooManyRoundsError:
-            return without(values, action)
+            return self._after(path, action, values, [LARGEST_NUMBER_OF_ITERATIONS])
+        except _TooManyIterationsError:
+            return without_changed(values, action)
 
     def before_each(self, path: str, steps: Sequence[ir.CoreAction], values: Values) -> list[Values]:
-        """What is known before each of several steps."""
+        """The values that are known before each of several steps."""
         found = [values]
         for step in steps[:-1]:
             found.append(self.after(path, step, found[-1]))
         return found
 
-    def _after(self, path: str, action: ir.CoreAction, values: Values, left: list[int]) -> Values:
+    def _after(self, path: str, action: ir.CoreAction, values: Values, remaining: list[int]) -> Values:
         match action:
-            case ir.AssignValue(target=ir.Target(channel=name, indexes=())) if self._ends.is_own(path, name):
+            case ir.AssignValue(target=ir.Target(channel=name, indexes=())) if self._channel_ends.is_own(path, name):
                 value = self._value(path, action.value, values)
-                return {**without(values, action), **({} if value is None else {name: value})}
+                return {**without_changed(values, action), **({} if value is None else {name: value})}
             case ir.SequentialSteps(steps=steps):
                 for step in steps:
-                    values = self._after(path, step, values, left)
+                    values = self._after(path, step, values, remaining)
                 return values
             case ir.IfElse():
                 decided = self._value(path, action.condition, values)
                 if decided is None:
-                    one, other = (self._after(path, side, values, left) for side in (action.then, action.otherwise))
+                    one, other = (
+                        self._after(path, side, values, remaining) for side in (action.then, action.otherwise)
+                    )
                     return {name: value for name, value in one.items() if repr(other.get(name)) == repr(value)}
-                return self._after(path, action.then if decided else action.otherwise, values, left)
+                return self._after(path, action.then if decided else action.otherwise, values, remaining)
             case ir.Group(body=body):
-                return self._after(path, body, values, left)
+                return self._after(path, body, values, remaining)
             case ir.Repeat() | ir.WhileLoop():
-                return self._through(path, action, values, left)
+                return self._after_loop(path, action, values, remaining)
             case ir.CountedLoop(body=body, turns=turns):
                 for _ in range(turns):
-                    left[0] -= 1
-                    if left[0] < 0:
-                        raise _TooManyRoundsError
-                    values = self._after(path, body, values, left)
+                    remaining[0] -= 1
+                    if remaining[0] < 0:
+                        raise _TooManyIterationsError
+                    values = self._after(path, body, values, remaining)
                 return values
             case (
                 ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.StopStep()
                 | ir.WaitStep() | ir.ResetInstance() | ir.RaiseException() | ir.ParallelSteps() | ir.Choice()
                 | ir.CatchException() | ir.InterruptOn()
             ):  # fmt: skip
-                return without(values, action)
+                return without_changed(values, action)
             case _:
                 assert_never(action)
 
-    def _through(
-        self, path: str, loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction], values: Values, left: list[int]
+    def _after_loop(
+        self,
+        path: str,
+        loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction],
+        values: Values,
+        remaining: list[int],
     ) -> Values:
-        """What is known after a loop of which every condition is known; otherwise what it leaves alone."""
-        begun = values
+        """The values known after a loop if all its conditions are known; otherwise those that it does not change."""
+        initially = values
         if isinstance(loop, ir.Repeat):
-            values = self._after(path, loop.body, values, left)
+            values = self._after(path, loop.body, values, remaining)
         while True:
-            goes_on = self._goes_on(path, loop, values)
-            if goes_on is None:
-                return without(begun, loop)
-            if not goes_on:
+            continues = self._continues(path, loop, values)
+            if continues is None:
+                return without_changed(initially, loop)
+            if not continues:
                 return values
-            left[0] -= 1
-            if left[0] < 0:
-                raise _TooManyRoundsError
-            values = self._after(path, loop.body, values, left)
+            remaining[0] -= 1
+            if remaining[0] < 0:
+                raise _TooManyIterationsError
+            values = self._after(path, loop.body, values, remaining)
 
-    def _goes_on(
+    def _continues(
         self, path: str, loop: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction], values: Values
     ) -> Value | None:
         if isinstance(loop, ir.WhileLoop):
@@ -159,45 +165,45 @@ class Counting:
                 return LiteralValue(span=part.span, type=part.type, value=values[part.channel])
             return part
 
-        return self._ends.constant(path, rewritten(expression, known))
+        return self._channel_ends.constant(path, rewritten(expression, known))
 
-    def _is_followed(self, loop: Loop) -> bool:
-        """Whether every round is known, from what the loop begins with to its end."""
-        left = [MOST_ROUNDS]
+    def _ends_by_evaluation(self, loop: Loop) -> bool:
+        """Whether the loop ends when its iterations are evaluated one after another."""
+        remaining = [LARGEST_NUMBER_OF_ITERATIONS]
         values = loop.before()
         try:
             if isinstance(loop.action, ir.Repeat):
-                values = self._after(loop.path, loop.action.body, values, left)
-            while goes_on := self._goes_on(loop.path, loop.action, values):
-                left[0] -= 1
-                values = self._after(loop.path, loop.action.body, values, left)
-                if left[0] < 0:
+                values = self._after(loop.path, loop.action.body, values, remaining)
+            while continues := self._continues(loop.path, loop.action, values):
+                remaining[0] -= 1
+                values = self._after(loop.path, loop.action.body, values, remaining)
+                if remaining[0] < 0:
                     return False
-        except _TooManyRoundsError:
+        except _TooManyIterationsError:
             return False
-        return goes_on is False
+        return continues is False
 
-    # Counts.
+    # Counters.
 
-    def _draws_nearer(self, loop: Loop) -> bool:
+    def _approaches_bound(self, loop: Loop) -> bool:
         action = loop.action
         condition = action.condition if isinstance(action, ir.WhileLoop) else action.until
-        return condition is not None and self._fails(loop, condition, holds=isinstance(action, ir.WhileLoop))
+        return condition is not None and self._fails_eventually(loop, condition, holds=isinstance(action, ir.WhileLoop))
 
-    def _fails(self, loop: Loop, condition: Expression, *, holds: bool) -> bool:
-        """Whether a condition fails some day and ever after; with ``holds`` False, whether it comes to hold."""
+    def _fails_eventually(self, loop: Loop, condition: Expression, *, holds: bool) -> bool:
+        """Whether a condition becomes false and then stays false; with ``holds`` False, whether it becomes true."""
         match condition:
             case UnaryOperation(operator="not", operand=operand):
-                return self._fails(loop, operand, holds=not holds)
+                return self._fails_eventually(loop, operand, holds=not holds)
             case BinaryOperation(operator="and" | "or" as operator, left=left, right=right):
-                sides = (self._fails(loop, side, holds=holds) for side in (left, right))
+                sides = (self._fails_eventually(loop, side, holds=holds) for side in (left, right))
                 return any(sides) if (operator == "and") == holds else all(sides)
             case BinaryOperation(operator="<" | "<=" | ">" | ">=" as operator, left=left, right=right):
                 if not isinstance(left.type, IntType | TimeType):
                     return False
                 is_less = (operator if holds else _NEGATED[operator]) in ("<", "<=")
                 low, high = (left, right) if is_less else (right, left)
-                return self._rise(loop, low, 1) + self._rise(loop, high, -1) > 0
+                return self._least_increase(loop, low, 1) + self._least_increase(loop, high, -1) > 0
             case (
                 LiteralValue() | ParameterValue() | VariableValue() | SignalValue() | PresentTime()
                 | UnaryOperation() | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion()
@@ -207,37 +213,39 @@ class Counting:
             case _:
                 assert_never(condition)
 
-    def _rise(self, loop: Loop, expression: Expression, sign: int) -> float:
-        """By how much at least ``sign`` times the expression is greater after each round."""
+    def _least_increase(self, loop: Loop, expression: Expression, sign: int) -> float:
+        """By how much at least ``sign`` times the expression increases in each iteration."""
         if not any(isinstance(part, VariableValue) for part in parts(expression)):
             return 0
         match expression:
             case VariableValue(channel=name):
-                return self._rise_of(loop.path, loop.action.body, name, sign)
+                return self._least_increase_of(loop.path, loop.action.body, name, sign)
             case UnaryOperation(operator="-", operand=operand):
-                return self._rise(loop, operand, -sign)
+                return self._least_increase(loop, operand, -sign)
             case BinaryOperation(operator="+" | "-" as operator, left=left, right=right):
-                return self._rise(loop, left, sign) + self._rise(loop, right, sign if operator == "+" else -sign)
+                return self._least_increase(loop, left, sign) + self._least_increase(
+                    loop, right, sign if operator == "+" else -sign
+                )
             case (
                 LiteralValue() | ParameterValue() | SignalValue() | PresentTime() | UnaryOperation()
                 | BinaryOperation() | ConditionalValue() | FunctionCall() | Conversion() | FieldValue()
                 | ElementValue() | StructValue() | ArrayElements()
             ):  # fmt: skip
                 names = {part.channel for part in parts(expression) if isinstance(part, VariableValue)}
-                others = any(not self._ends.is_own(loop.path, name) for name in names)
+                others = any(not self._channel_ends.is_own(loop.path, name) for name in names)
                 return -inf if names & written(loop.action.body) or others else 0
             case _:
                 assert_never(expression)
 
-    def _rise_of(self, path: str, action: ir.CoreAction, name: str, sign: int) -> float:
-        """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where
-        it never does.
+    def _least_increase_of(self, path: str, action: ir.CoreAction, name: str, sign: int) -> float:
+        """By how much at least ``sign`` times a variable increases during an action; infinite if the action
+        never ends.
         """
 
         def of(inner: ir.CoreAction) -> float:
-            return self._rise_of(path, inner, name, sign)
+            return self._least_increase_of(path, inner, name, sign)
 
-        if not self._ends.is_own(path, name):
+        if not self._channel_ends.is_own(path, name):
             return -inf
         match action:
             case ir.StopStep() | ir.RaiseException():
@@ -260,11 +268,11 @@ class Counting:
             case ir.WhileLoop(body=body):
                 return 0 if of(body) >= 0 else -inf
             case ir.CatchException(body=body, handler=handler):
-                return min(of(body), self._least_on_the_way(path, body, name, sign) + of(handler))
+                return min(of(body), self._least_increase_if_left(path, body, name, sign) + of(handler))
             case ir.InterruptOn(body=body, branch=branch):
                 if name in written(branch.event):
                     return -inf
-                return min(of(body), self._least_on_the_way(path, body, name, sign) + of(branch.body))
+                return min(of(body), self._least_increase_if_left(path, body, name, sign) + of(branch.body))
             case (
                 ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.WaitStep()
                 | ir.ResetInstance() | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates()
@@ -274,9 +282,9 @@ class Counting:
             case _:
                 assert_never(action)
 
-    def _least_on_the_way(self, path: str, action: ir.CoreAction, name: str, sign: int) -> float:
-        """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps
-        lets it fall.
+    def _least_increase_if_left(self, path: str, action: ir.CoreAction, name: str, sign: int) -> float:
+        """The least increase of a variable where an action is left before its end: 0 if no step of it decreases the
+        variable.
         """
         for part in parts(action):
             match part:
@@ -287,11 +295,11 @@ class Counting:
                     if target.channel == name:
                         return -inf
                 case _:
-                    pass  # Nothing else gives a variable a value.
+                    pass  # No other action assigns a variable.
         return 0
 
     def _added(self, path: str, value: Expression, name: str, sign: int) -> float:
-        """What ``name := value`` adds to the variable, times ``sign``; minus infinity where that is not known."""
+        """What ``name := value`` adds to the variable, times ``sign``; minus infinity where it is unknown."""
         match value:
             case VariableValue(channel=channel) if channel == name:
                 return 0
@@ -304,7 +312,7 @@ class Counting:
         return -inf
 
     def _number(self, path: str, expression: Expression, sign: int) -> float:
-        known = self._ends.constant(path, expression)
+        known = self._channel_ends.constant(path, expression)
         return sign * known if isinstance(known, int) and not isinstance(known, bool) else -inf
 
 
@@ -313,7 +321,7 @@ def written(*actions: ir.CoreAction | ir.Event) -> set[str]:
     return {part.channel for part in parts(actions) if isinstance(part, ir.Target)}
 
 
-def without(values: Values, *actions: ir.CoreAction | ir.Event) -> Values:
-    """What is known still when actions may have been done in part."""
+def without_changed(values: Values, *actions: ir.CoreAction | ir.Event) -> Values:
+    """The values that remain known after actions of which only a part may have been executed."""
     changed = written(*actions)
     return {name: value for name, value in values.items() if name not in changed}

@@ -1,4 +1,4 @@
-"""From a network to its threads."""
+"""The threads of a network."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from functools import cache, partial
 from typing import assert_never
 
 from cspdiag.analyses.timing.threads.communicating import Communicating
-from cspdiag.analyses.timing.threads.first_waits import Beginnings
-from cspdiag.analyses.timing.threads.graph import Circle, Move, Offer, Thread
+from cspdiag.analyses.timing.threads.first_waits import FirstWaits
+from cspdiag.analyses.timing.threads.graph import LoopRange, Move, Offer, Thread
 from cspdiag.analyses.timing.threads.looping import Looping
 from cspdiag.analyses.timing.threads.places import Context, variables_in
-from cspdiag.analyses.timing.threads.termination import MOST_ROUNDS, Loop
+from cspdiag.analyses.timing.threads.termination import LARGEST_NUMBER_OF_ITERATIONS, Loop
 from cspdiag.base.record import replaced
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, Exceptions, exceptions_of
@@ -23,31 +23,31 @@ from cspdiag.network.ir.walk import parts
 
 
 class Threads(Communicating):
-    """The threads of a network."""
+    """Makes the threads of a network; ``root`` is the outermost one."""
 
     def __init__(self, network: CoreNetwork, measured: Mapping[str, int]) -> None:
         super().__init__(network, measured)
         self._looping = Looping(network)
-        self._beginnings = Beginnings(
-            self.ends, {path: self.classes[instance.class_name] for path, instance in self.instances.items()}
+        self._first_waits = FirstWaits(
+            self.channel_ends, {path: self.classes[instance.class_name] for path, instance in self.instances.items()}
         )
         self._runs: dict[str, Counter[str]] = {}
         self.root = Thread(network.top, (), is_outermost=True)
         entry = self.classes[self.instances[network.top].class_name]
-        context = Context(self.root, network.top, (), is_first=True)
+        context = Context(self.root, network.top, (), runs_once=True)
         end = self.place(context, entry)
         self.root.entry = self._process(network.top, context, end)
-        self._relate(list(self.root.with_forks()))
+        self._note_shared_inputs(list(self.root.with_forks()))
 
     @staticmethod
-    def _relate(threads: Sequence[Thread]) -> None:
-        """Notes of each thread what others read, too, and whether the program begins with it."""
+    def _note_shared_inputs(threads: Sequence[Thread]) -> None:
+        """Note for each thread which inputs other threads read as well, and whether the program begins with it."""
         followed = [{(key[1], period) for key, period in thread.samples()} for thread in threads]
         counts = Counter(period for periods in followed for period in periods)
         for thread, periods in zip(threads, followed, strict=True):
             thread.shared = frozenset(period for period in periods if counts[period] > 1)
             thread.begins_at_once |= thread.is_outermost
-            first = thread.waits_first()
+            first = thread.first_waits()
             for join, group in zip(thread.joins, thread.forks, strict=True):
                 for branch in group:
                     branch.begins_at_once = thread.begins_at_once and first == {join}
@@ -55,17 +55,17 @@ class Threads(Communicating):
     def _process(self, path: str, context: Context, following: int) -> int:
         entry = self.classes[self.instances[path].class_name]
         assert isinstance(entry, ProcessClass)
-        initial = cache(lambda: self.counting.initial(path, entry) if context.is_first else {})
+        initial = cache(lambda: self.termination.initial(path, entry) if context.runs_once else {})
         inner = replaced(context, path=path, before=initial)
         if entry.external is not None:
             return self.written_by_hand(path, entry, inner, following)
         if entry.body is None:
             return following
         starts = self.place(inner, entry, starts=path)
-        context.thread.places[starts].successors = [self._begun(path, entry, inner, following)]
+        context.thread.places[starts].successors = [self._body(path, entry, inner, following)]
         return starts
 
-    def _begun(self, path: str, entry: CoreClass, context: Context, following: int) -> int:
+    def _body(self, path: str, entry: CoreClass, context: Context, following: int) -> int:
         inner = context
         assert entry.body is not None
         stated = entry.wcet
@@ -83,13 +83,16 @@ class Threads(Communicating):
             case ir.ReadValue():
                 moved = self.copied(context, action, following)
                 return self.waiting(
-                    context, action, self.ends.reading(context.path, action.source, moved, action), moved
+                    context, action, self.channel_ends.reading(context.path, action.source, moved, action), moved
                 )
             case ir.WriteValue():
                 return self.written(context, action, following)
             case ir.WaitStep():
                 return self.waiting(
-                    context, action, self.ends.delay(context.path, action.duration, following, action.span), following
+                    context,
+                    action,
+                    self.channel_ends.delay(context.path, action.duration, following, action.span),
+                    following,
                 )
             case ir.AssignValue():
                 target = frozenset([f"{context.path}.{action.target.channel}"])
@@ -105,7 +108,7 @@ class Threads(Communicating):
                 handler = self.handler(context, action.exception)
                 return self.place(context, action, raises=True) if handler is None else handler
             case ir.SequentialSteps():
-                found = cache(lambda: self.counting.before_each(context.path, action.steps, context.before()))
+                found = cache(lambda: self.termination.before_each(context.path, action.steps, context.before()))
                 for k, step in reversed(list(enumerate(action.steps))):
                     before = partial(lambda k: found()[k], k)
                     following = self._action(step, replaced(context, before=before), following)
@@ -117,9 +120,9 @@ class Threads(Communicating):
             case ir.Repeat() | ir.WhileLoop():
                 return self._loop(action, context, following)
             case ir.CountedLoop():
-                return self._turns(action, context, following)
+                return self._counted_loop(action, context, following)
             case ir.IfElse():
-                known = self.ends.constant(context.path, action.condition)
+                known = self.channel_ends.constant(context.path, action.condition)
                 if isinstance(known, bool):
                     return self._action(action.then if known else action.otherwise, context, following)
                 decides = self.place(context, action)
@@ -127,16 +130,16 @@ class Threads(Communicating):
                 context.thread.places[decides].successors = [*sides, *self.faults(context)]
                 return decides
             case ir.CatchException():
-                handler = self._action(action.handler, context.changed(action.body), following)
+                handler = self._action(action.handler, context.after_partial(action.body), following)
                 inner = replaced(context, handlers=(*context.handlers, (action.exception, handler)))
                 begun = self._action(action.body, inner, following)
-                if action.exception != "Fault" or self._beginnings.waits_first(context.path, action.body):
-                    return begun  # What is computed after each of its waits may fail there.
+                if action.exception != "Fault" or self._first_waits.begins_by_waiting(context.path, action.body):
+                    return begun  # A fault after each of its waits is added there.
                 return self.place(context, action, successors=[begun, handler])
             case ir.InterruptOn():
                 if not self.may_hold(action.branch, context):
                     return self._action(action.body, context, following)
-                outside = context.changed(action.body)
+                outside = context.after_partial(action.body)
                 offers = self._guard(action.branch, outside, following)
                 if not offers:
                     # A guard that never waits abandons the body wherever that would wait first.
@@ -153,52 +156,54 @@ class Threads(Communicating):
         path = f"{context.path}.{action.instance}"
         entry = self.classes[self.instances[path].class_name]
         if isinstance(entry, ProcessClass):
-            return self._process(path, self._begun_by(action, context), following)
+            return self._process(path, self._context_of_run(action, context), following)
         owner = self.classes[self.instances[context.path].class_name]
         assert isinstance(owner, ProcessClass)
         declared = next(instance for instance in owner.instances if instance.name == action.instance)
         return self.law(path, entry, declared.connections, context, following, action)
 
-    def _begun_by(self, action: ir.RunInstance, context: Context) -> Context:
-        """Where a process begins: with its initial values only if nothing else of its owner runs it, too."""
+    def _context_of_run(self, action: ir.RunInstance, context: Context) -> Context:
+        """Where a process begins: with its initial values only if its owner runs it nowhere else."""
         owner = self.instances[context.path].class_name
         if owner not in self._runs:
             self._runs[owner] = Counter(
                 part.instance for part in parts(self.classes[owner]) if isinstance(part, ir.RunInstance)
             )
-        return context if self._runs[owner][action.instance] == 1 else replaced(context, is_first=False)
+        return context if self._runs[owner][action.instance] == 1 else replaced(context, runs_once=False)
 
     def _loop(
         self, action: ir.Repeat[ir.CoreAction] | ir.WhileLoop[ir.CoreAction], context: Context, following: int
     ) -> int:
-        again = self.place(context, action)
-        circles = replaced(context.changed(action.body), is_first=False)
-        body = self._action(action.body, circles, again)
-        ends = cache(partial(self.counting.ends, Loop(context.path, action, context.before)))
-        context.thread.circles.append(Circle(again, len(context.thread.places), ends))
+        header = self.place(context, action)
+        inner = replaced(context.after_partial(action.body), runs_once=False)
+        body = self._action(action.body, inner, header)
+        ends = cache(partial(self.termination.ends, Loop(context.path, action, context.before)))
+        context.thread.loops.append(LoopRange(header, len(context.thread.places), ends))
         after = [body, *self.faults(context)]
         if isinstance(action, ir.WhileLoop):
-            goes_on = self.ends.constant(context.path, action.condition)
+            continues = self.channel_ends.constant(context.path, action.condition)
         else:
-            goes_on = True if action.until is None else _negated(self.ends.constant(context.path, action.until))
-        if goes_on is False:
+            continues = (
+                True if action.until is None else _negated(self.channel_ends.constant(context.path, action.until))
+            )
+        if continues is False:
             after = [following]
-        elif goes_on is not True:
+        elif continues is not True:
             after.append(following)
-        context.thread.places[again].successors = after
-        return again if isinstance(action, ir.WhileLoop) else body
+        context.thread.places[header].successors = after
+        return header if isinstance(action, ir.WhileLoop) else body
 
-    def _turns(self, action: ir.CountedLoop[ir.CoreAction], context: Context, following: int) -> int:
-        """Turn by turn, so that it is known what all of them take; very many as a loop that ends some day."""
-        if action.turns > MOST_ROUNDS:
-            again = self.place(context, action)
-            turn = replaced(context.changed(action.body), is_first=False)
-            body = self._action(action.body, turn, again)
-            context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True, action.turns))
-            context.thread.places[again].successors = [body, following]
+    def _counted_loop(self, action: ir.CountedLoop[ir.CoreAction], context: Context, following: int) -> int:
+        """Iteration by iteration, so the work of all of them is known; very many as a loop that is known to end."""
+        if action.turns > LARGEST_NUMBER_OF_ITERATIONS:
+            header = self.place(context, action)
+            iteration = replaced(context.after_partial(action.body), runs_once=False)
+            body = self._action(action.body, iteration, header)
+            context.thread.loops.append(LoopRange(header, len(context.thread.places), lambda: True, action.turns))
+            context.thread.places[header].successors = [body, following]
             return body
-        turns = ir.SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
-        return self._action(turns, replaced(context, is_first=False), following)
+        iterations = ir.SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        return self._action(iterations, replaced(context, runs_once=False), following)
 
     def _choice(self, action: ir.Choice[ir.CoreAction], context: Context, following: int) -> int:
         branches = [branch for branch in action.branches if self.may_hold(branch, context)]
@@ -217,8 +222,8 @@ class Threads(Communicating):
         return self.place(context, action, successors=[*ready, waits])
 
     def _guarded(self, branch: ir.Branch[ir.CoreAction], context: Context, following: int) -> int:
-        """What comes after a guard, with what the guard itself hands on."""
-        body = self._action(branch.body, context.changed(branch.event), following)
+        """What comes after a guard, including what the guard itself passes on."""
+        body = self._action(branch.body, context.after_partial(branch.event), following)
         match branch.event:
             case ir.InputEvent():
                 return self.copied(context, branch.event, body)
@@ -243,13 +248,13 @@ class Threads(Communicating):
         event = branch.event
         match event:
             case ir.ReadyEvent():
-                return self.ends.reading(context.path, event.source, target, event, takes=False)
+                return self.channel_ends.reading(context.path, event.source, target, event, takes=False)
             case ir.InputEvent():
-                return self.ends.reading(context.path, event.source, target, event)
+                return self.channel_ends.reading(context.path, event.source, target, event)
             case ir.OutputEvent():
-                return self.ends.writing(context.path, event.sink, target, event)
+                return self.channel_ends.writing(context.path, event.sink, target, event)
             case ir.AfterEvent():
-                return self.ends.delay(context.path, event.duration, target, event.span)
+                return self.channel_ends.delay(context.path, event.duration, target, event.span)
             case ir.SkipEvent():
                 return []
             case _:
@@ -264,31 +269,31 @@ class Threads(Communicating):
                 switches = self.place(context, step, successors=[following], breaks=True)
                 following = self._action(step, replaced(inner, priority=rank), switches)
             inside = [offer for place in context.thread.places[known:] for offer in place.offers]
-            opens = frozenset((offer.key, offer.period) for offer in inside if offer.kind == "sample")
-            return self.place(context, action, successors=[following], opens=opens)
+            may_follow = frozenset((offer.key, offer.period) for offer in inside if offer.kind == "sample")
+            return self.place(context, action, successors=[following], may_follow=may_follow)
         started: list[Thread] = []
         for step, rank in zip(action.steps, ranks, strict=True):
-            thread = Thread(self._named(step, context.path), rank)
+            thread = Thread(self._thread_name(step, context.path), rank)
             inner = Context(
-                thread, context.path, rank, stated=context.stated, before=context.before, is_first=context.is_first
+                thread, context.path, rank, stated=context.stated, before=context.before, runs_once=context.runs_once
             )
             thread.entry = self._action(step, inner, self.place(inner, step))
             started.append(thread)
         context.thread.forks.append(started)
         joins = self.place(context, action)
         context.thread.joins.append(joins)
-        # What ends a branch ends the others, and goes on where it is caught.
+        # An exception in a branch ends the others, and is handled where it is caught.
         below = [thread for branch in started for thread in branch.with_forks()]
-        # The books of processes that are abandoned are closed.
-        opens = frozenset(end for thread in below for end in thread.samples() if end[0][1] == context.path)
+        # Processes that are abandoned no longer follow their inputs.
+        may_follow = frozenset(end for thread in below for end in thread.samples() if end[0][1] == context.path)
         abandons = [Offer("join", handler, action.span) for _, handler in context.handlers]
-        abandons = [replaced(offer, opens=opens) for offer in (*abandons, *context.interrupts)]
+        abandons = [replaced(offer, may_follow=may_follow) for offer in (*abandons, *context.interrupts)]
         context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
         return joins
 
     def _abandoned_by_others(self, action: ir.ParallelSteps[ir.CoreAction], context: Context) -> Context:
-        """Within parallel parts, which come one after another here: an exception of one abandons what another waits
-        for, at once.
+        """The context of parallel parts, which come one after another here: an exception in one abandons the waits of
+        the others at once.
         """
         raised = {"Fault", "Timeout", *self._raised_in(action, context.path)}
         handlers = [handler for name, handler in context.handlers if name in raised]
@@ -296,7 +301,7 @@ class Threads(Communicating):
         return replaced(context, interrupts=(*context.interrupts, *abandons))
 
     def _raised_in(self, action: ir.CoreAction, path: str) -> frozenset[str]:
-        """The declared exceptions that may leave an action."""
+        """The declared exceptions that an action may let through."""
 
         def of_instance(name: str) -> Exceptions:
             entry = self.classes[self.instances[f"{path}.{name}"].class_name]
@@ -307,13 +312,13 @@ class Threads(Communicating):
         assert raised is not None
         return raised
 
-    def _named(self, step: ir.CoreAction, path: str) -> str:
+    def _thread_name(self, step: ir.CoreAction, path: str) -> str:
         match step:
             case ir.RunInstance():
                 return f"{path}.{step.instance}"
             case ir.Group():
                 return f"{path}.{step.label}"
-            case _:  # Anything else is called after the first instance in it.
+            case _:  # Any other branch is named after its first instance.
                 runs = [part for part in parts(step) if isinstance(part, ir.RunInstance)]
                 return f"{path}.{runs[0].instance}" if runs else path
 

@@ -114,13 +114,13 @@ GAPS = {
     "a wait beside a read, that only one round has": ("((e ? v ; e ? v) || p ? w) ; p ? w", "the event `e`"),
     "branches that end at different times": (
         "(mu (a ; n := n + 1) until n > 3) || mu b",
-        "and its samples come until the process has ended",
+        "but its samples arrive until the process has ended",
     ),
     "parallel parts between two loops": (
         "(mu (a ; n := n + 1) until n > 3) ; (mu (b ; v := v + 1) until v > 4) ; mu a",
         "may not have been taken",
     ),
-    "a stop": ("(mu (a ; n := n + 1) until n > 3) ; stop", "stands still here"),
+    "a stop": ("(mu (a ; n := n + 1) until n > 3) ; stop", "stops here"),
     "a time that is computed": ("mu (p ? v ; wait pause ; c)", "between its samples it waits for time to pass"),
 }
 
@@ -407,4 +407,4 @@ def test_many_turns_are_not_said_to_be_unknown() -> None:
     assert counted.reason.endswith(
         "this repeats 2000 times before it waits for a sample or an event, and no more than 1000 rounds are followed"
     )
-    assert open_end.reason.endswith("without a sample in between, nobody knows how often")
+    assert open_end.reason.endswith("without a sample in between, an unknown number of times")

@@ -128,5 +128,6 @@ def test_reading_what_is_overwritten_says_what_to_do_instead() -> None:
         """
     )  # fmt: skip
     (refusal,) = report_of(text).refusals
-    assert refusal.reason == "it waits at `passed` without bound: nobody is bound to write it before the next sample"
-    assert refusal.help.startswith("read `passed` in an alternative beside the sample, which keeps the last value")
+    reason = "it waits at `passed` without bound: no other process is certain to write it before the next sample"
+    assert refusal.reason == reason
+    assert refusal.help.startswith("read `passed` in an alternative with the sample, which keeps the last value")

@@ -10,7 +10,7 @@ import pytest
 from cspdiag.analyses.timing.report.render_text import table
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.tasks.assignment import feasible_order
-from cspdiag.analyses.timing.tasks.edf import demand, meets_deadlines
+from cspdiag.analyses.timing.tasks.edf import demand_bound, meets_deadlines
 from cspdiag.analyses.timing.tasks.response import response_times
 from cspdiag.analyses.timing.tasks.schedule import simulate
 from cspdiag.base.record import replaced
@@ -93,7 +93,7 @@ def test_what_earliest_deadline_first_meets_is_never_seen_late() -> None:
 
 def test_demand_of_an_interval() -> None:
     tasks = [Task("a", 10, 3, 8, 0), Task("b", 20, 5, 20, 1)]
-    assert [demand(tasks, interval) for interval in (7, 8, 18, 20, 28, 40)] == [0, 3, 6, 11, 14, 22]
+    assert [demand_bound(tasks, interval) for interval in (7, 8, 18, 20, 28, 40)] == [0, 3, 6, 11, 14, 22]
 
 
 def test_the_hyperperiod_shows_what_the_analysis_bounds() -> None:
