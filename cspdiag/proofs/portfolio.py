@@ -1,8 +1,9 @@
-"""The methods of proof in their order, the cheapest first: the first that knows answers.
+"""The portfolio of proof methods: they are tried in order, the cheapest first, and the first that reaches a verdict
+answers.
 
-Tier 0 are the design rules, tier 1 SAT, tier 2 SAT with invariants; they prove without search, and what they cannot
-exclude guides a search to a trace. Then come the searches: stubborn sets, compositional minimization, and breadth-first
-over all states.
+Tier 0 are the design rules, tier 1 is SAT, tier 2 SAT with invariants; they prove without search, and a candidate that
+they cannot exclude guides a search for a trace. The searches follow: stubborn sets, compositional minimization, and
+breadth-first search over all states.
 """
 
 from __future__ import annotations
@@ -20,18 +21,16 @@ from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
-"""The methods in their order."""
+"""The methods in the order in which they are tried."""
 
 SHORTENING_SECONDS = 0.5
-"""Time of the processor for finding the shortest trace, when a longer one has been found without search."""
+"""Processor time for finding the shortest trace after a longer one has been found without search."""
 
 SMALL = 60
-"""Systems with at most this number of components may have their traces shortened by search."""
+"""Only in systems with at most this number of components are traces shortened by search."""
 
 BRIEF_SECONDS = 0.3
-"""Time of the processor for a search before the solver for invariants is started, which takes longer than that by
-itself.
-"""
+"""Processor time for a search before the solver for invariants is started; starting the solver alone takes longer."""
 
 STATES_OF_EXAMINATION = 1000
 """The number of states examined from a candidate that invariants may still exclude."""
@@ -42,8 +41,8 @@ Engine: TypeAlias = Callable[[StuckQuestion, Limits], Verdict]
 def prove_deadlock_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
-    """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves
-    work where it is known.
+    """Whether no reachable state is a deadlock, by the given methods or all of them, in order; ``structure`` saves work
+    if it is known.
     """
     return _prove(StuckQuestion(system, together=True, known=structure or Structure(system, limits)), limits, methods)
 
@@ -51,8 +50,8 @@ def prove_deadlock_free(
 def prove_knot_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
-    """Whether no set of processes is ever stuck forever, by all methods in their order or by some of them;
-    ``structure`` as for deadlock.
+    """Whether no set of processes is ever stuck forever, by the given methods or all of them, in order; ``structure``
+    saves work if it is known.
     """
     return _prove(StuckQuestion(system, together=False, known=structure or Structure(system, limits)), limits, methods)
 
@@ -68,7 +67,7 @@ def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | N
         share = _share(limits, len(methods) - at)
         verdict = _asked(method, question, share)
         if isinstance(verdict, Unknown):
-            # A candidate of SAT may still be excluded by invariants: only what costs little is tried with it before.
+            # A candidate of SAT may still be excluded by invariants: until then, only a cheap search starts from it.
             is_last = "invariants" not in methods[at + 1 :]
             verdict = _followed(question, verdict, share, MOST_STATES if is_last else 0)
         if not isinstance(verdict, Unknown):
@@ -80,7 +79,7 @@ def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | N
 
 
 def _asked(method: Method, question: StuckQuestion, limits: Limits) -> Verdict:
-    """What a method answers; also what all methods need to know of the system takes its time."""
+    """The verdict of a method; the time includes what all methods need to know of the system."""
     try:
         return _ENGINES[method](question, limits)
     except LimitError as limit:
@@ -88,14 +87,14 @@ def _asked(method: Method, question: StuckQuestion, limits: Limits) -> Verdict:
 
 
 def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
-    """The verdict, with a note if it had to be found without the solver."""
+    """The verdict, with a note if a method was skipped because no solver is installed."""
     if isinstance(verdict, Proved) and any(before.reason == MISSING for before in unknown):
         return replaced(verdict, reason=f"{verdict.reason}; {MISSING}")
     return verdict
 
 
 def _searched_briefly(question: StuckQuestion, limits: Limits) -> Verdict:
-    """What a search says that ends before the solver for invariants would have started."""
+    """The verdict of a search that ends before the solver for invariants would have started."""
     brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory, time.process_time)
     if question.structure.fails and not question.together:
         return _by_breadth_first(question, brief)
@@ -103,7 +102,7 @@ def _searched_briefly(question: StuckQuestion, limits: Limits) -> Verdict:
 
 
 def _followed(question: StuckQuestion, verdict: Unknown, limits: Limits, most_states: int) -> Verdict:
-    """The verdict, or a refutation that its candidate leads to."""
+    """The verdict, or a refutation found from its candidate."""
     if verdict.candidate is None:
         return verdict
     found = refute_by_candidate(question, verdict.candidate, verdict.stuck, limits, verdict.method, most_states)
@@ -116,13 +115,13 @@ def _share(limits: Limits, methods: int) -> Limits:
 
 
 def _together(unknown: Sequence[Unknown]) -> Unknown:
-    """Why no method knows; the candidate of the last that has one."""
+    """One verdict with the reasons of all methods, and the candidate of the last one that has a candidate."""
     last = next((verdict for verdict in reversed(unknown) if verdict.candidate is not None), unknown[-1])
     return replaced(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
 
 
 def _shortened(question: StuckQuestion, verdict: Verdict, limits: Limits) -> Verdict:
-    """A refutation with a shorter trace, if one is found quickly; a proof as it is."""
+    """A refutation with a shorter trace, if one is found quickly; any other verdict as it is."""
     if not isinstance(verdict, Refuted) or verdict.method == "breadth-first" or len(verdict.trace) < 2:
         return verdict
     if len(question.system.components) > SMALL:
@@ -160,7 +159,7 @@ def _by_stubborn_sets(question: StuckQuestion, limits: Limits) -> Verdict:
     from cspdiag.proofs.search import stubborn
 
     if question.structure.fails and not question.together:
-        # A knot that a failure ends is not kept by what stubborn sets leave out.
+        # Stubborn sets do not preserve a knot that a failure may end.
         return Unknown("stubborn", "a missed sample or a fault may end the wait of those who seem stuck")
     search = stubborn.deadlock_free if question.together else stubborn.knot_free
     return search(question.system, limits)

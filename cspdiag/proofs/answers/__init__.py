@@ -1,1 +1,1 @@
-"""Assertions: the questions about a process, and what the proofs answer."""
+"""Assertions as questions about processes, and the answers of the proofs."""

@@ -1,4 +1,4 @@
-"""What is answered."""
+"""Answers to questions about processes."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Outcome: TypeAlias = Literal["proved", "refuted", "unknown"]
 
 @record
 class Answer:
-    """A verdict on a question, with what people need to believe it.
+    """A verdict on a question, with the evidence for it.
 
-    ``reason`` is a sentence: why it holds, or why nothing is known. ``candidate`` are the lines of a state that could
-    not be excluded. ``abstractions`` are what the transition system leaves open; ``replayed`` says whether the program
-    itself was stepped through the counterexample.
+    ``reason`` is a sentence: why the property holds, or why nothing is known. ``candidate`` describes, line by line, a
+    state that could not be excluded. ``abstractions`` are what the transition system leaves open; ``replayed`` says
+    whether the program itself was stepped through the counterexample.
     """
 
     question: Question
@@ -36,4 +36,4 @@ class Answer:
     suggestions: tuple[Suggestion, ...] = ()
     replayed: bool = False
     found: Diagnostic | None = None
-    """What is wrong, where an analysis without states has said so."""
+    """The diagnostic of an analysis that explores no states; None for the other methods."""

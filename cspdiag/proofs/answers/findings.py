@@ -1,4 +1,4 @@
-"""Answers as diagnostics, for everything that shows diagnostics."""
+"""Answers as diagnostics."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MOST_PLACES = 8
 
 
 def diagnostic_of(answer: Answer) -> Diagnostic | None:
-    """What is wrong; None for a property that was proved."""
+    """The diagnostic of an answer; None for a property that was proved."""
     question = answer.question
     if answer.outcome == "proved":
         return None
@@ -43,7 +43,9 @@ def diagnostic_of(answer: Answer) -> Diagnostic | None:
 
 
 def _places(found: Counterexample) -> tuple[Label, ...]:
-    """Where those wait that wait for each other; processes of one definition wait at one place."""
+    """Where the processes wait that wait for each other; processes that wait at the same place in the text share a
+    label.
+    """
     in_ring = [entry for entry in found.waiting if entry.name in found.ring] or found.waiting
     names: dict[tuple[str, int, int], list[str]] = {}
     labels: dict[tuple[str, int, int], tuple[Span, str]] = {}
@@ -63,13 +65,13 @@ def _said(names: list[str], words: str) -> str:
 
 
 def diagnostics_of(answers: Iterable[Answer]) -> list[Diagnostic]:
-    """What is wrong in all the answers."""
+    """The diagnostics of all answers that have one."""
     return [found for answer in answers if (found := diagnostic_of(answer)) is not None]
 
 
 def _advice(answer: Answer) -> str | None:
-    """The changes that were proved to help, the least first; of one that is more than a line what goes and
-    what comes.
+    """The changes that were proved to help, the smallest first; the lines that are removed and added, for a change of
+    more than one line.
     """
     if not answer.suggestions:
         return _about_ends(answer)
@@ -83,7 +85,7 @@ def _advice(answer: Answer) -> str | None:
 
 
 def _about_ends(answer: Answer) -> str | None:
-    """What there is to decide where all that somebody waits for have ended."""
+    """Advice if some process waits for others that have all ended."""
     waiting = () if answer.counterexample is None else answer.counterexample.waiting
     left = [entry for entry in waiting if entry.ended and entry.ended == entry.partners]
     if not left:

@@ -48,8 +48,8 @@ def _object(answer: Answer) -> dict[str, Any]:
 
 
 def _suggested(suggestion: Suggestion) -> dict[str, Any]:
-    """The change of a range of the text, whose end is exclusive; ``proved_with`` is null where the property of the
-    whole program was proved.
+    """The change of a range of the text, whose end is exclusive; ``proved_with`` is null if the property was proved for
+    the program at its full size.
     """
     span = suggestion.span
     return {

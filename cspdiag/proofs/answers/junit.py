@@ -13,7 +13,9 @@ from cspdiag.proofs.answers.text import render as render_text
 
 
 def render(answers: Sequence[Answer], file: str) -> str:
-    """One test suite; a refuted assertion is a failure, one of which nothing is known an error."""
+    """The report, with one test suite; a refuted assertion is a failure, one that is neither proved nor refuted an
+    error.
+    """
     root = ElementTree.Element("testsuites", name="cspdiag")
     outcomes = Counter(answer.outcome for answer in answers)
     seconds = sum(answer.seconds for answer in answers)

@@ -1,4 +1,4 @@
-"""From a question to an answer: which proof is used, and what its verdict means."""
+"""Answers questions: chooses the proof, and turns its verdict into an answer."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, 
 
 
 class Systems(Protocol):
-    """Has the transition systems of processes as the outermost ones."""
+    """Makes transition systems of processes, each as the outermost process."""
 
     def __call__(
         self, process: str, distinguished: Distinguished | None = None, specification: AsSpecification | None = None
     ) -> System:
-        """That of the process of this name. See ``transition_system``."""
+        """The transition system of the process with this name; see ``transition_system``."""
 
 
 def prove(question: Question, systems: Systems, limits: Limits, method: Method | None = None) -> Answer:
-    """The answer to a question; ``method`` is the only one to be used.
+    """The answer to a question; if ``method`` is given, only that method is used.
 
     Raises what ``systems`` raises. A limit that is reached makes the answer unknown.
     """
@@ -42,8 +42,8 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
 
 
 def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
-    """The process in question and its specification, if there is one: of the inputs that this one distinguishes, both
-    have the same values.
+    """The systems of the process and of its specification, if it has one; both distinguish the same values of the
+    inputs that the specification distinguishes.
     """
     if question.specification is None:
         return systems(question.process), None
@@ -75,8 +75,8 @@ def _answer(
 
 
 def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:
-    """No deadlock, in which nothing goes on, and no knot, in which some wait for each other forever while others go
-    on.
+    """Whether there is neither a deadlock, in which no process continues, nor a knot, in which some processes wait for
+    each other forever while others continue.
     """
     from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
     from cspdiag.proofs.structure.pairs import Structure
@@ -119,7 +119,9 @@ def _refines(question: Question, system: System, specification: System, limits: 
 
 
 def _weakly_proved(question: Question, specification: System, proved: Proved) -> Answer:
-    """A process does only what its specification may do as far as that is followed, which may be more than it does."""
+    """The answer if a process does only what the transition system of its specification allows, which may be more than
+    the specification itself.
+    """
     left_open = dict.fromkeys(
         abstraction.what if abstraction.span is None else f"{abstraction.what} ({abstraction.span})"
         for abstraction in specification.abstractions
@@ -134,7 +136,7 @@ def _weakly_proved(question: Question, specification: System, proved: Proved) ->
 
 
 def answered(question: Question, system: System, verdict: Verdict, failure: Failure, seconds: float) -> Answer:
-    """The verdict on a question that somebody else has given."""
+    """The answer with a verdict from elsewhere."""
     answer = _verdict(question, system, verdict, failure)
     return replaced(answer, seconds=seconds, abstractions=system.abstractions)
 
@@ -152,7 +154,7 @@ def _verdict(question: Question, system: System, verdict: Verdict, failure: Fail
 
 
 def _candidate(question: Question, system: System, unknown: Unknown) -> tuple[str, ...]:
-    """The state that could not be excluded, a line for each process that is suspected to be stuck."""
+    """The state that could not be excluded: a line for each process that may be stuck in it."""
     if unknown.candidate is None:
         return ()
     lines = []
@@ -168,12 +170,12 @@ def _candidate(question: Question, system: System, unknown: Unknown) -> tuple[st
 
 
 def not_followed(answer: Answer, divergence: str) -> Answer:
-    """The answer when the program itself does not follow its counterexample."""
+    """The answer if the program itself does not follow its counterexample."""
     return _not_believed(answer, f"the program does not follow it: {divergence}")
 
 
 def not_replayed(answer: Answer, stop: LimitError) -> Answer:
-    """The answer when the time, or the memory, was up before its counterexample was replayed."""
+    """The answer if a limit of time or memory was reached before its counterexample was replayed."""
     return _not_believed(answer, f"it was not replayed: {stop}")
 
 

@@ -1,4 +1,4 @@
-"""A question: an assertion of the text, or what is expected of a program that asserts nothing."""
+"""Questions: the assertions of a program, or what is expected of a program that asserts nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.syntax import ast
 Property: TypeAlias = Literal["deadlock free", "livelock free", "terminates", "schedulable", "refines"]
 
 EXPECTED: tuple[Property, ...] = ("deadlock free", "livelock free")
-"""What a process is expected to be without an assertion."""
+"""The properties that a process is expected to have without an assertion."""
 
 
 @record
@@ -21,8 +21,8 @@ class Question:
     """A property that a process may have.
 
     ``specification``, ``model``, ``hidden`` (ports of the process whose events the specification does not see) and
-    ``free`` (inputs that only the specification has: it chooses itself what comes there) belong to ``refines``.
-    ``span`` is the assertion, or the name of the process where nothing was asserted.
+    ``free`` (inputs that only the specification has, whose values it chooses itself) belong to ``refines``. ``span`` is
+    the assertion, or the name of the process where nothing was asserted.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -38,7 +38,7 @@ class Question:
 
     @property
     def processes(self) -> tuple[str, ...]:
-        """The processes that it speaks of."""
+        """The processes that the question is about."""
         return (self.process,) if self.specification is None else (self.process, self.specification)
 
     @property
@@ -48,7 +48,7 @@ class Question:
 
     @property
     def text(self) -> str:
-        """As the language writes it, without ``assert``."""
+        """The assertion as the language writes it, without ``assert``."""
         if self.claim != "refines":
             return f"{self.process} {self.claim}"
         model = " in failures" if self.model == "failures" else ""
@@ -57,7 +57,7 @@ class Question:
 
 
 def questions_of(program: Program, process: str | None = None) -> tuple[Question, ...]:
-    """The assertions of the main file, or those of them about ``process``."""
+    """The assertions of the main file, or only those about ``process``."""
     return tuple(
         _asserted(assertion, program)
         for assertion in program.assertions
@@ -66,14 +66,14 @@ def questions_of(program: Program, process: str | None = None) -> tuple[Question
 
 
 def expected_of(program: Program, process: str) -> tuple[Question, ...]:
-    """What is expected of a process about which nothing is asserted: freedom from deadlock and from livelock."""
+    """The questions about a process without assertions: is it free from deadlock and from livelock?"""
     definition = program.definitions[process]
     assert isinstance(definition, ast.ProcessDefinition)
     return tuple(Question(process, expected, definition.name.span, asserted=False) for expected in EXPECTED)
 
 
 def schedulability_of(program: Program, process: str) -> Question:
-    """Whether a process is schedulable, as the text asserts it or, where it does not, as an expectation."""
+    """The question whether a process is schedulable: the assertion of the program, or an expectation if it has none."""
     asserted = (question for question in questions_of(program, process) if question.claim == "schedulable")
     return next(asserted, Question(process, "schedulable", program.definitions[process].name.span, asserted=False))
 

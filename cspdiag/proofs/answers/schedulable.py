@@ -13,14 +13,16 @@ from cspdiag.proofs.answers.question import Question
 
 
 def schedulable(question: Question, network: CoreNetwork) -> Answer:
-    """Proved where every sampled loop is ready before its next sample, unknown where a time has no bound."""
+    """Proved if every sampled loop is ready before its next sample; unknown if the time that a loop takes has
+    no bound.
+    """
     began = time.monotonic()
     report = timing_report(network)
     return answer_of(question, report, time.monotonic() - began)
 
 
 def answer_of(question: Question, report: TimingReport, seconds: float) -> Answer:
-    """The answer of a timing report, made in this number of seconds, to the question."""
+    """The answer from a timing report, which took this number of seconds to make."""
     outcomes: dict[bool | None, Outcome] = {True: "proved", False: "refuted", None: "unknown"}
     found = diagnostic_of(report, question.span)
     return Answer(question, outcomes[report.is_schedulable], None, report.reason, seconds, found=found)

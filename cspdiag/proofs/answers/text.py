@@ -1,4 +1,4 @@
-"""Answers for people at a terminal."""
+"""Answers as text for a terminal."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _COLOURS: dict[Outcome, str] = {"proved": "1;32", "refuted": "1;31", "unknown": 
 
 
 def render(answers: Sequence[Answer], *, colour: bool = False, quiet: bool = False) -> str:
-    """Each answer with what makes it credible, then how many there are of which kind; with ``quiet`` only what is not
-    proved.
+    """Each answer with the evidence for it, then the number of answers of each kind; with ``quiet`` only those that are
+    not proved.
     """
     shown = [answer for answer in answers if not quiet or answer.outcome != "proved"]
     parts = ["".join(f"{line}\n" for line in _lines(answer, colour)) for answer in shown]

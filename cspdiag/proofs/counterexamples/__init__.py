@@ -1,1 +1,1 @@
-"""Refutations for people and for machines: steps, waiting, and ways to mend."""
+"""Counterexamples for people and for machines: their steps, the processes that wait, and suggested changes."""

@@ -1,8 +1,8 @@
 """Changes of the communication diagram: two connections of an instance exchanged, a buffer in a channel.
 
-To exchange connections changes the order in which an instance takes its resources. Where all take them in one order, no
-circle of waiting closes (Havender, "Avoiding deadlock in multitasking systems", 1968; Roscoe and Dathi, "The pursuit of
-deadlock freedom", 1987).
+Exchanging connections changes the order in which an instance takes its resources. If all instances take them in one
+order, there is no circular wait (Havender, "Avoiding deadlock in multitasking systems", 1968; Roscoe and Dathi, "The
+pursuit of deadlock freedom", 1987).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from cspdiag.syntax import ast
 
 
 def buffered(program: Program, network: CoreNetwork, waiting: Sequence[BlockedProcess]) -> Iterator[Suggestion]:
-    """A buffer in a channel that somebody waits to write to."""
+    """Suggests a buffer in a channel that a process waits to write to."""
     spans = {net.path: net.span for net in network.nets if net.external is None and net.kind == "sync"}
     known: set[int] = set()
     for entry in waiting:
@@ -36,7 +36,7 @@ def buffered(program: Program, network: CoreNetwork, waiting: Sequence[BlockedPr
 
 
 def _relationships(program: Program, place: Span) -> Iterator[ast.Connection | ast.Channel]:
-    """The declaration of a channel that belongs to a place."""
+    """The declarations of channels at a place in the text."""
     for communication in around(program, place, ast.Communication):
         nodes: list[ast.Connection | ast.Channel] = [*within(communication, ast.Connection)]
         nodes += within(communication, ast.Channel)
@@ -60,7 +60,7 @@ def _with_buffer(node: ast.Connection | ast.Channel) -> Suggestion:
 
 @record
 class _Pair:
-    """Two ports of an instance, in a process of the text, that lead to processes of one definition."""
+    """Two ports of an instance inside the process ``definition`` that are connected to processes of one definition."""
 
     definition: str
     instance: InstanceOf
@@ -70,8 +70,8 @@ class _Pair:
 def exchanged_connections(
     program: Program, network: CoreNetwork, waiting: Sequence[BlockedProcess]
 ) -> Iterator[Suggestion]:
-    """What somebody takes first connected where it takes something later, if both lead to processes for which they play
-    the same part.
+    """Suggests exchanging two connections of an instance, so it takes in another order what it waits for; both must
+    lead to processes in which they have the same role.
     """
     tried: set[tuple[str, str, tuple[str, str]]] = set()
     for pair in _pairs(program, network, waiting):
@@ -87,7 +87,7 @@ def exchanged_connections(
 
 
 def _pairs(program: Program, network: CoreNetwork, waiting: Sequence[BlockedProcess]) -> Iterator[_Pair]:
-    """The ports at which somebody waits, each with every other one like it."""
+    """The ports at which processes wait, each paired with every other port like it."""
     places = _Places(program, network)
     for entry in waiting:
         for net in (places.nets[channel] for channel in entry.channels if channel in places.nets):
@@ -97,7 +97,7 @@ def _pairs(program: Program, network: CoreNetwork, waiting: Sequence[BlockedProc
 
 
 class _Places:
-    """A network by paths."""
+    """The nets and classes of a network by path."""
 
     def __init__(self, program: Program, network: CoreNetwork) -> None:
         self._program = program
@@ -106,8 +106,8 @@ class _Places:
         self._classes = {entry.path: classes[entry.class_name] for entry in network.instances}
 
     def pairs(self, net: Net, leaf: str, leaf_port: str) -> Iterator[_Pair]:
-        """What may be exchanged with the port by which a leaf takes part in a channel, at the instance that is
-        connected to the channel.
+        """The ports that may be exchanged with the port through which a leaf process accesses a channel, at the
+        instance that is connected to the channel.
         """
         path, port = leaf, leaf_port
         while "." in path:
@@ -129,7 +129,7 @@ class _Places:
             path, port = enclosing, end.port
 
     def _lead_to_the_same(self, net: Net, other: Net, path: str) -> bool:
-        """Whether two channels of an instance lead to ports that play the same part in processes of one definition."""
+        """Whether two channels of an instance lead to ports that have the same role in processes of one definition."""
         partners = [
             [(leaf, port) for leaf, port in (*one.writers, *one.readers) if not f"{leaf}.".startswith(f"{path}.")]
             for one in (net, other)
@@ -148,7 +148,7 @@ class _Places:
 
 
 def _like(ports: Sequence[Port], name: str) -> Iterator[tuple[str, tuple[str, str]]]:
-    """The other ports of the same direction and type, each with the pair in the order of the text."""
+    """The other ports of the same direction and type, each with the names of both in the order of the text."""
     names = [port.name for port in ports]
     own = ports[names.index(name)]
     for at, port in enumerate(ports):
@@ -158,8 +158,8 @@ def _like(ports: Sequence[Port], name: str) -> Iterator[tuple[str, tuple[str, st
 
 
 def _exchange(program: Program, pair: _Pair, communication: ast.Communication) -> Suggestion | None:
-    """The change of the text; None where it connects the instance in another way than by two relationships side by
-    side.
+    """The change of the text; None if the instance is not connected by exactly two relationships, both outside loops or
+    both in the same loop.
     """
     whole = communication.declarations
     alone = _references(program, pair, [part for part in whole if isinstance(part, ast.Connection)], None)
@@ -181,8 +181,8 @@ def _exchange(program: Program, pair: _Pair, communication: ast.Communication) -
 def _references(
     program: Program, pair: _Pair, connections: Sequence[ast.Connection], replicator: ast.Replicator | None
 ) -> tuple[ast.Reference, ast.Reference] | None:
-    """The two places at which the ports of the instance are connected, in a loop as those of the element that the loop
-    is at; None if there are others.
+    """The two references that connect the ports of the instance; in a loop, those to the current element of the array.
+    None if there are other references to these ports.
     """
     found = [
         reference
@@ -226,7 +226,7 @@ def _words(pair: _Pair, name: str, span: Span) -> str:
 def _last_exchanged(
     program: Program, pair: _Pair, loop: ast.RepeatedDeclarations, references: tuple[ast.Reference, ast.Reference]
 ) -> Suggestion | None:
-    """The last round of a loop apart from the others, with two connections exchanged in it."""
+    """The change that writes the last iteration of a loop out after it, with two connections exchanged."""
     last = LastElement(program, loop.replicator)
     if last.count is None or last.count < 2:
         return None

@@ -1,9 +1,9 @@
 """Changes of the composition diagram: steps in another order, at the same time, or as alternatives.
 
-A loop in which a process makes requests as well as serving them is what closes circles in client-server networks
-(Welch, Justo and Willcock, "High-level paradigms for deadlock-free high-performance systems", 1993; Martin and Jassim,
-"How to design deadlock-free networks using CSP and verification tools", 1997): it may serve before it requests, or
-whenever it is requested.
+A loop in which a process both serves requests and makes them can close a cycle in a client-server network (Welch, Justo
+and Willcock, "High-level paradigms for deadlock-free high-performance systems", 1993; Martin and Jassim, "How to design
+deadlock-free networks using CSP and verification tools", 1997): instead, it may serve before it requests, or serve
+requests whenever they arrive.
 """
 
 from __future__ import annotations
@@ -20,27 +20,29 @@ Steps = Sequence[ast.Composition]
 
 
 def exchanged(program: Program, places: Sequence[Span]) -> Iterator[Suggestion]:
-    """A step at which somebody waits after the next one, or before the previous one."""
+    """Suggests moving a step at which a process waits after the next step, or before the previous one."""
     for first, second in _neighbours(program, places):
         yield _exchange((first,), (second,))
 
 
 def parallel(program: Program, places: Sequence[Span]) -> Iterator[Suggestion]:
-    """A step at which somebody waits together with a neighbour."""
+    """Suggests running a step at which a process waits in parallel with the step before or after it."""
     for first, second in _neighbours(program, places):
         words = f"`{_short(first)}` and `{_short(second)}` at the same time: join them by `||` ({first.span})"
         yield Suggestion(words, _range((first, second)), f"({first.span.text} || {second.span.text})")
 
 
 def served_first(program: Program, places: Sequence[Span]) -> Iterator[Suggestion]:
-    """The second half of a loop in which somebody waits before the first half; of two steps ``exchanged`` says so."""
+    """Suggests running the second half of a loop in which a process waits before the first half; for loops of two steps
+    ``exchanged`` suggests the same.
+    """
     for _, first, second in _halves(program, places):
         if len(first) + len(second) > 2:
             yield _exchange(first, second)
 
 
 def served_in_any_order(program: Program, places: Sequence[Span]) -> Iterator[Suggestion]:
-    """The two halves of a loop forever, in which somebody waits, as alternatives."""
+    """Suggests making the two halves of an endless loop in which a process waits alternatives."""
     for loop, first, second in _halves(program, places):
         if isinstance(loop, ast.Mu) and loop.until is None:
             span = _range((*first, *second))
@@ -50,7 +52,7 @@ def served_in_any_order(program: Program, places: Sequence[Span]) -> Iterator[Su
 
 
 def _neighbours(program: Program, places: Sequence[Span]) -> Iterator[tuple[ast.Composition, ast.Composition]]:
-    """Steps at which somebody waits, each with what comes directly after or before it."""
+    """Pairs of neighbouring steps of a sequence, at one of which a process waits."""
     known: set[ast.Composition] = set()
     for place in places:
         for sequence in around(program, place, ast.Sequence):
@@ -65,7 +67,9 @@ def _neighbours(program: Program, places: Sequence[Span]) -> Iterator[tuple[ast.
 
 
 def _halves(program: Program, places: Sequence[Span]) -> Iterator[tuple[ast.Mu | ast.While, Steps, Steps]]:
-    """The loops in which somebody waits, cut in two before each communication, if they begin with one."""
+    """The loops in which a process waits and that begin with a communication, split before each
+    further communication.
+    """
     known: set[ast.Node] = set()
     for place in places:
         loops: list[ast.Mu | ast.While] = [*around(program, place, ast.Mu)]
@@ -96,7 +100,7 @@ def _exchange(first: Steps, second: Steps) -> Suggestion:
 
 
 def _guarded(steps: Steps) -> str:
-    """Steps as a guarded process: the first is the guard."""
+    """Steps as a branch of an alternative: the first step is the guard."""
     guard, *rest = steps
     if not rest:
         return f"{guard.span.text} -> skip"

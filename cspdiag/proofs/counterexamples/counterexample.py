@@ -1,4 +1,6 @@
-"""A refutation in the words of the diagram: what happens step by step, and who waits for whom in the end."""
+"""Counterexamples in the words of the diagram: what happens step by step, and which processes wait for each other in
+the end.
+"""
 
 from __future__ import annotations
 
@@ -13,18 +15,19 @@ from cspdiag.proofs.verdict import Move, Refuted
 Failure: TypeAlias = Literal["deadlock", "knot", "livelock", "no termination", "refinement"]
 
 SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "cancel", "delivered", "ready", "failure"})
-"""Kinds of steps that no diagram shows; they are kept for machines."""
+"""Kinds of steps that no diagram shows; they appear only in machine-readable output."""
 
 
 def is_shown(kind: str, parties: int) -> bool:
-    """Whether people are shown a step of a kind in which this number of parties take part."""
+    """Whether a step of this kind, with this number of parties, is shown to people."""
     return kind not in SILENT or (kind == "ready" and parties > 1)
 
 
 @record
 class Party:
-    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the
-    outermost process, ``role`` as in ``Event.roles``, ``branch`` the text of a parallel branch whose name is a number.
+    """A process that takes part in a step: what it was doing before, and where in the text. ``name`` is its name below
+    the outermost process, ``role`` as in ``Event.roles``, ``branch`` the text of a parallel branch whose name is a
+    number.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -39,8 +42,8 @@ class Party:
 
 @record
 class Step:
-    """Something that happens; ``channel`` is the hierarchical name as in traces. ``added``: the proof left it open, and
-    the program did it.
+    """A step of a run; ``channel`` is the hierarchical name as in traces. An ``added`` step is one that the proof left
+    out and the replayed program took.
     """
 
     kind: EventKind | Literal["internal"]
@@ -51,16 +54,16 @@ class Step:
 
     @property
     def shown(self) -> bool:
-        """Whether people are shown it, also of a guard of an interrupt that is seen to be ready."""
+        """Whether the step is shown to people; also if in it the guard of an interrupt is found ready."""
         return is_shown(self.kind, len(self.parties))
 
 
 @record
 class BlockedProcess:
-    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes,
-    by name, that would have to come.
+    """A process that never continues, what it waits for, the hierarchical names of the channels it waits on, and the
+    names of the processes that would have to take part (``partners``).
 
-    ``ended`` are those of them that have ended.
+    ``ended`` are the partners that have ended.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -76,10 +79,10 @@ class BlockedProcess:
 
 @record
 class Counterexample:
-    """How a property fails.
+    """A run in which a property fails.
 
-    ``steps`` lead to where it does; ``cycle`` is what can repeat forever then; ``waiting`` are the processes that
-    never go on, of which those named in ``ring`` wait for each other, each for the next and the last for the first.
+    ``steps`` lead to the failure; ``cycle`` can repeat forever from there; ``waiting`` are the processes that never
+    continue, of which those named in ``ring`` wait for each other: each for the next, the last for the first.
     """
 
     failure: Failure
@@ -90,13 +93,13 @@ class Counterexample:
     process: str = ""
     """The outermost process, with which the names of channels begin."""
     reason: str = ""
-    """For ``refinement``: what was refused, or done too much."""
+    """For ``refinement``: the event that is not allowed, or what is refused although it must be offered."""
 
 
 def counterexample(
     system: System, refuted: Refuted, failure: Failure, process: str = "", reason: str = ""
 ) -> Counterexample:
-    """The refutation of a system, of which ``process`` is the outermost, for people."""
+    """The counterexample of a refuted system with ``process`` as its outermost process."""
     teller = _Teller(system, process)
     state = list(system.initial)
     steps = tuple(teller.steps(state, refuted.trace))
@@ -114,7 +117,7 @@ class _Teller:
         self._prefix = f"{process}."
 
     def steps(self, state: list[int], moves: Iterable[Move]) -> Iterator[Step]:
-        """The moves as steps; ``state`` follows them."""
+        """The moves as steps; updates ``state``."""
         for move in moves:
             parties = tuple(self._party(component, state[component]) for component, _ in move.moves)
             if move.event == INTERNAL:
@@ -161,7 +164,7 @@ class _Teller:
             )
 
     def _has_ended(self, index: int, state: int) -> bool:
-        """Whether a process is at its end, and does not wait for branches of its own or to be started."""
+        """Whether a process has ended, rather than waiting for its branches or to be started."""
         component = self._system.components[index]
         if not component.process or state not in component.terminal:
             return False
@@ -170,8 +173,8 @@ class _Teller:
 
 
 def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
-    """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side
-    than the ``role`` of who waits.
+    """The processes that would have to take part for a party that is absent: the party itself, or, if it is the memory
+    of a channel, the processes on the other side of the channel than the one with ``role`` that waits.
     """
     if system.components[absent].process:
         return (absent,)
@@ -186,9 +189,7 @@ def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
 
 
 def ring(waiting: tuple[BlockedProcess, ...]) -> tuple[str, ...]:
-    """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for
-    nobody.
-    """
+    """Names of processes that wait for each other in a ring; empty if there is no ring."""
     by_name = {entry.name: entry for entry in waiting}
     branches: dict[str, list[str]] = {}
     for entry in waiting:
@@ -214,7 +215,7 @@ def ring(waiting: tuple[BlockedProcess, ...]) -> tuple[str, ...]:
 def _meant(
     partners: Iterable[str], by_name: Mapping[str, BlockedProcess], branches: Mapping[str, Iterable[str]]
 ) -> Iterator[str]:
-    """The partners that wait; where a process waits for its parallel branches, those of them that wait."""
+    """The partners that wait; in place of a process that waits for its parallel branches, those branches that wait."""
     for partner in partners:
         if partner in by_name:
             yield partner

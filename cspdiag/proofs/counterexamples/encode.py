@@ -33,7 +33,7 @@ def encoded(found: Counterexample) -> dict[str, Any]:
 
 
 def _steps(part: Repeated) -> list[dict[str, Any]]:
-    """The steps, or an entry for all rounds of a loop."""
+    """The steps, or one entry for all iterations of a loop."""
     steps = [_step(step) for step in part.steps]
     if not part.steps[0].added:
         return steps

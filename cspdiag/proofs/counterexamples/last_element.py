@@ -1,4 +1,4 @@
-"""The last round of ``for i < N { … }``, written out."""
+"""The last iteration of ``for i < N { … }``, written out."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from cspdiag.syntax import ast
 
 
 class LastElement:
-    """What a declaration of the loop reads like in its last round; ``count`` is the number of rounds, None where it is
-    a matter of parameters.
+    """The text of the declarations of a loop in its last iteration; ``count`` is the number of iterations, None if it
+    depends on parameters.
     """
 
     def __init__(self, program: Program, replicator: ast.Replicator) -> None:
@@ -25,16 +25,16 @@ class LastElement:
 
     @property
     def fewer(self) -> str:
-        """The number of the other rounds."""
+        """The number of the other iterations."""
         return self._text((1, -1))
 
     @property
     def index(self) -> str:
-        """The number of the last round."""
+        """The index of the last iteration."""
         return self._text((1, -1))
 
     def text_of(self, part: ast.Node, changed: Mapping[Span, str]) -> str:
-        """The text of a declaration of the loop, with some places ``changed``."""
+        """The text of a declaration of the loop in the last iteration, with some of its parts ``changed``."""
         found = dict(changed)
         for reference in within(part, ast.Reference):
             for index in (*reference.indexes, *reference.member_indexes):
@@ -50,7 +50,7 @@ class LastElement:
         return _changed(expression, {name.span: f"({self.index})" for name in names})
 
     def _text(self, linear: tuple[int, int]) -> str:
-        """``a`` times the number of rounds and ``b``, for people."""
+        """The text of ``a`` times the number of iterations plus ``b``."""
         times, more = linear
         assert self.count is not None
         if times == 0 or isinstance(self._size, ast.Number):
@@ -63,7 +63,9 @@ class LastElement:
         return size if more == 0 else f"{size} {'+' if more > 0 else '-'} {abs(more)}"
 
     def _linear(self, expression: ast.Expression) -> tuple[int, int] | None:
-        """The value as ``a`` times the number of rounds and ``b``, where it has such a form."""
+        """The factors ``a`` and ``b`` of a value that is ``a`` times the number of iterations plus ``b``; None for
+        other values.
+        """
         if isinstance(expression, ast.Name) and self._program.bindings.get(expression) is self._replicator:
             return 1, -1
         if isinstance(expression, ast.Number) and isinstance(expression.value, int):

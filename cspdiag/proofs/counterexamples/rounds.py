@@ -1,4 +1,4 @@
-"""Rounds of loops that a counterexample repeats many times, shown once."""
+"""Iterations ("rounds") of loops that a counterexample repeats many times, shown once."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from cspdiag.base.record import record, replaced
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 
 LONGEST = 24
-"""A round of more steps is not found."""
+"""Rounds with more steps than this are not recognized."""
 FEWEST = 8
-"""Rounds are shown one by one where they are fewer; the first and the last one always are."""
+"""Fewer rounds than this are shown one by one; the first and the last round always are."""
 FEWEST_OF_OTHER_VALUES = 24
-"""The same, where values change from round to round, and not always by the same."""
+"""The same for rounds in which values change irregularly."""
 
 
 @record
@@ -25,7 +25,7 @@ class Repeated:
 
 
 def with_rounds(found: Counterexample, added: Iterable[tuple[int, Step]]) -> Counterexample:
-    """The counterexample with further steps, each before the one of its own with that number."""
+    """The counterexample with further steps, each inserted before the step with that number."""
     inserted: dict[int, list[Step]] = {}
     for before, step in added:
         inserted.setdefault(before, []).append(replaced(step, added=True))
@@ -37,8 +37,8 @@ def with_rounds(found: Counterexample, added: Iterable[tuple[int, Step]]) -> Cou
 
 
 def repeated(steps: Sequence[Step]) -> Iterator[Repeated]:
-    """The steps in order, for machines; of those that were added, what follows on itself only once, and together what
-    does not.
+    """The steps in order, for machines. Of the added steps, those that repeat are given once, with the number of times,
+    and those in between as one group.
     """
     for added, group in groupby(steps, key=lambda step: step.added):
         if added:
@@ -64,10 +64,10 @@ def _compressed(steps: tuple[Step, ...]) -> Iterator[Repeated]:
 
 
 def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
-    """The steps in order, for people: the rounds of a loop between the first and the last only once.
+    """The steps in order, for people: of many rounds of a loop, all between the first and the last are shown as one.
 
-    Values may go up or down by the same from round to round: those of the steps then say which there are. Of other
-    values, in many rounds, they say the first and the last.
+    If a value increases or decreases by the same amount in each round, the step shows the progression of values; of
+    other values, if there are many rounds, the first and the last.
     """
     position = 0
     while position < len(steps):
@@ -88,8 +88,8 @@ def shortened(steps: Sequence[Step]) -> Iterator[Repeated]:
 def _alike(
     steps: Sequence[Step], start: int, fewest: int, follows: Callable[[Sequence[Step], int, int, int], bool]
 ) -> tuple[int, int] | None:
-    """The shortest round that follows on itself from a step on, as ``follows`` says, and how often: with ``fewest`` or
-    more rounds between the first and the last.
+    """The length of the shortest round that repeats from a step on, judged by ``follows``, and how often; None unless
+    there are at least ``fewest`` rounds between the first and the last.
     """
     for length in range(1, LONGEST + 1):
         end = start + length
@@ -102,19 +102,19 @@ def _alike(
 
 
 def _is_alike(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
-    """Whether a step is the one of the round before, whatever its value."""
+    """Whether a step is the same as in the previous round, whatever its value."""
     one, other = steps[at], steps[at - length]
     return (one.kind, one.channel, one.parties) == (other.kind, other.channel, other.parties)
 
 
 def _is_same(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
-    """Whether a step is the one of the round before, with its value."""
+    """Whether a step is the same as in the previous round, with the same value."""
     return _is_alike(steps, at, start, length) and steps[at].value == steps[at - length].value
 
 
 def _counts(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
-    """Whether a step is the one of the round before, and its value as much more as that was more than in the round
-    before that.
+    """Whether a step is the same as in the previous round, and its value has changed by the same amount as in that
+    round.
     """
     if not _is_alike(steps, at, start, length):
         return False
@@ -123,7 +123,7 @@ def _counts(steps: Sequence[Step], at: int, start: int, length: int) -> bool:
 
 
 def _more(one: Step, other: Step) -> int | None:
-    """How much more the value of a step is; None where they are others that are no whole numbers."""
+    """The difference of the values of two steps; None if they differ and are not whole numbers."""
     if one.value == other.value:
         return 0
     try:
@@ -133,8 +133,8 @@ def _more(one: Step, other: Step) -> int | None:
 
 
 def _summed_up(steps: Sequence[Step]) -> Step:
-    """What is the same step in each round, with all its values: ``7``, ``1 … 480`` or ``0, 5 … 495``; of others the
-    first and the last, ``2 to 1024``.
+    """One step for the same step of all rounds, with all its values: ``7``, ``1 … 480`` or ``0, 5 … 495``; of irregular
+    values the first and the last, ``2 to 1024``.
     """
     first, second, last = steps[0], steps[1], steps[-1]
     more = {_more(one, other) for one, other in zip(steps[1:], steps, strict=False)}
@@ -148,7 +148,7 @@ def _summed_up(steps: Sequence[Step]) -> Step:
 
 
 def _short(value: str | None) -> str:
-    """A value of which the last digits do not matter."""
+    """A value with at most six digits."""
     try:
         return str(value) if value is None or "." not in value else f"{float(value):.6g}"
     except ValueError:

@@ -13,7 +13,7 @@ from cspdiag.base.record import record, replaced
 class Suggestion:
     """A change: ``words`` say what to do, ``replacement`` is the new text of ``span``.
 
-    ``proved_with`` is a setting of a constant, as ``seats=2``, where the property was proved for a smaller program
+    ``proved_with`` is a setting of a constant, such as ``seats=2``, if the property was proved for a smaller program
     only.
     """
 
@@ -32,12 +32,12 @@ class Suggestion:
 
     @property
     def difference(self) -> tuple[str, ...]:
-        """The lines that go, beginning with ``-``, and those that come, with ``+``, in the order of the file."""
+        """The removed lines, beginning with ``-``, and the added ones, with ``+``, in the order of the file."""
         before, after = (text.splitlines() for text in (self.span.source.text, self.text))
         return tuple(line.rstrip() for line in unified_diff(before, after, n=0, lineterm="") if _is_changed_line(line))
 
     def in_text(self, text: str) -> Suggestion:
-        """The same change, after which the whole file reads ``text``; whole lines are replaced."""
+        """The change that replaces whole lines so that the file becomes ``text``."""
         before, after = (whole.splitlines(keepends=True) for whole in (self.span.source.text, text))
         first = _common(before, after)
         last = _common(before[first:][::-1], after[first:][::-1])

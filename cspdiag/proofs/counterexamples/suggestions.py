@@ -1,4 +1,4 @@
-"""Changes of the text that may remove a deadlock, the least first; whether they do is for a proof to say."""
+"""Changes of the text that may remove a deadlock, the smallest first; only a proof can show whether one does."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.proofs.counterexamples.suggestion import Suggestion
 
 
 def suggestions(found: Counterexample, program: Program, network: CoreNetwork) -> Iterator[Iterator[Suggestion]]:
-    """What could be tried about processes that wait for each other, by kinds of changes."""
+    """The changes to try for processes that wait for each other, grouped by kind."""
     waiting = [entry for entry in found.waiting if entry.name in found.ring] or list(found.waiting)
     places = list(dict.fromkeys(entry.span for entry in waiting if entry.span is not None))
     yield exchanged(program, places)

@@ -1,4 +1,4 @@
-"""What of the text stands around a place."""
+"""The parts of the text around a place, and within a part."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def within(whole: object, kind: type[Part]) -> list[Part]:
 
 
 def looks_the_same(part: ast.Node, renamed: Mapping[str, str]) -> bool:
-    """Whether a part of the text says the same with some names for others, whatever the order of alternatives and
-    parallel parts.
+    """Whether a part of the text means the same after some names are exchanged for others; the order of branches of
+    alternatives and parallels does not matter.
     """
     return _said(part, {}) == _said(part, renamed)
 

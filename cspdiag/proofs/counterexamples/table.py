@@ -12,17 +12,17 @@ from cspdiag.proofs.counterexamples.rounds import Repeated, shortened
 
 _MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
 _MOST_LINES = 3
-"""How many lines in which a process does something in a round are shown side by side."""
+"""At most this number of lines of a process in one round are shown side by side."""
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
 
 def table(found: Counterexample, width: int = 120) -> str:
-    """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty
-    without any.
+    """The steps that a diagram shows, with the line of the text in the column of each process that takes part; empty if
+    there are none.
 
-    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so, and where the branches are
-    that have numbers for names. Where the names of the processes would make it wider than ``width`` characters, the
-    columns have numbers, and the names follow.
+    ``!`` marks a process that writes, ``?`` one that reads, ``*`` one that does something else; a legend explains the
+    marks, and where the branches are that have numbers for names. If the names of the processes would make the table
+    wider than ``width`` characters, the columns have numbers, and the names follow below.
     """
     steps = [step for step in found.steps if step.shown]
     cycle = [step for step in found.cycle if step.shown]
@@ -48,8 +48,8 @@ def table(found: Counterexample, width: int = 120) -> str:
 
 
 def _in_text_order(names: Sequence[str], branches: Mapping[str, Span]) -> list[str]:
-    """The names, of which the branches of one process exchange their places so that they are in the order of the text;
-    replicated ones have the same text, and follow their numbers.
+    """The names, with the branches of each process put into the order of the text; replicated branches, which have the
+    same text, are ordered by their numbers.
     """
     ordered = list(names)
     numbered: dict[str, list[int]] = {}
@@ -80,20 +80,20 @@ def _where(names: Iterable[str], branches: Mapping[str, Span], *, shows_files: b
 
 
 def _silent_round(found: Counterexample) -> str:
-    """Who goes round where nothing of it is a step of a diagram, and where the text says so."""
+    """The line for a cycle without any step that a diagram shows: which processes loop, and where in the text."""
     parties = {party.name: party for step in reversed(found.cycle) for party in step.parties}
     who = (f"`{name}`" + ("" if party.span is None else f" ({party.span})") for name, party in parties.items())
     return f"then again and again, without a communication or a delay: {', '.join(who)}"
 
 
 def _key(cells: Iterable[str]) -> str:
-    """What the marks mean that there are."""
+    """The legend of the marks that are used."""
     marks = {mark for cell in cells for word in cell.split() for mark in takewhile(_MARKS.__contains__, word)}
     return ", ".join(f"{mark} {meaning}" for mark, meaning in _MARKS.items() if mark in marks)
 
 
 def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, shows_files: bool) -> Iterator[list[str]]:
-    """A row for each step, or for all rounds of a loop; steps are counted one by one."""
+    """A row for each step, or for all rounds of a loop; the numbers count single steps."""
     number = 1
     for part in shortened(steps):
         last = number + part.times * len(part.steps) - 1
@@ -117,7 +117,7 @@ def _row(number: int, step: Step, names: Sequence[str], process: str, shows_file
 
 
 def event_text(step: Step, process: str) -> str:
-    """What happens, without who takes part: ``fork[1] 3``, ``sample feedback``, ``wait 10 ms``."""
+    """What happens in a step, without the parties: ``fork[1] 3``, ``sample feedback``, ``wait 10 ms``."""
     channel = step.channel.removeprefix(f"{process}.")
     if step.kind == "time":
         channel = channel.rpartition(": ")[2]
@@ -130,7 +130,7 @@ def _cell(step: Step, party: Party, shows_file: bool) -> str:
 
 
 def _cell_of_rounds(steps: Sequence[Step], name: str, shows_file: bool) -> str:
-    """What a process does in each round, by line; where those are many, only where it begins."""
+    """What a process does in each round, by line; only the first line if there are many."""
     marks: dict[str, dict[str, None]] = {}
     for step in steps:
         for party in (party for party in step.parties if party.name == name):

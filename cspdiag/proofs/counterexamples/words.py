@@ -1,4 +1,4 @@
-"""Who waits for whom, in sentences."""
+"""Counterexamples in sentences: which process waits for which."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from cspdiag.proofs.counterexamples.table import event_text
 
 MOST_OTHERS = 8
 MOST_STEPS = 5
-"""This number of steps of a counterexample is shown in a sentence."""
+"""At most this number of steps of a counterexample is shown in a sentence."""
 
 
 def supposed_lines(found: Counterexample) -> Iterator[str]:
-    """What a counterexample that no run was found to follow supposes: who would wait, and what has happened by then."""
+    """What a counterexample supposes that no run of the program was found to follow: which processes would wait, and
+    after which steps.
+    """
     if not found.waiting:
         return
     happened = [f"`{event_text(step, found.process)}`{_alone(step)}" for step in found.steps if step.shown]
@@ -25,13 +27,13 @@ def supposed_lines(found: Counterexample) -> Iterator[str]:
 
 
 def _alone(step: Step) -> str:
-    """Whose step it is, if nobody else takes part."""
+    """The process of a step, if no other one takes part."""
     return f" of `{step.parties[0].name}`" if len(step.parties) == 1 else ""
 
 
 def waiting_lines(found: Counterexample, *, supposed: bool = False) -> Iterator[str]:
-    """A line for each process that never goes on, those that wait for each other first; ``supposed`` where no run was
-    found that leads to it.
+    """A line for each process that never continues, those that wait for each other first; ``supposed`` if no run was
+    found that leads there.
     """
     by_name = {entry.name: entry for entry in found.waiting}
     following = (*found.ring[1:], *found.ring[:1])
@@ -59,7 +61,7 @@ def _explained(entry: BlockedProcess) -> str:
 
 
 def headline(found: Counterexample) -> str:
-    """What is wrong, in a sentence that goes on from the name of the process."""
+    """The failure in words that follow the name of the process."""
     steps = sum(step.shown for step in found.steps)
     when = "at once" if steps == 0 else f"after {steps} step{'s' if steps > 1 else ''}"
     stuck = len(found.ring) or len(found.waiting)

@@ -1,1 +1,1 @@
-"""What is said where something cannot be proved, or is not what was asserted."""
+"""The diagnostics of assertions that do not hold, or are not proved."""

@@ -1,4 +1,4 @@
-"""What a proof finds: assertions that do not hold, and those about which nothing is known."""
+"""The diagnostics of proofs: assertions that do not hold, and those that are neither proved nor refuted."""
 
 from __future__ import annotations
 

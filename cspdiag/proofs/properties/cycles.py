@@ -1,8 +1,8 @@
-"""Runs that go on forever with some events only: a trace to a cycle of global states.
+"""Runs that continue forever with certain events only: a trace to a cycle of global states.
 
-First the loops of the components (``local_loops``), which often exclude it; then a short look in depth; then what large
-systems do as seen from outside; then all reachable states, from which those without a step to one that is left are
-taken away until none or only cycles with the ways to them remain.
+The loops of the components (``local_loops``) come first, which often exclude such a run; then a short depth-first
+search; then, for large systems, the smallest system that looks the same from outside; then all reachable states. States
+without a successor are removed from these repeatedly, until only cycles and paths to them remain.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move
 
 _SHORT_LOOK = 3000
-"""States along stubborn sets before all states are looked at."""
+"""The number of states of the short search."""
 
 Edges = npt.NDArray[np.int64]
 State: TypeAlias = tuple[int, ...]
@@ -33,7 +33,7 @@ Way: TypeAlias = tuple[Move, State]
 
 @record
 class Endless:
-    """A run that never ends: ``trace`` from the initial state, then ``cycle`` again and again."""
+    """A run that never ends: ``trace`` from the initial state, then ``cycle`` forever."""
 
     method: Method
     trace: tuple[Move, ...]
@@ -43,8 +43,8 @@ class Endless:
 
 @record
 class Finite:
-    """No run has infinitely many of the events in a row; ``states`` were looked at, or none if the loops of the
-    components excluded it.
+    """No run has infinitely many of the events in a row; ``states`` is the number of states explored, None if none had
+    to be.
     """
 
     method: Method
@@ -52,7 +52,7 @@ class Finite:
 
 
 def endless_run(system: System, events: Collection[int], limits: Limits) -> Endless | Finite:
-    """A run that ends in a cycle of these events and internal steps, if there is one. Raises LimitError."""
+    """A run that ends in a cycle of these events and internal steps, or that there is none. Raises LimitError."""
     part = looping_part(system, events)
     if part is None:
         return Finite("rules")
@@ -65,7 +65,9 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
 
 
 def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
-    """The shorter of what two walks find: along stubborn sets, and always on with those that moved last."""
+    """The shorter run of those that two walks find: one along stubborn sets, one in which the components that moved
+    last move again.
+    """
     sets = ClosedSets(system, limits)
     allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
 
@@ -88,7 +90,9 @@ def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
 def _walk(
     initial: State, ways_of: Callable[[State, Sequence[Move]], list[Way]], allowed: set[int], limits: Limits
 ) -> Endless | None:
-    """Go on in depth for a while, by the last way first; a state that comes again on the path closes a cycle."""
+    """Searches depth first for a while, the last successor first; a state that is on the path already closes
+    a cycle.
+    """
     moves: list[Move] = []
     on_path = {initial: 0}
     seen = {initial}
@@ -117,7 +121,7 @@ def _walk(
 
 
 def _is_excluded_outside(system: System, events: set[int], limits: Limits) -> bool:
-    """Whether the smallest system that does the same, with these events hidden, has no internal loop."""
+    """Whether the smallest equivalent system, with these events hidden, has no internal loop."""
     kept = set(range(len(system.events))) - events
     try:
         reduced = seen_from_outside(system, kept, Limits(limits.remaining / 2, limits.memory))
@@ -137,11 +141,11 @@ def _among_all_states(system: System, part: System, limits: Limits) -> Endless |
 
 
 def _nothing(words: Words, goes_on: Flags) -> None:
-    """Look for no state in particular."""
+    """The condition of a search that is to reach all states."""
 
 
 def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges, Edges]:
-    """The numbers of the states before and after each step of this packing between the states that were found."""
+    """The numbers of the states before and after each step of ``packing`` between states that were found."""
     sources, targets = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     size = 0
     for first in range(0, search.states, CHUNK):
@@ -158,7 +162,7 @@ def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges
 
 
 def _without_ends(states: int, sources: Edges, targets: Edges, limits: Limits) -> Edges:
-    """The states from which the edges can be followed forever. Raises LimitError."""
+    """The states from which an infinite path leads. Raises LimitError."""
     order = np.argsort(targets, kind="stable")
     before = sources[order]
     first = np.searchsorted(targets[order], np.arange(states + 1))

@@ -1,4 +1,4 @@
-"""Livelock: a run that from some point on has only events that nobody outside sees, and in which no time passes
+"""Livelock: a run that from some point on has only events that are invisible outside, and in which no time passes
 (divergence: Roscoe, "Understanding Concurrent Systems", section 6.1).
 """
 
@@ -14,12 +14,14 @@ _SEEN_OUTSIDE = ("external", "sample", "miss", "time")
 
 
 def is_hidden(event: Event) -> bool:
-    """Whether it neither passes an external port, nor is one with the environment, nor lets time pass."""
+    """Whether an event neither communicates on a port of the outermost process, nor involves the environment, nor lets
+    time pass.
+    """
     return not event.visible and (event.kind not in _SEEN_OUTSIDE or event.instant)
 
 
 def livelock_free(system: System, limits: Limits) -> Verdict:
-    """Whether no run goes on forever with communications among the processes and internal steps only."""
+    """Whether no run continues forever with communications among the processes and internal steps only."""
     hidden = [number for number, event in enumerate(system.events) if is_hidden(event)]
     try:
         found = endless_run(system, hidden, limits)

@@ -1,5 +1,5 @@
-"""Termination: every run reaches an end in which all processes have ended, whatever the environment offers, provided
-it does not stop offering.
+"""Termination: in every run all processes end, whatever the environment offers, as long as it keeps
+offering something.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def terminates(
     limits: Limits,
     deadlock_free: Callable[[System, Limits], Verdict] = prove_deadlock_free,
 ) -> Verdict:
-    """Whether no run is infinite, and none stops where a process has not ended.
+    """Whether no run is infinite, and none stops before all processes have ended.
 
     A refutation has either a cycle, which can be repeated forever, or processes that are stuck. ``deadlock_free``
     answers the second question.

@@ -1,1 +1,1 @@
-"""Smaller systems with the same answer: processes put together, hidden and minimized."""
+"""Smaller systems with the same answer: processes are composed, their events hidden, and the results minimized."""

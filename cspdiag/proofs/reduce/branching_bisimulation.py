@@ -1,10 +1,10 @@
-"""Smallest machines that do the same: branching bisimulation that preserves divergence (van Glabbeek and Weijland,
+"""Minimizes state machines modulo branching bisimulation that preserves divergence (van Glabbeek and Weijland,
 "Branching time and abstraction in bisimulation semantics", 1996).
 
 Blocks of states are split by signatures until none changes (Blom and Orzan, "Distributed branching bisimulation
-reduction of state spaces", 2003): the steps that a state can take, also after internal steps that stay in its block,
-each with the block that it leads to. Cycles of internal steps are one state with an internal loop, so that a livelock
-never becomes a state that stands still.
+reduction of state spaces", 2003): the steps that a state can take, possibly after internal steps within its block, each
+with the block that it leads to. A cycle of internal steps becomes one state with an internal loop, so a livelock never
+becomes a deadlock.
 """
 
 from __future__ import annotations
@@ -20,19 +20,21 @@ from cspdiag.proofs.verdict import Limits
 Signature: TypeAlias = frozenset[tuple[int, int]]
 
 _LOOP = -1
-"""Stands for the block itself in a signature: an internal loop."""
+"""The target in a signature that means the block itself: an internal loop."""
 
 
 @record
 class Machine:
-    """States with their edges, and whether all processes in it have ended in each. The first is the initial one."""
+    """A state machine: the edges of each state, and whether all processes in the machine have ended there. The first
+    state is the initial one.
+    """
 
     edges: tuple[tuple[Edge, ...], ...]
     ended: tuple[bool, ...]
 
 
 def minimized(machine: Machine, limits: Limits | None = None) -> Machine:
-    """The smallest machine that is equivalent, its states in the order in which they are reached. Raises LimitError."""
+    """The smallest equivalent machine, its states in the order in which they are reached. Raises LimitError."""
     machine = _without_internal_cycles(machine)
     order = [state for [state] in _internal_components(machine)]
     blocks = [int(ended) for ended in machine.ended]
@@ -52,7 +54,9 @@ def minimized(machine: Machine, limits: Limits | None = None) -> Machine:
 def _signatures(
     machine: Machine, order: Sequence[int], blocks: Sequence[int], limits: Limits | None
 ) -> list[Signature]:
-    """What each state can do, given its block; states come in an order in which internal steps lead to earlier ones."""
+    """The signature of each state for the given blocks; ``order`` has the targets of internal steps before their
+    sources.
+    """
     found: list[Signature] = [frozenset()] * len(blocks)
     for at, state in enumerate(order):
         if limits is not None and at % 1024 == 0:
@@ -70,7 +74,7 @@ def _signatures(
 
 
 def _quotient(machine: Machine, blocks: Sequence[int], signatures: Sequence[Signature]) -> Machine:
-    """The machine of the blocks that can be reached; all states of a block have one signature."""
+    """The machine of the reachable blocks; all states of a block have one signature."""
     member: dict[int, int] = {}
     for state, block in enumerate(blocks):
         member.setdefault(block, state)
@@ -97,8 +101,8 @@ def _internal_components(machine: Machine) -> Iterator[list[int]]:
 
 
 def _without_internal_cycles(machine: Machine) -> Machine:
-    """One state with an internal loop for the states of each cycle of internal steps. Whether it has ended makes no
-    difference: it never stands still.
+    """The machine with each cycle of internal steps merged into one state with an internal loop. Whether that state has
+    ended does not matter: it is never a deadlock.
     """
     components = list(_internal_components(machine))
     if all(len(component) == 1 for component in components):

@@ -1,9 +1,10 @@
-"""A system that has a deadlock exactly if another has a knot.
+"""Makes a system that has a deadlock if and only if the given one has a knot.
 
-Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account.
-Others go on without it, which they could do anyway. One that was left out takes part in every event that another asks
-for, but in a failure only if it offered it; one that is thought to be stuck asks for all events that it offers, and if
-one of them happens it turns round forever: it was not stuck. When nothing is possible, those that asked are a knot.
+At any time each component may stop, and then either is guessed to be stuck or is ignored. The others continue without
+it, which they could do anyway. An ignored component takes part in every event that another one requests, but in a
+failure only if it offered it. A component that is guessed to be stuck requests all events that it offers; if one of
+them happens the guess was wrong, and the component loops forever. In a state in which nothing is possible, those that
+request events are a knot.
 """
 
 from __future__ import annotations
@@ -12,12 +13,12 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge,
 from cspdiag.proofs.verdict import Limits
 
 _BYTES_PER_EDGE = 72
-"""A tuple of two numbers, in a tuple."""
+"""The size of a tuple of two numbers, in a tuple."""
 
 
 def knots_as_deadlocks(system: System, limits: Limits) -> System:
-    """The system with for each event one more for each of its parties, which happens after the stop, when that party
-    asks for it. Raises LimitError.
+    """The system, with an additional event for each party of each event: it happens after the components have stopped,
+    at the request of that party. Raises LimitError.
     """
     events = list(system.events)
     asked: list[dict[int, int]] = []
@@ -43,8 +44,8 @@ def knots_as_deadlocks(system: System, limits: Limits) -> System:
 def _stopping(
     component: Component, at: int, alphabet: list[int], asked: list[dict[int, int]], events: tuple[Event, ...]
 ) -> Component:
-    """The component's states, then those in which it is thought to be stuck, then those in which it is left out, then
-    the one that turns round.
+    """The component with further states: those in which it is guessed to be stuck, those in which it is ignored, and
+    one that loops forever.
     """
     count = len(component.edges)
     turns = 3 * count
@@ -77,7 +78,7 @@ def _stopping(
 
 
 def _ways_out(event: int, asked: list[dict[int, int]], turns: int) -> list[Edge]:
-    """What shows that a component which offers an event is not stuck."""
+    """The edges that show that a component which offers an event is not stuck."""
     if event == INTERNAL or not asked[event]:
         return [(INTERNAL, turns)]
     return [(happens, turns) for happens in asked[event].values()]

@@ -1,7 +1,7 @@
-"""Compositional minimization: whether anything stands still in what remains when all processes have been put together
-and made small.
+"""Compositional minimization: whether the machine that remains has a deadlock, after all processes have been composed
+and minimized.
 
-Only that there is a deadlock, or a knot, can be seen in the last machine: a trace to it is searched.
+That machine shows only whether there is a deadlock or a knot; a separate search finds a trace to it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ def _some_knot(system: System, limits: Limits) -> Verdict:
 def _decide(
     system: System, reduced: System, limits: Limits, search: Callable[[System, Limits], Verdict], conclusion: str
 ) -> Verdict:
-    """Whether the second system has no deadlock; if it has one, the search finds what it stands for in the first."""
+    """Whether the second system has no deadlock; if it has one, ``search`` finds the corresponding trace of
+    the first.
+    """
     try:
         reduction = Reduction(reduced, limits, only_deadlocks=True)
         remaining = list(reduction.remaining())
@@ -59,7 +61,7 @@ def _decide(
 
 
 def _stands_still(parts: list[MachineInSystem]) -> bool:
-    """Whether all parts, which have nothing in common, can stand still at once, with a process that has not ended."""
+    """Whether all parts, which share no events, can be without a step at once although some process has not ended."""
     ways = [
         {ended for ended, edges in zip(part.machine.ended, part.machine.edges, strict=True) if not edges}
         for part in parts

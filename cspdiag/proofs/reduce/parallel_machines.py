@@ -1,7 +1,7 @@
-"""Two machines in parallel, as one: what becomes internal, and the same pair only once.
+"""Composes two machines into one; events that no other machine shares become internal.
 
-A machine numbers its events in the order in which it comes to them, so that instances of one process have equal
-machines, and the machine of a pair is looked up before it is made.
+A machine numbers its events in the order in which they are first reached, so instances of one process have equal
+machines, and equal pairs are composed only once.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge
 from cspdiag.proofs.verdict import Limits
 
 MOST_STATES = 50_000
-"""A pair with more states is given up: to minimize it would take too long."""
+"""The composition of a pair is given up if it has more states: minimizing it would take too long."""
 
 
 class TooLargeError(Exception):
-    """A pair has more states than are worth while."""
+    """A pair has more than MOST_STATES states."""
 
 
 Renamed: TypeAlias = dict[int, int]
@@ -28,14 +28,14 @@ Renamed: TypeAlias = dict[int, int]
 
 @record
 class MachineInSystem:
-    """A machine, and which event of the system each of its events is, also of those that it never offers."""
+    """A machine, and the event of the system for each of its events, including those that it never offers."""
 
     machine: Machine
     events: tuple[int, ...]
 
 
 def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[int]) -> MachineInSystem:
-    """A component that is party to the events of an alphabet; those that are hidden are internal."""
+    """The machine of a component that is party to the events of an alphabet; hidden events become internal."""
     numbers = {component.initial: 0}
     pending = [component.initial]
     events: dict[int, int] = {}
@@ -56,10 +56,10 @@ def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[in
 
 
 def without_the_restless(machine: Machine) -> Machine:
-    """The machine with one state, which turns round forever, for all those that never stand still, whatever others do.
+    """The machine with all states merged from which internal steps are possible forever, whatever other machines do.
 
-    Such a state has only an internal loop; or an internal step to such a state, and otherwise no steps but to such
-    states and to itself. For a deadlock, in which all stand still, what it offers makes no difference.
+    Such a state has only an internal loop, or it has an internal step to such a state, and no steps except to such
+    states and to itself. What it offers makes no difference for deadlocks, in which no machine can take a step.
     """
     ahead = [{target for _, target in edges} - {state} for state, edges in enumerate(machine.edges)]
     before: list[list[int]] = [[] for _ in machine.edges]
@@ -80,7 +80,7 @@ def without_the_restless(machine: Machine) -> Machine:
 
 
 def _with_one(machine: Machine, restless: Collection[int]) -> Machine:
-    """The machine with one state for all of these."""
+    """The machine with one looping state in place of all these."""
     if 0 in restless:
         return Machine((((INTERNAL, 0),),), (False,))
     kept = [state for state in range(len(machine.edges)) if state not in restless]
@@ -94,7 +94,9 @@ def _with_one(machine: Machine, restless: Collection[int]) -> Machine:
 
 
 class Pairs:
-    """Machines of pairs, each made once. With ``only_deadlocks`` they are equal only as to who stands still."""
+    """Compositions of pairs of machines, each made once. With ``only_deadlocks`` they are equivalent only as to
+    deadlocks.
+    """
 
     def __init__(self, limits: Limits, only_deadlocks: bool = False) -> None:
         self._limits = limits
@@ -111,7 +113,9 @@ class Pairs:
         return MachineInSystem(self._minimal[id(machine)], part.events)
 
     def together(self, one: MachineInSystem, other: MachineInSystem, hidden: Collection[int]) -> MachineInSystem:
-        """Both in parallel, made minimal; the hidden events become internal. Raises LimitError and TooLargeError."""
+        """The minimized parallel composition of both; the hidden events become internal. Raises LimitError and
+        TooLargeError.
+        """
         place = {event: at for at, event in enumerate(one.events)}
         joints = tuple((place[event], at) for at, event in enumerate(other.events) if event in place)
         events = [*one.events, *(event for event in other.events if event not in place)]
@@ -133,7 +137,7 @@ class Pairs:
         return self._same(minimized(machine, self._limits))
 
     def _same(self, machine: Machine) -> Machine:
-        """The one machine that is kept of equal ones: keys hold its identity."""
+        """The machine that represents all equal ones, so keys can use its identity."""
         return self._known.setdefault(machine, machine)
 
 
@@ -145,7 +149,7 @@ def _product(
     its: Renamed,
     limits: Limits,
 ) -> Machine:
-    """The states of two machines that are reached together; ``joints`` are pairs of events that are the same."""
+    """The reachable product of two machines; ``joints`` are pairs of events that are the same."""
     partner = dict(joints)
     alone = set(its).difference(partner.values())
     numbers = {(0, 0): 0}

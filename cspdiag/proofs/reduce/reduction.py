@@ -1,7 +1,7 @@
-"""Processes put together two by two: what happens between them is hidden, and each result is made as small as possible.
+"""Composes processes two at a time; events between the two are hidden, and each result is minimized.
 
-The pair that promises the smallest result comes next (Graf and Steffen, "Compositional minimization of finite state
-systems", 1990; Crouzen and Lang, "Smart reduction", 2011). Identical pairs are made once.
+The pair with the smallest expected result comes next (Graf and Steffen, "Compositional minimization of finite state
+systems", 1990; Crouzen and Lang, "Smart reduction", 2011). Identical pairs are composed once.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Syste
 from cspdiag.proofs.verdict import Limits
 
 _MOST_GIVEN_UP = 10
-"""Pairs that were too large, after which no further pair is tried."""
+"""After this number of pairs that were too large no further pair is tried."""
 
 _WORTH_WHILE = 1_000_000
-"""States that a system may have before it is made smaller."""
+"""Systems with more states than this are reduced before all states are explored."""
 
 _OUTSIDE = -1
-"""The party of kept events that is never put together with others."""
+"""A party of all kept events that is never composed with others."""
 
 
 def seen_from_outside(system: System, kept: Collection[int], limits: Limits) -> System | None:
-    """A system with the kept events only that does the same, also as to what it refuses and where it livelocks; None if
-    it is too large. Raises LimitError.
+    """An equivalent system with only the kept events, which also has the same refusals and livelocks; None if it is too
+    large. Raises LimitError.
     """
     reduction = Reduction(system, limits, kept)
     parts = list(reduction.remaining())
@@ -41,14 +41,14 @@ def seen_from_outside(system: System, kept: Collection[int], limits: Limits) -> 
 
 
 def can_livelock(reduced: System) -> bool:
-    """Whether a system that was made minimal has an internal loop: no other cycle of internal steps is left."""
+    """Whether a minimized system has an internal loop, the only remaining cycles of internal steps."""
     return any(
         (INTERNAL, state) in edges for component in reduced.components for state, edges in enumerate(component.edges)
     )
 
 
 def is_large(system: System) -> bool:
-    """Whether it pays to make the system smaller before all states are looked at."""
+    """Whether it is worthwhile to reduce the system before all its states are explored."""
     return prod(len(component.edges) for component in system.components) > _WORTH_WHILE
 
 
@@ -62,10 +62,10 @@ def _component(part: MachineInSystem, at: int, number: dict[int, int]) -> Compon
 
 
 class Reduction:
-    """Parts by number, and the parts that are still party to an event.
+    """Composes the components of a system, its first parts, until no two parts share an event.
 
-    ``kept`` are events that stay as they are, because somebody outside sees them; with ``only_deadlocks`` only who
-    stands still matters.
+    ``kept`` events are not hidden, because they are visible outside; with ``only_deadlocks`` the result is equivalent
+    only as to deadlocks.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Reduction:
         self._pairs = Pairs(limits, only_deadlocks)
         self.largest = 1
         self.too_large = False
-        """Whether parts that have events in common are left, because no two can be put together."""
+        """Whether parts with common events are left because no two of them can be composed within the limits."""
         alphabets: list[set[int]] = [set() for _ in system.components]
         for event, known in enumerate(system.events):
             for party in known.parties:
@@ -97,7 +97,7 @@ class Reduction:
         heapify(self._queue)
 
     def remaining(self) -> Iterator[MachineInSystem]:
-        """The parts that are left when no two have an event in common, or are worth putting together. Raises
+        """The parts that are left when no two of them share an event, or composing them is not worthwhile. Raises
         LimitError.
         """
         number = len(self._parts)
@@ -140,7 +140,7 @@ class Reduction:
         return found
 
     def _ranked(self, one: int, other: int) -> tuple[tuple[float, int], int, int]:
-        """How much a pair promises: few states, and many events that only they have in common."""
+        """The rank of a pair: pairs with few states, and with many events that only these two share, come first."""
         first, second = self._parts[one], self._parts[other]
         shared = set(first.events) & set(second.events)
         hidden = sum(self._members[event] <= {one, other} for event in shared)
