@@ -1,4 +1,4 @@
-"""What a proof method answers."""
+"""The verdicts of proof methods, and their limits."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Method: TypeAlias = Literal["rules", "sat", "invariants", "stubborn", "minimizat
 
 @record
 class Move:
-    """One step of a trace: the event (an index, or INTERNAL) and the state that each component that takes part
-    goes to.
+    """One step of a trace: the event (an index, or INTERNAL), and the components that take part, each with the state
+    that it goes to.
     """
 
     event: int
@@ -41,10 +41,10 @@ class Proved:
 
 @record
 class Refuted:
-    """The property fails: ``trace`` leads from the initial state to where it does, the shortest found.
+    """The property fails: ``trace``, the shortest found, leads from the initial state to the failure.
 
-    ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats forever
-    after the trace. For refinement ``reason`` says what the process did too much or refused.
+    ``stuck`` are the components that never continue (deadlock and knots). For livelock ``cycle`` repeats forever after
+    the trace. For refinement ``reason`` says which forbidden event or refusal was found.
     """
 
     method: Method
@@ -57,8 +57,8 @@ class Refuted:
 
 @record
 class Unknown:
-    """Neither. ``candidate`` is a state of every component that could not be excluded, with the components suspected to
-    be stuck.
+    """The property is neither proved nor refuted. ``candidate`` is a global state that could not be excluded, ``stuck``
+    the components that may be stuck in it.
     """
 
     method: Method
@@ -71,24 +71,22 @@ Verdict: TypeAlias = Proved | Refuted | Unknown
 
 
 class LimitError(BaseException):
-    """The time or the memory that was allowed is used up.
+    """The allowed time or memory is used up.
 
-    It may be raised anywhere, and no library takes it for a failure of what it called.
+    It may be raised anywhere; as a BaseException it is not caught by libraries as a failure of the code that they call.
     """
 
 
 @dataclass
 class Limits:
-    """Time (seconds from now) and memory (bytes of the state store) that a method may use; it calls ``check`` now and
-    then.
+    """The time (seconds from now) and memory (bytes of the state store) that a method may use; the method calls
+    ``check`` regularly.
     """
 
     seconds: float = 60.0
     memory: int = 2_000_000_000
     clock: Callable[[], float] = lambda: time.monotonic()
-    """The clock: that of the processor (``time.process_time``) where an answer must not depend on what else
-    the machine does.
-    """
+    """The clock; processor time (``time.process_time``) if an answer must not depend on the load of the machine."""
     started: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -100,11 +98,11 @@ class Limits:
         return self.seconds - (self.clock() - self.started)
 
     def time_is_up(self) -> LimitError:
-        """What is raised when the time is up."""
+        """The exception for the time limit."""
         return LimitError(f"the time limit of {self.seconds:.3g} s was reached")
 
     def check(self, used: int = 0) -> None:
-        """Raise LimitError when the time, or the memory of which ``used`` bytes are taken, is up."""
+        """Raises LimitError if the time is up, or if ``used`` bytes are more than the allowed memory."""
         if self.clock() - self.started > self.seconds:
             raise self.time_is_up()
         if used > self.memory:

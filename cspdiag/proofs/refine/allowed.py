@@ -1,6 +1,7 @@
-"""What a specification says of one run, with the values that it really had.
+"""Whether a specification allows one run, with the values that the run really had.
 
-Proofs leave values open, and then a process seems to do what its specification forbids. Its run says whether it does.
+Proofs leave some values open, and may then find that a process violates its specification; a run of the process shows
+whether it does.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from cspdiag.proofs.verdict import Limits
 
 @record
 class Rest:
-    """How a run stands in the end: whether all has ``ended``, and otherwise what it ``offers``; None where it still
-    goes on by itself, so that it refuses nothing.
+    """The state at the end of a run: whether all processes have ``ended``, and what they ``offer`` otherwise; None if
+    they continue by themselves, and so refuse nothing.
     """
 
     ended: bool
@@ -28,8 +29,8 @@ class Rest:
 def violation(
     specification: System, labels: Labels, trace: Iterable[Label], rest: Rest, limits: Limits, *, failures: bool
 ) -> str | None:
-    """How a run does what the specification forbids or, if asked for ``failures``, refuses what it demands; None if it
-    does not. Raises LimitError.
+    """How a run does what the specification forbids or, with ``failures``, refuses what the specification demands; None
+    if it does neither. Raises LimitError.
     """
     own = {
         number: label for number, event in enumerate(specification.events) if (label := labels.of(event)) is not None
@@ -51,7 +52,7 @@ def violation(
 
 
 def _allowed(walk: Walk, states: Iterable[State], labels: Labels) -> frozenset[Label]:
-    """What may come next: of inputs not only the values of this run."""
+    """The labels that may follow; for inputs any value, not only those of this run."""
     apart = labels.specification.distinctions
     return frozenset(
         (port, None) if port in apart and apart[port].values else (port, value)
@@ -69,5 +70,5 @@ def _offers_enough(offers: frozenset[Label], acceptances: Sequence[frozenset[Lab
 
 
 def _any_of(label: Label, offers: frozenset[Label]) -> bool:
-    """Whether a specification that takes any value at a port is offered one."""
+    """Whether a label with any value is matched by an offer at its port."""
     return label[1] is None and any(port == label[0] for port, _ in offers)

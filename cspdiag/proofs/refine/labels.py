@@ -1,4 +1,4 @@
-"""What a specification sees of an event: the port that it passes, and the value where both sides distinguish values."""
+"""Labels: what a specification sees of an event, its port, and its value if both sides distinguish values."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ END: Label = ("", None)
 
 @record
 class Labels:
-    """The labels of a process's events as its specification distinguishes them; those of ``hidden`` ports have none."""
+    """The labels of events of a process, as far as its specification distinguishes them; events of ``hidden`` ports
+    have none.
+    """
 
     specification: System
     hidden: Collection[str] = ()
@@ -48,7 +50,7 @@ class Labels:
 
 
 def port(event: Event) -> str:
-    """The port that a visible event passes: its channel's path without the outermost process."""
+    """The port of a visible event: the path of its channel without the outermost process."""
     return event.channel.partition(".")[2] or event.channel
 
 
@@ -58,12 +60,12 @@ def covers(one: Label, other: Label) -> bool:
 
 
 def is_open(label: Label) -> bool:
-    """Whether the value is none that is known: a range of numbers, or what was handed on."""
+    """Whether a label has no single known value but a range of numbers, or a value that is only passed on."""
     return label[1] is not None and (".." in label[1] or label[1].startswith("("))
 
 
 def words(label: Label) -> str:
-    """The label for people."""
+    """The label in words."""
     if label == END:
         return "the end"
     return f"`{with_value(*label)}`"

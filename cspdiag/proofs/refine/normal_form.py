@@ -1,7 +1,8 @@
-"""A specification as an automaton: after each sequence of labels, which go on it allows, and what it offers at least.
+"""A specification as a deterministic automaton: after each sequence of labels, which labels it allows next, and which
+it must offer.
 
-Sets of states that one sequence can lead to are the nodes (Roscoe, "Understanding Concurrent Systems", section 16.1.4).
-``acceptances`` are the smallest sets of labels that a state which takes no internal step offers.
+The nodes are the sets of states that one sequence can lead to (Roscoe, "Understanding Concurrent Systems", section
+16.1.4). ``acceptances`` are the smallest sets of labels that its stable states offer.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from cspdiag.proofs.verdict import Limits
 State: TypeAlias = tuple[int, ...]
 
 _BYTES_PER_STATE = 400
-"""A tuple of some tens of small numbers, in a set."""
+"""The size of a tuple of some tens of small numbers, in a set."""
 
 
 @record
 class NormalNode:
-    """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is
-    not allowed. ``offered`` are all labels that may come next.
+    """What a specification allows after some traces. ``after`` has the next node for each label; a label that is
+    missing is not allowed. ``offered`` are all labels that may follow.
     """
 
     after: dict[Label, int]
@@ -66,7 +67,7 @@ def normal_form(
 
 
 def smallest(sets: Iterable[frozenset[Label]]) -> tuple[frozenset[Label], ...]:
-    """The sets of which no part is among them."""
+    """The sets that contain no other one of the sets."""
     every = sorted(set(sets), key=lambda found: (len(found), sorted(map(str, found))))
     kept: list[frozenset[Label]] = []
     for found in every:
@@ -84,7 +85,7 @@ class Walk:
         self._steps = ClosedSets(system)
 
     def closure(self, states: Iterable[State], limits: Limits) -> frozenset[State]:
-        """The states and all that unseen steps lead to."""
+        """The states and all states reachable from them by unseen steps."""
         seen = set(states)
         pending = list(seen)
         while pending:
@@ -96,7 +97,7 @@ class Walk:
         return frozenset(seen)
 
     def after(self, states: Iterable[State], asked: Label) -> list[State]:
-        """The states right after a label."""
+        """The states directly after a label."""
         return [
             after
             for state in states
@@ -109,7 +110,7 @@ class Walk:
         return all(label is not None for label, _ in self._ways(state))
 
     def offers(self, state: State) -> frozenset[Label]:
-        """The labels that a state offers; the end if it is one."""
+        """The labels that a state offers; ``END`` if all processes have ended."""
         offered = frozenset(label for label, _ in self._ways(state) if label is not None)
         ended = not offered and all(
             local in component.terminal

@@ -1,10 +1,10 @@
 """Refinement: whether a process does only what a specification does, in traces and in stable failures (Roscoe,
 "Understanding Concurrent Systems", sections 5.1 and 6.4).
 
-The specification in normal form follows the process as one more component, which is party to every event that it sees
-and goes to a state of its own where an event is not allowed. So the search is the one for deadlocks, and its trace is a
-shortest one. Time that passes, and the steps of a process that cannot be seen, count as internal: only a state that
-waits for nothing else can refuse.
+The specification in normal form is added to the process as one more component, which takes part in every event that it
+sees, and goes to a state of its own if an event is not allowed. So the search is the same as for deadlocks, and finds a
+shortest trace. The passage of time, and steps of a process that the specification does not see, count as internal: only
+a state without such steps can refuse anything.
 """
 
 from __future__ import annotations
@@ -28,14 +28,12 @@ from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Prov
 
 
 def refines_in_traces(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
-    """Whether every trace of the process is one of the specification; ``hidden`` are ports that it does not see."""
+    """Whether every trace of the process is a trace of the specification, which does not see ``hidden`` ports."""
     return _refines(system, specification, limits, hidden, failures=False)
 
 
 def refines_in_failures(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
-    """Whether in addition the process refuses, where it can go on by itself no more, only what the specification may
-    refuse there.
-    """
+    """Whether in addition the process refuses, in its stable states, only what the specification may refuse there."""
     return _refines(system, specification, limits, hidden, failures=True)
 
 
@@ -69,8 +67,8 @@ def _refines(
 
 
 def _up_to_missed_samples(system: System) -> System:
-    """The process, which after a missed sample that nobody catches neither ends nor rests: what holds of it holds
-    of its runs up to there.
+    """The process with a divergence after each missed sample that no process catches: it neither ends nor refuses
+    anything there, so a proof is about its runs up to that point.
     """
     components = tuple(
         replaced(
@@ -89,12 +87,13 @@ def _up_to_missed_samples(system: System) -> System:
 
 
 def _undecided(nodes: tuple[NormalNode, ...], labels: Labels) -> str | None:
-    """Why it is not known what the specification allows: where it writes one of several values that it has read, those
-    that stand for each do not show which.
+    """The reason why it is not known what the specification allows; None if it is known. If it may write any of several
+    values that it has read, their representatives do not show which.
 
-    Where it writes at most one value at a time, they do: of a run of the process whose inputs are all different, one
-    value is written wrongly, and the run with the one that stands for each instead of it, and with others elsewhere,
-    goes the same way in both (Lazic and Roscoe, "Data independence with predicate symbols", 1999).
+    If it writes at most one value at a time, they do: if a run of the process whose inputs are all different writes a
+    wrong value, then the run with the representative in place of that value, and with other values elsewhere, takes the
+    same steps in the process and in the specification (Lazic and Roscoe, "Data independence with predicate symbols",
+    1999).
     """
     for node in nodes:
         written: dict[str, list[Label]] = {}
@@ -108,7 +107,7 @@ def _undecided(nodes: tuple[NormalNode, ...], labels: Labels) -> str | None:
 
 
 def _made_small(specification: System, labels: Labels, limits: Limits) -> System:
-    """The specification, or one that does the same with fewer states."""
+    """The specification, or an equivalent one with fewer states."""
     if not is_large(specification):
         return specification
     kept = [number for number, event in enumerate(specification.events) if labels.of(event) is not None]
@@ -118,8 +117,8 @@ def _made_small(specification: System, labels: Labels, limits: Limits) -> System
 def _of_outside(
     system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
 ) -> Proved | Refuted | None:
-    """The answer for a smaller system that does the same as seen from outside; its trace is not one of the system. None
-    if it is not small.
+    """The answer for a smaller system that is equivalent as seen from outside; its trace is not a trace of the system
+    itself. None if that system is too large or its answer undecided.
     """
     share = Limits(limits.remaining / 2, limits.memory)
     kept = [number for number, event in enumerate(system.events) if labels.of(event) is not None]
@@ -150,8 +149,8 @@ def _caveat(specification: System, limits: Limits, failures: bool) -> str:
 def _searched(
     system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
 ) -> tuple[Exploration, dict[int, Label], tuple[NormalNode, ...]]:
-    """All states of the system followed by the specification, the labels of its events, and the specification's normal
-    form. Raises LimitError.
+    """The search through the system composed with the specification, the labels of its events, and the normal form of
+    the specification. Raises LimitError.
     """
     seen = {number: label for number, event in enumerate(system.events) if (label := labels.of(event)) is not None}
     own = {
@@ -163,9 +162,7 @@ def _searched(
 
 
 def _followed(system: System, seen: dict[int, Label], nodes: tuple[NormalNode, ...]) -> System:
-    """The system with the specification as its last component, whose last state means that something was done
-    too much.
-    """
+    """The system with the specification as its last component, whose last state means that an event was not allowed."""
     watcher = len(system.components)
     edges = tuple(tuple((event, node.after.get(label, len(nodes))) for event, label in seen.items()) for node in nodes)
     events = tuple(
@@ -177,7 +174,7 @@ def _followed(system: System, seen: dict[int, Label], nodes: tuple[NormalNode, .
 
 
 class _Violations:
-    """States in which the process has done, or refuses, what the specification does not."""
+    """States in which the process has done something forbidden, or refuses what it must offer."""
 
     def __init__(
         self, packing: Packing, seen: dict[int, Label], nodes: tuple[NormalNode, ...], *, failures: bool
@@ -205,7 +202,7 @@ class _Violations:
         return hits if hits.any() else None
 
     def _refusals(self, states: Words, goes_on: Flags, hits: Flags) -> None:
-        """Mark the stable states that offer none of the sets that the specification offers there."""
+        """Marks in ``hits`` the stable states that offer none of the acceptances of the specification."""
         stable = np.flatnonzero(~hits)
         for step in self._steps:
             if step.event not in self._seen and len(stable):

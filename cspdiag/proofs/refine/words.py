@@ -1,4 +1,4 @@
-"""How a process fails to refine its specification, in words."""
+"""Describes in words how a process fails to refine its specification."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from cspdiag.proofs.refine.labels import Label, words
 
 
 def done_too_much(label: Label, allowed: Collection[Label]) -> str:
-    """The process does what is not among what the specification allows."""
+    """The process does something that is not among what the specification allows."""
     return f"it does {words(label)}, where the specification {_allows(allowed)}"
 
 
 def ended_too_soon(allowed: Collection[Label]) -> str:
-    """The process ends, and the specification does not."""
+    """The process ends where the specification does not."""
     return f"it ends, where the specification {_allows(allowed)}"
 
 
 def refused_too_much(offers: Collection[Label], acceptances: Collection[Collection[Label]]) -> str:
-    """The process rests and offers none of the sets of which the specification demands one."""
+    """The process waits and offers none of the acceptances, of which the specification demands one."""
     offered = f"only {_list(offers)}" if offers else "nothing"
     if not acceptances:
         return f"it waits and offers {offered}, where the specification never waits"

@@ -1,7 +1,7 @@
-"""Tier 0: design rules. Networks that keep one cannot deadlock, and the rule says why in words.
+"""Tier 0: design rules. Networks that obey one cannot deadlock, and the rule gives the reason in words.
 
-Two general rules are decided: that of one run (``rules_runs``) and that of orders of waiting (``rules_waiting``). Where
-the processes have the form that a published rule speaks of, the reason names that rule.
+Two general rules are checked: that of the only run (``rules.runs``) and that of orders of waiting
+(``structure.waiting``). If the processes have the form that a published rule requires, the reason names that rule.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ MOST_MOVES = 1_000_000
 """A run that has not returned to a known state after this number of moves is left to other methods."""
 
 MOST_NAMES = 6
-"""The number of components that are named in an order; of a longer one the first and the last."""
+"""At most this number of components of an order is named; of a longer one only the first and the last."""
 
 
 def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
-    """Prove the property by a design rule, refute it by the only run there is, or say which process breaks
-    the rules.
-    """
+    """Proves the property by a design rule, refutes it by the only run, or says which process breaks the rules."""
     try:
         if is_settled(question):
             return Proved("rules", _order_in_words(question))
@@ -46,7 +44,7 @@ def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
 
 
 def is_settled(question: StuckQuestion) -> bool:
-    """Whether the orders of waiting alone leave nobody who could be stuck."""
+    """Whether the orders of waiting alone exclude that any process is stuck."""
     shapes, left = question.structure.shapes, question.waiting.left
     if not question.together:
         return all(states.isdisjoint(shape.asking) for shape, states in zip(shapes, left, strict=True))

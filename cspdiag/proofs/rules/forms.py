@@ -1,5 +1,5 @@
-"""The forms of processes that design rules speak of, recognized from what the processes do. They give a proof its name,
-and prove nothing by themselves.
+"""Recognizes the forms of processes that published design rules are about. They name the reason of a proof, and prove
+nothing by themselves.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 
 def is_io_par(structure: Structure) -> bool:
-    """Whether every component shares each of its events once a round, in any order (I/O-PAR; Welch, Justo and Willcock,
-    1993).
+    """Whether every component takes part in each of its shared events once a round, in any order (I/O-PAR; Welch, Justo
+    and Willcock, 1993).
     """
     return _all_shapes(structure, _shares_all_at_once)
 
@@ -45,8 +45,8 @@ def _shares_all_at_once(shape: Shape) -> bool:
 
 
 def resource_order(structure: Structure) -> list[int] | None:
-    """The components that the others take and give back, each before those that are taken while it is held; None if
-    there are others, or a circle.
+    """The resources, which other components take and give back, each before those that are taken while it is held; None
+    if not all components are resources or their users, or if there is a cycle.
     """
     found = [component for component, shape in enumerate(structure.shapes) if _is_resource(shape)]
     number = {component: at for at, component in enumerate(found)}
@@ -63,7 +63,7 @@ def resource_order(structure: Structure) -> list[int] | None:
 
 
 def _taken_while_held(structure: Structure, user: int) -> Iterator[tuple[int, int]]:
-    """The pairs of a resource and another one that a user takes while it has the first."""
+    """Pairs of a resource that a user holds and another one that it takes meanwhile."""
     for state in structure.shapes[user].waiting:
         held, wanted = [], []
         for resource in structure.neighbours[user]:
@@ -87,10 +87,10 @@ def _is_resource(shape: Shape) -> bool:
 
 
 def client_server_order(structure: Structure) -> list[int] | None:
-    """The components, servers before their clients, if each two neighbours are client and server of each other, and not
-    in a circle; None otherwise.
+    """The components, servers before their clients, if of each two neighbours one is the client of the other, without a
+    cycle; None otherwise.
 
-    A client makes a request when it wants nothing else; a server is open to all its clients when it is open to one.
+    A client that makes a request wants nothing else; a server that is open to one of its clients is open to all.
     """
     servers: list[set[int]] = [set() for _ in structure.shapes]
     for component, neighbours in enumerate(structure.neighbours):
@@ -105,7 +105,7 @@ def client_server_order(structure: Structure) -> list[int] | None:
 
 
 def _client(structure: Structure, one: int, two: int) -> int | None:
-    """Which of two neighbours makes requests to the other: the one that is committed to them."""
+    """The client among two neighbours: the one that is committed to its requests."""
     shared = set(structure.events[one]) & set(structure.events[two])
     open_one, open_two = _is_open(structure, one, shared), _is_open(structure, two, shared)
     if open_one == open_two:
@@ -114,16 +114,14 @@ def _client(structure: Structure, one: int, two: int) -> int | None:
 
 
 def _is_open(structure: Structure, component: int, shared: set[int]) -> bool:
-    """Whether a component has, in its first state, offers to several or only to this one, and leaves it by accepting
-    one.
-    """
+    """Whether a component, in its initial state, waits and offers one of the shared events."""
     shape, events = structure.shapes[component], structure.events[component]
     offered = [events[number] for number in shape.offers[shape.initial] if number not in shape.alone]
     return shape.initial in shape.waiting and any(event in shared for event in offered)
 
 
 def _sorted(before: list[set[int]]) -> list[int] | None:
-    """A topological order in which each comes after those ``before`` it, or None if none exists."""
+    """A topological order in which each number comes after those ``before`` it; None if there is a cycle."""
     after: list[list[int]] = [[] for _ in before]
     for component, earlier in enumerate(before):
         for other in earlier:

@@ -1,12 +1,13 @@
-"""Networks in which nobody chooses: one run shows everything, as in networks of I/O-PAR and I/O-SEQ processes.
+"""Networks in which no component makes a choice: one run shows everything, as in networks of I/O-PAR and I/O-SEQ
+processes.
 
-A component is **steady** when it never takes an offer back except by accepting it: in no state do two of its edges
-carry the same event, and two different ones may be taken in either order with the same result. Networks of steady
-components are persistent (Landweber and Robertson, 1978; Keller, 1975): all fair runs do the same, up to the order of
-what is independent. So the one run in which everything that can happen does decides: it ends in the only deadlock there
-is, or comes back to a state that it has been in, in which a knot is seen if there is one. It generalizes the rule that
-networks of I/O-PAR processes never deadlock (Welch, Justo and Willcock, 1993) and that of circles of I/O-SEQ ones with
-an I/O-PAR process in each.
+A component is **steady** if it never withdraws an offer except by accepting it: in no state do two of its edges carry
+the same event, and two different ones may be taken in either order with the same result. Networks of steady components
+are persistent (Landweber and Robertson, 1978; Keller, 1975): all fair runs are the same up to the order of independent
+steps. So it is enough to look at the run in which everything happens that can: it ends in the only deadlock, or returns
+to an earlier state, in which a knot is found if there is one. This generalizes the rule that networks of I/O-PAR
+processes never deadlock (Welch, Justo and Willcock, 1993) and the one about cycles of I/O-SEQ processes with an I/O-PAR
+process in each.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ from cspdiag.proofs.verdict import Limits, Move
 
 @record
 class PeriodicRun:
-    """The run until it comes round or ends: what was taken, to where it has been ``period`` steps before, or to where
-    nothing is possible.
+    """A run until it returns to the state of ``period`` steps before, or ends; ``taken`` are its steps, ``state`` is
+    its last state.
 
-    An event is taken by all its parties; the complement ``~i`` stands for an internal step of component ``i``.
+    A step is an event, taken by all its parties, or the complement ``~i`` for an internal step of component ``i``.
     ``period`` is 0 if the run ends.
     """
 
@@ -34,7 +35,7 @@ class PeriodicRun:
 
 
 def is_steady(shape: Shape) -> bool:
-    """Whether a component chooses nowhere: see the module."""
+    """Whether a component never makes a choice: see the module."""
     for state in shape.reachable:
         edges = dict(shape.edges[state])
         if len(edges) < len(shape.edges[state]):
@@ -52,7 +53,7 @@ def _meet(shape: Shape, event: int, beside: int, other: int, after: int) -> bool
 
 
 def unsteady(structure: Structure) -> int | None:
-    """The first component that chooses, or None."""
+    """The first component that is not steady; None if all are."""
     known: dict[int, bool] = {}
     for component, shape in enumerate(structure.shapes):
         steady = known.get(id(shape))
@@ -64,8 +65,8 @@ def unsteady(structure: Structure) -> int | None:
 
 
 def the_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRun | None:
-    """The run of a network of steady components, in rounds in which everything happens that can; None if it takes more
-    than ``most_moves``.
+    """The run of a network of steady components, in rounds in each of which everything happens that can; None if it
+    takes more than ``most_moves``.
 
     Raises LimitError when the time is up.
     """
@@ -87,7 +88,7 @@ def the_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRu
 
 
 def at_rest(structure: Structure, run: PeriodicRun) -> set[int]:
-    """The components that take no part in the round which a run repeats."""
+    """The components that take no part in the period of a run."""
     rest = set(range(len(structure.shapes)))
     for taken in run.taken[len(run.taken) - run.period :]:
         rest.difference_update((~taken,) if taken < 0 else structure.system.events[taken].parties)
@@ -95,9 +96,7 @@ def at_rest(structure: Structure, run: PeriodicRun) -> set[int]:
 
 
 def moves_of(structure: Structure, run: PeriodicRun) -> tuple[Move, ...]:
-    """The moves of a run, with the events of the system: one that all parties offer, of those that need not be
-    distinguished apart.
-    """
+    """The moves of a run with events of the system: of merged events, one that all parties offer."""
     system = structure.system
     state = list(system.initial)
     moves = []
@@ -121,16 +120,16 @@ def _representative(structure: Structure, taken: int, offers: list[dict[int, int
 
 
 Step: TypeAlias = tuple[int, tuple[int, ...]]
-"""The state after an edge, and the events (of the shape) that it offers and the state before did not, or that were just
-taken.
+"""The state after an edge, and the events (of the shape) that it offers anew: the state before did not, or they have
+just been taken.
 """
 
 
 class _Running:
-    """A run under way. ``possible`` are the events that can happen now, and the complements of components with an
+    """A run in progress. ``possible`` are the events that can happen now, and the complements of components with an
     internal step.
 
-    Nothing that is possible becomes impossible but by happening, because the components are steady.
+    What is possible stays possible until it happens, because the components are steady.
     """
 
     def __init__(self, structure: Structure) -> None:
@@ -148,7 +147,7 @@ class _Running:
             self._offer(component, tuple(number for number, _ in shape.edges[shape.initial]))
 
     def mark(self) -> None:
-        """Remember the present state: ``differing`` counts the components that are in another one."""
+        """Marks the present state: ``differing`` counts the components that have left their part of it."""
         self._marked = self.state.copy()
         self.differing = 0
 
@@ -164,7 +163,7 @@ class _Running:
                 self.possible.append(event)
 
     def step(self) -> None:
-        """Let everything happen that is possible now, each once."""
+        """Takes every step that is possible now once."""
         now, self.possible = self.possible, []
         state, marked = self.state, self._marked
         for taken in now:
@@ -184,7 +183,7 @@ class _Running:
 
 
 def _steps(shape: Shape) -> list[dict[int, Step]]:
-    """For each state and event the step."""
+    """The step of each state and event."""
     return [
         {
             event: (

@@ -1,8 +1,9 @@
-"""Tier 1: proof by SAT over what neighbours can be doing together, refined by traps.
+"""Tier 1: proof by SAT over the states that neighbours can be in together, refined by traps.
 
-Each model of the formula is a candidate: a choice of states in which nothing, or nothing in the stuck set, could go on.
-The largest trap that a candidate leaves empty shows that it is not reachable and gives a clause that excludes it and
-its like. Without candidates the property is proved; a candidate that nothing excludes is handed on to a search.
+Each model of the formula is a candidate: a choice of states in which no component, or none of the stuck set, can
+continue. The largest trap that a candidate leaves empty shows that it is unreachable, and gives a clause that excludes
+it and similar ones. If no candidate remains the property is proved; a candidate that nothing excludes is passed on to a
+search.
 """
 
 from __future__ import annotations
@@ -17,31 +18,33 @@ from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 SMALL = 60
-"""Traps of systems with at most this number of components are made smaller before they are used."""
+"""In systems with at most this number of components traps are made smaller before they are used."""
 
 MOST_REFINEMENTS = 2000
-"""Candidates that are excluded one by one before a method gives up."""
+"""The number of candidates that are excluded one by one before a method gives up."""
 
 MOST_TRAPS = 100
-"""Candidates that are excluded by traps alone; if this number does not suffice, invariants are needed."""
+"""The number of candidates that are excluded by traps alone; if more remain, invariants are needed."""
 
 Refinement: TypeAlias = Callable[[StuckQuestion, Encoding, Sequence[int]], list[Clause]]
 """Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
 
 Beginning: TypeAlias = Callable[[Encoding], list[Clause]]
-"""Clauses that are true of what is reachable."""
+"""Clauses that hold in all reachable states."""
 
 Examination: TypeAlias = Callable[[Sequence[int], Sequence[int]], Refuted | None]
-"""A refutation that a candidate and its stuck components lead to."""
+"""A refutation found from a candidate and its stuck components; None if none was found."""
 
 FIRST_EXAMINATION = 4
-"""After this number of candidates that traps do not exclude one is examined, then after twice as many, and so on."""
+"""After this number of candidates that traps do not exclude one candidate is examined, then after twice as many, and so
+on.
+"""
 
 
 def by_sat(question: StuckQuestion, limits: Limits) -> Proved | Unknown:
-    """Prove the property by SAT and traps, or give the candidate that is left."""
+    """Proves the property by SAT and traps, or returns the candidate that is left."""
     verdict = refine(question, limits, [exclude_by_trap], "sat", most=MOST_TRAPS)
-    assert not isinstance(verdict, Refuted), "nobody examines candidates"
+    assert not isinstance(verdict, Refuted), "no candidate is examined"
     return verdict
 
 
@@ -55,11 +58,11 @@ def refine(
     known: int = 0,
     most: int = MOST_REFINEMENTS,
 ) -> Verdict:
-    """Exclude at most this number of candidates by ``refinements``, tried in their order, until none is left or one
-    stays.
+    """Excludes candidates by ``refinements``, tried in order, until none is left, one cannot be excluded, or ``most``
+    have been excluded.
 
-    ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a
-    candidate now and then, before it is excluded.
+    ``begin`` gives the clauses of ``known`` invariants, in addition to those of the encoding. ``examine`` is called
+    with a candidate now and then, before it is excluded.
     """
     create = find_solver()
     if create is None:
@@ -82,7 +85,7 @@ def refine(
 
 @dataclass
 class _Exclusion:
-    """Candidates excluded one by one; ``used`` says how often each refinement has done so."""
+    """Excludes candidates one by one; ``used`` counts how often each refinement has excluded one."""
 
     question: StuckQuestion
     limits: Limits
@@ -99,7 +102,7 @@ class _Exclusion:
         self.used = [0] * len(self.refinements)
 
     def verdict(self, known: int) -> Verdict:
-        """Proved if there is a candidate for none of the goals; ``known`` invariants held from the start."""
+        """Proved if no goal has a candidate left; ``known`` is the number of invariants used from the start."""
         shapes, encoding = self.question.structure.shapes, self.encoding
         for component, goal in encoding.goals:
             if goal and encoding.left[component].isdisjoint(shapes[component].asking):
@@ -116,7 +119,7 @@ class _Exclusion:
         return Proved(self.method, _reason(self.used[0], known + sum(self.used[1:])))
 
     def left(self, assumed: Clause) -> Refuted | Unknown | None:
-        """The candidate that nothing excludes, or what was found from one; None if there is no candidate left."""
+        """The candidate that nothing excludes, or a refutation found from one; None if no candidate is left."""
         while (model := self.solver.solve(assumed)) is not None:
             self.limits.check()
             if sum(self.used) >= self.most:
@@ -145,8 +148,8 @@ class _Exclusion:
         return None
 
     def nearest(self, goal: Clause, left: Unknown) -> Refuted | Unknown:
-        """A candidate in which no component is further from its initial state than need be: a trace to it is found more
-        easily, and is short.
+        """A candidate in which all components are as near to their initial states as possible: a trace to it is found
+        more easily, and is short.
         """
         depth = 1
         while depth < self.encoding.deepest:
@@ -172,7 +175,7 @@ def _reason(traps: int, invariants: int) -> str:
 
 
 def exclude_by_trap(question: StuckQuestion, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
-    """The clause of the largest trap that a candidate leaves empty, if there is one."""
+    """The clause of the largest trap that a candidate leaves empty; none if there is no such trap."""
     trap = question.traps.avoiding(candidate)
     if trap is None:
         return []

@@ -1,9 +1,9 @@
 """A deadlock or a knot as a formula: one variable for every state of every component, and one for "is in the stuck
 set".
 
-Every model is a choice of states in which each two neighbours may be together and the chosen set waits for itself. If
-no model exists, no reachable state is a deadlock or a knot (Antonino, Gibson-Robinson and Roscoe, iFM 2016, with the
-set of those that are stuck added).
+Every model is a choice of states that are possible together for each pair of neighbours, and of a set of components
+that wait only for each other. If no model exists, no reachable state is a deadlock or a knot (Antonino, Gibson-Robinson
+and Roscoe, iFM 2016, extended by the stuck set).
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ from cspdiag.proofs.structure.pairs import Neighbour, Structure
 from cspdiag.proofs.structure.waiting import WaitingOrder
 
 LARGEST_PAIRWISE = 6
-"""Up to this number, variables are made exclusive two by two, more through a chain of others."""
+"""Up to this number of variables are made exclusive pairwise, more through a chain of auxiliary variables."""
 
 
 class Encoding:
     """The formula for one system.
 
     ``variables[i][state]`` is the variable of a state of component ``i``; ``stuck[i]`` that of its membership in the
-    stuck set, 0 for those that are never in it. ``together``: all components are in the set (deadlock), so that only
-    waiting states have variables. A model is wanted for one of the ``goals``, each with literals to assume: for knots,
-    that a component (its number is given too) requests and is stuck. One that is refuted often excludes many others.
+    stuck set, 0 for those that are never in it. With ``together`` all components are in the set (deadlock), and only
+    waiting states have variables. A model is sought for each of the ``goals``, with its literals assumed: for knots,
+    that a component (whose number comes first) requests something and is stuck. Refuting one goal often excludes many
+    others.
     """
 
     def __init__(self, structure: Structure, waiting: WaitingOrder, *, together: bool) -> None:
@@ -110,7 +111,9 @@ class Encoding:
                 self.clauses.append(here + [others[other] for other in spared])
 
     def _wait_in_meetings(self) -> None:
-        """A process that offers an event of three or more parties waits for one of them that is stuck and does not."""
+        """Adds clauses for events with three or more parties: a process that offers one waits for a party that is stuck
+        and does not offer it.
+        """
         for roles, event in zip(self.structure.roles, self.structure.system.events, strict=True):
             if len(roles) < 3 or (event.kind == "failure" and not self.together):
                 continue
@@ -131,7 +134,9 @@ class Encoding:
             self.clauses.append(refusing)
 
     def _split(self, party: int, number: int) -> tuple[list[int], list[int]]:
-        """The variables of the states left to a party in which it offers an event of its shape, and of the others."""
+        """The variables of the remaining states of a party, first of those in which it offers an event of its shape,
+        then of the others.
+        """
         offers, variables = self.structure.shapes[party].offers, self.variables[party]
         offering = [variables[state] for state in self.left[party] if number in offers[state]]
         return offering, [variables[state] for state in self.left[party] if number not in offers[state]]
@@ -155,7 +160,7 @@ class Encoding:
 
     @property
     def deepest(self) -> int:
-        """The most steps that any component needs to a state of its own that has a variable."""
+        """The largest number of steps that a component needs from its initial state to one that has a variable."""
         return max(
             (
                 shape.depths[state]
@@ -166,8 +171,8 @@ class Encoding:
         )
 
     def within(self, depth: int) -> tuple[int, list[Clause]]:
-        """A variable with the clauses that, if it is true, no component is further than this number of steps from its
-        initial state.
+        """A variable, and clauses: if the variable is true, no component is more than ``depth`` steps from its initial
+        state.
         """
         near = self.fresh()
         return near, [
@@ -190,5 +195,5 @@ class Encoding:
         return tuple(component for component, stuck in enumerate(self.stuck) if stuck in model)
 
     def some_of(self, places: Iterable[tuple[int, int]]) -> Clause:
-        """The clause that one of some places, each a component and a state of it, is taken."""
+        """The clause that at least one of the given places, each a component and a state of it, is occupied."""
         return [self.variables[component][state] for component, state in places if state in self.variables[component]]

@@ -1,4 +1,4 @@
-"""The SAT solvers that may be installed, behind one interface: python-sat, or z3 instead."""
+"""One interface to the SAT solvers that may be installed: python-sat, or else z3."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Clause: TypeAlias = list[int]
 
 
 class Solver(Protocol):
-    """Clauses that are only ever added, and models of them."""
+    """A set of clauses that only grows, and models of it."""
 
     def add(self, clauses: list[Clause]) -> None:
         """Add clauses."""
@@ -28,7 +28,7 @@ class Solver(Protocol):
         """
 
     def close(self) -> None:
-        """Give the memory back; the solver cannot be used any more."""
+        """Release the memory; the solver cannot be used afterwards."""
 
 
 class SolverTimeoutError(Exception):
@@ -36,7 +36,7 @@ class SolverTimeoutError(Exception):
 
 
 def find_solver() -> Callable[[float], Solver] | None:
-    """The solver to use, to be called with the seconds that it may take in all: of python-sat, else of z3; None if
+    """The solver to use, python-sat or else z3, to be called with the seconds that it may take in total; None if
     neither is installed.
     """
     for solver in _SOLVERS:
@@ -49,7 +49,7 @@ def find_solver() -> Callable[[float], Solver] | None:
 
 
 class _PySat:
-    """MiniSat 2.2 of python-sat: incremental, and can be interrupted."""
+    """MiniSat 2.2 of python-sat: incremental and interruptible."""
 
     @staticmethod
     def load() -> Any:

@@ -1,1 +1,1 @@
-"""Search through global states: breadth first, by stubborn sets, towards candidates."""
+"""Searches through global states: breadth first, with stubborn sets, towards candidates."""

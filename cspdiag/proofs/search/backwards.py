@@ -1,4 +1,4 @@
-"""The steps of a system backwards: which global states lead to a given one."""
+"""Predecessors: which global states lead to a given one."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.proofs.verdict import Move
 
 
 class Backwards:
-    """For each component, the states from which an event leads to a state."""
+    """The steps of a system backwards."""
 
     def __init__(self, system: System) -> None:
         self._events = system.events

@@ -1,7 +1,7 @@
 """Every reachable state, layer by layer: exact numbers of states, and shortest traces.
 
-The states of a layer take each step together, as vectors (see ``packing``); a trace is found by going back from its
-end, a layer at a time.
+All states of a layer take each step together, as vectors (see ``packing``); a trace is found backwards from its end, a
+layer at a time.
 """
 
 from __future__ import annotations
@@ -20,17 +20,15 @@ from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 
 CHUNK = 1 << 15
-"""States that take a step together: the vectors of one step fit into a processor's cache."""
+"""The number of states that take a step together, so the vectors of one step fit into a processor's cache."""
 
 Seen: TypeAlias = Callable[[Words, Flags], Flags | None]
-"""Given states and whether each has a step: which of them are looked for, or None if none is."""
+"""The condition of a search: given states, and whether each has a step, which of them are sought; None if none is."""
 
 
 @dataclass
 class Exploration:
-    """What was found: the number of states, and of states of each layer. ``found`` is the number of the state that
-    ended the search.
-    """
+    """The result of a search. ``found`` is the number of the state that ended it, None if all states were reached."""
 
     packing: Packing
     table: StateTable
@@ -41,7 +39,7 @@ class Exploration:
 
     @property
     def states(self) -> int:
-        """How many states were reached."""
+        """The number of states reached."""
         return self.table.count
 
     def state(self, number: int) -> tuple[int, ...]:
@@ -75,7 +73,7 @@ def _search(system: System, limits: Limits, condition: Callable[[Packing], Deadl
 
 
 def explore(packing: Packing, limits: Limits, seen: Seen) -> Exploration:
-    """Reach all states, or those up to the first that is looked for. Raises LimitError."""
+    """Reaches all states, or those up to the first that satisfies the condition ``seen``. Raises LimitError."""
     search = Exploration(packing, StateTable(packing.words, limits))
     search.table.add(packing.pack([packing.system.initial]))
     first, last = 0, 1
@@ -94,7 +92,7 @@ def explore(packing: Packing, limits: Limits, seen: Seen) -> Exploration:
 
 
 def count(system: System, limits: Limits) -> tuple[int, int]:
-    """How many states are reachable, and how many of them are deadlocks. Raises LimitError."""
+    """The number of reachable states, and of deadlocks among them. Raises LimitError."""
     packing = Packing(system)
     condition = Deadlocks(packing)
     deadlocks = 0
@@ -109,7 +107,7 @@ def count(system: System, limits: Limits) -> tuple[int, int]:
 
 
 def _take_steps(packing: Packing, table: StateTable, here: Words, limits: Limits) -> Flags:
-    """Add to the table the states after every step from these. Returns which of these have a step."""
+    """Adds the states after every step from ``here`` to the table. Returns which of those have a step."""
     goes_on = np.zeros(len(here[0]), np.bool_)
     after: list[Words] = []
     pending = 0

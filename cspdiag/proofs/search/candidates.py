@@ -1,9 +1,9 @@
-"""From a candidate to a trace: a search that is drawn to the states of a candidate.
+"""From a candidate to a trace: a search directed towards the states of a candidate.
 
-A candidate of the SAT proof says in which states the stuck components would be. How far each of them is from there, by
-itself, shows which steps lead nearer. First only such steps are taken; where none is left, the most promising of all
-states found so far is followed (best-first search; Hart, Nilsson and Raphael, 1968). What is found is a real trace;
-that nothing is found says nothing.
+A candidate of the SAT proof says in which states the stuck components would be. The distance of each of them from
+there, in its own graph, shows which steps lead nearer. First only such steps are taken; when none is left, the most
+promising of all states found so far is expanded (best-first search; Hart, Nilsson and Raphael, 1968). A trace that is
+found is a real one; if none is found, nothing is known.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move, Refuted
 
 MOST_STATES = 30_000
-"""The number of states examined before the search gives up, fewer of larger systems."""
+"""The number of states examined before the search gives up; fewer in larger systems."""
 
 MOST_PLACES = 1_000_000
-"""The number of states times that of components that are looked at."""
+"""The limit of the number of states examined times the number of components."""
 
 SMALL = 60
-"""In systems with at most this number of components every state is examined for a knot, and a shortest trace is looked
-for.
+"""In systems with at most this number of components every state is examined for a knot, and a shortest trace
+is sought.
 """
 
 FAR = 1 << 30
-"""The distance of a state from which a component never reaches its place in the candidate."""
+"""The distance of a state from which a component never reaches its state in the candidate."""
 
 
 def refute_by_candidate(
@@ -42,9 +42,9 @@ def refute_by_candidate(
     method: Method,
     most_states: int = MOST_STATES,
 ) -> Refuted | None:
-    """Search for a trace to a deadlock or a knot that is like the candidate; None if none was found within the limits.
+    """A refutation with a deadlock or a knot like the candidate; None if none was found within the limits.
 
-    With ``most_states`` 0 only steps that lead nearer are tried.
+    If ``most_states`` is 0, only steps that lead nearer are tried.
     """
     search = _Search(question, candidate, stuck)
     trace: list[Move] | None = None
@@ -65,7 +65,7 @@ def refute_by_candidate(
         return Refuted(method, tuple(trace), offers.waiting(end))
     members = offers.knot(end)
     kept = causes(trace, members)
-    # What is left out may have kept a failure from happening, which would have ended the wait.
+    # Without the other moves a failure may be possible that ends the wait.
     if not set(members) <= set(offers.knot(end_of(question.system.initial, kept))):
         kept = tuple(trace)
     return Refuted(method, kept, members)
@@ -89,7 +89,7 @@ class _Search:
         self.widest = max((len(event.parties) for event in self.system.events), default=1)
 
     def distance(self, state: Sequence[int]) -> int:
-        """The number of local steps, summed, from a global state to the candidate."""
+        """The sum of the numbers of local steps from a global state to the candidate."""
         total = 0
         for component in self.stuck:
             distances = self.distances[component]
@@ -97,7 +97,7 @@ class _Search:
         return total
 
     def descend(self, limits: Limits) -> list[Move] | None:
-        """Only take steps that lead nearer. Returns the trace if they lead to the candidate."""
+        """The trace that only takes steps that lead nearer; None if it does not reach the candidate."""
         state = list(self.system.initial)
         trace: list[Move] = []
         waiting = [(component, event) for component in self.stuck for event, _ in self._edges(component, state)]
@@ -119,7 +119,7 @@ class _Search:
         return self.system.components[component].edges[state[component]]
 
     def _nearest(self, component: int, event: int, state: Sequence[int]) -> Move | None:
-        """The step with an event that leads nearest, if it is possible and leads nearer at all."""
+        """The step with an event that leads nearest; None if it is not possible or does not lead nearer."""
         gain, moves = 0, []
         for party in (component,) if event == INTERNAL else self.system.events[event].parties:
             targets = [after for offered, after in self._edges(party, state) if offered == event]
@@ -133,8 +133,8 @@ class _Search:
         return Move(event, tuple(moves)) if gain > 0 else None
 
     def follow(self, limits: Limits, most_states: int, *, eager: bool) -> list[Move] | None:
-        """Follow the nearest state first (``eager``), or the one with the least steps so far and at least to come,
-        which finds a shortest trace.
+        """The trace found by expanding the nearest state first (``eager``), or the one with the least sum of steps so
+        far and steps at least to come, which finds a shortest trace; None if none is found.
         """
         start = self.system.initial
         most = min(most_states, MOST_PLACES // max(1, len(start)))
@@ -165,7 +165,7 @@ class _Search:
         return (distance, steps) if eager else (steps + -(-distance // self.widest), distance)
 
     def _is_like_candidate(self, state: Sequence[int]) -> bool:
-        """Whether the stuck components are where the candidate has them, and nobody outside lets them fail."""
+        """Whether the stuck components are in their states of the candidate, and no failure can release them."""
         return self.distance(state) == 0 and (not self.structure.fails or self._is_stuck(state, []))
 
     def _is_stuck(self, state: Sequence[int], possible: list[Move]) -> bool:
@@ -191,8 +191,8 @@ class _Search:
 
 
 def _distances(shape: Shape, target: int) -> list[int]:
-    """The number of steps from every state of a shape to one of them, when everybody is willing; ``FAR`` if it never
-    comes there.
+    """The number of steps from every state of a shape to ``target`` if all partners are willing; ``FAR`` if it is
+    unreachable.
     """
     before: list[list[int]] = [[] for _ in shape.edges]
     for state, edges in enumerate(shape.edges):

@@ -1,9 +1,9 @@
-"""Stubborn sets: events of which the possible ones can be followed alone, because the events outside cannot interfere
-with them.
+"""Stubborn sets: sets of events of which only the possible ones need to be explored, because events outside the set
+cannot interfere with them.
 
-With an event that is possible a set holds all that may exclude it or be excluded by it, in any of its parties; with one
-that is not possible, all that one party which refuses it can do to come to offer it (Valmari, "The state explosion
-problem", 1998, section 7).
+For each possible event in it, a set contains all events that may exclude it or be excluded by it, in any of its
+parties; for each event that is not possible, all steps by which one party that refuses it can come to offer it
+(Valmari, "The state explosion problem", 1998, section 7).
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ State: TypeAlias = tuple[int, ...]
 
 
 class ClosedSets:
-    """The stubborn sets of a system's states. Internal steps have the numbers after those of the events, one a
+    """The stubborn sets of the states of a system. Internal steps are numbered after the events, one for each
     component.
 
-    All of it may raise LimitError.
+    All methods may raise LimitError.
     """
 
     def __init__(self, system: System, limits: Limits | None = None) -> None:
@@ -44,7 +44,9 @@ class ClosedSets:
             ]
             for at, states in enumerate(self._targets)
         ]
-        """The events of which a component is the first party, and their other parties, by state."""
+        """For each component and state, the events of which the component is the first party, and their
+        other parties.
+        """
         self._local = [LocalDependence(states, within) for states in self._targets]
 
     def possible(self, state: State) -> Iterator[int]:
@@ -59,7 +61,7 @@ class ClosedSets:
                     yield event
 
     def moves(self, state: State, event: int) -> Iterator[tuple[Move, State]]:
-        """The ways in which an event can happen, and the states after it."""
+        """The moves with an event that are possible in a state, and the states after them."""
         parties = self._parties[event]
         for targets in product(*(self._targets[party][state[party]][event] for party in parties)):
             after = list(state)
@@ -69,7 +71,7 @@ class ClosedSets:
             yield Move(event if event < self._internal else INTERNAL, moved), tuple(after)
 
     def smallest(self, state: State) -> list[int]:
-        """The possible events of the stubborn set that has the fewest, but at least one if any is possible."""
+        """The possible events of the stubborn set with the fewest of them, at least one if any event is possible."""
         interfering = _Interfering(self, state)
         possible = []
         for event in self.possible(state):
@@ -99,7 +101,7 @@ class ClosedSets:
         return [event for event in self.possible(state) if event in members]
 
     def interfering(self, state: State, event: int) -> tuple[int, ...]:
-        """The events that belong to every stubborn set with this one, as far as it says itself."""
+        """The events that directly belong to every stubborn set that contains this one."""
         parties = self._parties[event]
         for party in parties:
             if event not in self._targets[party][state[party]]:
@@ -110,7 +112,7 @@ class ClosedSets:
 
 
 class _Interfering(dict[int, tuple[int, ...]]):
-    """The events that interfere with each event in one state, each worked out once."""
+    """The events that interfere with each event in one state, each computed once."""
 
     def __init__(self, sets: ClosedSets, state: State) -> None:
         super().__init__()

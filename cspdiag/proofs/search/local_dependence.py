@@ -1,5 +1,5 @@
-"""What one component says about the order of events: which of its events exclude or change each other, and which lead
-to which.
+"""Dependence between events within one component: which of its events exclude or change each other, and which enable
+others.
 
 Events are numbered as in the system; a component's internal step counts as one more event of its own.
 """
@@ -18,7 +18,7 @@ Targets: TypeAlias = dict[int, tuple[int, ...]]
 
 
 class LocalDependence:
-    """Dependence of events within one component, worked out where it is needed. All of it may raise LimitError."""
+    """Dependence between events within one component, computed when it is needed. All methods may raise LimitError."""
 
     def __init__(self, states: Sequence[Targets], limits: Limits) -> None:
         self._states = states
@@ -39,8 +39,8 @@ class LocalDependence:
         self._ahead = cache(self._states_before)
 
     def _disturbing(self, state: int, event: int) -> tuple[int, ...]:
-        """The events that may exclude an event offered in a state, or be excluded by it, before it happens: now or
-        after others that commute with it.
+        """The events that may exclude an event offered in a state, or be excluded by it, before it happens: now, or
+        after events that commute with it.
         """
         found: dict[int, None] = {}
         seen = {state}
@@ -58,8 +58,8 @@ class LocalDependence:
         return tuple(found)
 
     def _enabling(self, state: int, event: int) -> tuple[int, ...]:
-        """The events one of which happens before the component, which is in a state that refuses an event,
-        offers it.
+        """The events of which at least one must happen before the component, in a state that refuses ``event``, offers
+        it.
         """
         ahead = self._ahead(event)
         return tuple(
@@ -69,7 +69,7 @@ class LocalDependence:
         )
 
     def _always_commute(self, one: int, other: int) -> bool:
-        """Whether in every state that offers both each leaves the other possible, and their order makes
+        """Whether, in every state that offers both, each leaves the other possible and their order makes
         no difference.
         """
         self._limits.check()

@@ -1,5 +1,5 @@
-"""Which events can happen again and again without others: what the loops of the components say about it, without a
-search.
+"""Which events can be repeated forever without others, as far as the loops of the components show it, without
+a search.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge,
 
 
 def looping_part(system: System, events: Iterable[int]) -> System | None:
-    """The system with only the edges that a cycle of these events and of internal steps can consist of; None if there
-    is none.
+    """The system with only those edges that can be part of a cycle of these events and internal steps; None if it has
+    none.
 
     In a cycle of global states every component that moves returns to its state: all its edges lie in one strongly
     connected component of its own graph. An event that has no such edge in one of its parties is not part of a cycle,
@@ -32,7 +32,7 @@ def looping_part(system: System, events: Iterable[int]) -> System | None:
             left = _offered(components[party])
             lost |= (offered[party] - left) & kept
             offered[party] = left
-        # What is left of the others lies on cycles as before.
+        # The remaining edges of other components lie on cycles as before.
         changed = {party for event in lost for party in system.events[event].parties if event in offered[party]}
     if not any(any(component.edges) for component in components):
         return None

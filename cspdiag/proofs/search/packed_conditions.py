@@ -1,4 +1,4 @@
-"""What searches look for, decided for many packed states at once."""
+"""The conditions of searches, decided for many packed states at once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Deadlocks:
         ]
 
     def __call__(self, words: Words, goes_on: Flags) -> Flags | None:
-        """Which states are deadlocks, if any is."""
+        """Which states are deadlocks; None if none is."""
         still = np.flatnonzero(~goes_on)
         if not len(still):
             return None
@@ -42,8 +42,8 @@ class Deadlocks:
 
 
 class Knots:
-    """States in which some processes wait for each other forever (see ``stuck_sets``). All of it may
-    raise LimitError.
+    """States in which some processes wait for each other forever (see ``stuck_sets``). All methods may raise
+    LimitError.
     """
 
     def __init__(self, packing: Packing, limits: Limits) -> None:
@@ -76,7 +76,7 @@ class Knots:
             )
 
     def __call__(self, words: Words, goes_on: Flags) -> Flags | None:
-        """Which states hold a knot, if any does."""
+        """Which states contain a knot; None if none does."""
         left = np.arange(len(goes_on))
         states = [field.of(words) for field in self._fields]
         stuck = [table.take(local) for table, local in zip(self._may_be_stuck, states, strict=True)]
@@ -100,15 +100,15 @@ class Knots:
         return _table(self._fields[at], [event in offered for offered in self._offers.events[at]])
 
     def _holds(self, states: list[Indices], stuck: list[Flags]) -> Flags:
-        """Whether a process that wants to go on is still thought to be stuck."""
+        """Which states still have a process that may be stuck and wants to continue."""
         holds = np.zeros(len(stuck[0]), np.bool_)
         for local, flags, table in zip(states, stuck, self._wants, strict=True):
             holds |= flags & table.take(local)
         return holds
 
     def _release(self, states: list[Indices], stuck: list[Flags]) -> bool:
-        """Take from those thought to be stuck the ones with an event that no stuck partner refuses. Returns whether
-        there was one.
+        """Removes from the components that may be stuck those with an event that no stuck partner refuses. Returns
+        whether there was one.
         """
         changed = False
         for at, events in enumerate(self._shared):
@@ -129,7 +129,7 @@ class Knots:
 
 
 def _table(field: Field, flags: Sequence[bool]) -> Flags:
-    """A flag for each value of a field; those that no state has are unset."""
+    """A flag for each value of a field; unset for values that are no state."""
     table = np.zeros(field.mask + 1, np.bool_)
     table[: len(flags)] = flags
     return table

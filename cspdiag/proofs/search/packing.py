@@ -1,8 +1,8 @@
 """Global states packed into 64-bit words, and the steps of a system as arithmetic on them.
 
-Every component has a field of bits in one word. A step replaces the fields of its parties, which is one addition,
-because the fields before it are known: so whole layers of states take a step at once (vectors of numpy). A word keeps
-its two highest bits free, so that a state plus one is a positive number.
+Every component has a bit field in one word. A step replaces the fields of its parties, which takes one addition for
+each word, because their old contents are known: so whole layers of states take a step at once (as numpy vectors). The
+two highest bits of a word are unused, so a state plus one is a positive number.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MOST_PATTERNS = 8
 
 @record
 class Field:
-    """Where the state of a component is: ``word``, and the bits of ``mask`` after a shift to the right."""
+    """The bit field of a component: the index of its ``word``, and the ``mask`` to apply after shifting right."""
 
     word: int
     shift: int
@@ -45,11 +45,13 @@ class Field:
 
 @record
 class Pattern:
-    """A step that is possible where ``mask`` leaves ``value`` of some words, and adds ``delta`` to them."""
+    """A step that is possible in states with certain values in the masked bits of some words, and adds a number to each
+    of these words.
+    """
 
     event: int
     parts: tuple[tuple[int, int, int, int], ...]
-    """Word, mask, value, delta."""
+    """For each word: its index, the mask, the value under the mask, and what is added."""
 
     def enabled(self, words: Words) -> Flags:
         """Where the step is possible."""
@@ -95,7 +97,7 @@ Step: TypeAlias = Pattern | Lookup
 
 
 class Packing:
-    """How the states of a system are packed, and its steps."""
+    """The packing of the states of a system, and its steps."""
 
     def __init__(self, system: System) -> None:
         self.system = system
@@ -108,7 +110,7 @@ class Packing:
         return tuple(self._steps())
 
     def pack(self, states: Sequence[Sequence[int]]) -> Words:
-        """The words of global states, each a state of every component."""
+        """Packs global states, each given by the states of all components."""
         words = [np.zeros(len(states), np.int64) for _ in range(self.words)]
         for at, state in enumerate(states):
             for field, local in zip(self.fields, state, strict=True):
@@ -131,7 +133,7 @@ class Packing:
     def _steps_of(
         self, event: int, parties: Sequence[int], choices: Sequence[Sequence[tuple[int, int]]]
     ) -> Iterator[Step]:
-        """The steps with one event, for whose parties there are these choices of states before and after."""
+        """The steps with one event; ``choices`` has the states before and after for each party."""
         combinations = prod(len(choice) for choice in choices)
         if 0 < combinations <= MOST_PATTERNS:
             for combination in product(*choices):
@@ -185,7 +187,9 @@ def _fields(components: Iterable[Component]) -> Iterator[Field]:
 
 
 def _functions(edges: Sequence[tuple[int, int]]) -> list[dict[int, int]]:
-    """Edges with one event as partial functions from states to states: more than one where a state has several."""
+    """Edges with one event as partial functions from states to states; more than one function if a state has several
+    edges.
+    """
     functions: list[dict[int, int]] = []
     for source, target in edges:
         for function in functions:

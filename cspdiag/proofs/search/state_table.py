@@ -2,9 +2,9 @@
 once.
 
 Open addressing with linear probing (Knuth, "The Art of Computer Programming", volume 3, section 6.4), at most half
-full. The table holds keys, 0 being free: a state of one word is its own key plus one; of longer ones the key is a hash,
-and the states of equal keys are compared. Of equal states in a batch one wins the free place, the others find it in the
-next round.
+full. The table holds keys; 0 is a free slot. The key of a state of one word is that word plus one; for longer states it
+is a hash, and states with equal keys are compared. Of equal states in a batch one wins the free slot, the others find
+it in the next round.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ _FILLED_AT_ONCE = 1 << 18
 
 
 class StateTable:
-    """States by number, and numbers by state. ``words`` is the number of words of a state; what would take more memory
-    than allowed raises LimitError.
+    """States by number, and numbers by state. ``words`` is the number of words of a state. Methods raise LimitError if
+    they would need more memory than allowed.
     """
 
     def __init__(self, words: int, limits: Limits) -> None:
@@ -35,11 +35,11 @@ class StateTable:
         self._store = [np.zeros(_SMALLEST, np.int64) for _ in range(words)]
         self._table = np.zeros(2 * _SMALLEST, np.int64)
         self._numbers = np.zeros(0, np.int32)
-        """Of each place in the table the number of its state; kept for states of several words, made when needed
-        otherwise.
+        """The number of the state in each slot of the table; kept for states of several words, otherwise made when
+        needed.
         """
         self._numbered = 0
-        """How many states had been found when these numbers were made."""
+        """The number of states when these numbers were made."""
         if words > 1:
             self._numbers = np.zeros(len(self._table), np.int32)
 
@@ -53,7 +53,7 @@ class StateTable:
         return [word[first:last] for word in self._store]
 
     def add(self, batch: Words) -> None:
-        """Add the states of a batch that are not there; the new ones have the numbers from ``count`` on."""
+        """Adds the states of a batch that are new; their numbers begin at ``count``."""
         self._reserve(len(batch[0]))
         keys = _keys(batch)
         slots = self._slots(keys)
@@ -71,7 +71,7 @@ class StateTable:
             slots &= len(self._table) - 1
 
     def find(self, batch: Words) -> Indices:
-        """The number of each state, or -1 where it is not there."""
+        """The number of each state; -1 for states that are not in the table."""
         if len(self._store) == 1 and self._numbered != self.count:
             self._number()
         keys = _keys(batch)
@@ -79,7 +79,7 @@ class StateTable:
         return np.where(self._table[places] == 0, -1, self._numbers[places])
 
     def _places(self, keys: Keys, batch: Words) -> Indices:
-        """The place of each state in the table, or where it would come."""
+        """The slot of each state, or the slot where it would be added."""
         places = self._slots(keys)
         pending = np.arange(len(places))
         while len(pending):
@@ -94,7 +94,7 @@ class StateTable:
         return places
 
     def _claim(self, slots: Indices, keys: Keys, free: Indices, batch: Words) -> None:
-        """Give the free slots to states of the batch, one each, and the states their numbers. The losers find them in
+        """Assigns the free slots to states of the batch, one each, and numbers to these states. The losers find them in
         the next round.
         """
         wanted = slots[free]
@@ -110,7 +110,7 @@ class StateTable:
         self.count = last
 
     def _compare(self, differs: Flags, slots: Indices, batch: Words) -> None:
-        """Mark also the states that differ although their keys are the same."""
+        """Marks also the states that differ although their keys are equal."""
         same = np.flatnonzero(~differs)
         numbers = self._numbers.take(slots[same])
         for word, store in zip(batch, self._store, strict=True):
@@ -124,7 +124,7 @@ class StateTable:
         return mixed.view(np.int64)
 
     def _reserve(self, more: int) -> None:
-        """Make room for this number of further states, so that the table stays at most half full."""
+        """Makes room for ``more`` states, so that the table stays at most half full."""
         needed = self.count + more
         size = len(self._store[0])
         if needed > size:
@@ -143,7 +143,7 @@ class StateTable:
             self._fill()
 
     def _fill(self) -> None:
-        """Enter all states, which differ, into an empty table."""
+        """Enters all states, which are distinct, into an empty table."""
         for first in range(0, self.count, _FILLED_AT_ONCE):
             last = min(first + _FILLED_AT_ONCE, self.count)
             keys = _keys(self.states(first, last))
@@ -162,7 +162,7 @@ class StateTable:
                 slots &= len(self._table) - 1
 
     def _number(self) -> None:
-        """Make the numbers of the places."""
+        """Makes the numbers of the slots."""
         self._limits.check(self.bytes + 4 * len(self._table))
         self._numbers = np.zeros(len(self._table), np.int32)
         for first in range(0, self.count, _FILLED_AT_ONCE):
@@ -173,7 +173,7 @@ class StateTable:
 
 
 def _keys(batch: Words) -> Keys:
-    """What the table holds of each state: positive numbers."""
+    """The key of each state, a positive number."""
     if len(batch) == 1:
         return batch[0] + 1
     mixed = np.zeros(len(batch[0]), np.uint64)

@@ -1,9 +1,10 @@
-"""Search with stubborn sets: in every state only the events of a set with which the others cannot interfere.
+"""Search with stubborn sets: in every state only the events of one set are explored, with which all others cannot
+interfere.
 
-Whatever happens outside the set neither enables nor prevents the events in it, and commutes with them: it is enough to
-follow those (Valmari, "The state explosion problem", 1998). That keeps all deadlocks. Knots stay once they are there;
-to keep them too, every event that is possible must in addition be followed somewhere ahead: the final strongly
-connected components of the reduced graph are checked for that, and widened where one is ignored.
+Events outside the set neither enable nor prevent those in it, and commute with them, so it is enough to explore the set
+(Valmari, "The state explosion problem", 1998). This preserves all deadlocks. A knot stays once it exists; to preserve
+knots too, no possible event may be ignored forever: the final strongly connected components of the reduced graph are
+checked for ignored events, and widened.
 """
 
 from __future__ import annotations
@@ -22,12 +23,14 @@ from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Un
 State: TypeAlias = tuple[int, ...]
 
 _BYTES_PER_STATE = 500
-"""A parent with its move, a place in a dictionary, and edges; the tuple of the components' states comes on top."""
+"""The size of a parent with its move, a dictionary entry, and edges; the tuple of the components' states is not
+included.
+"""
 
 
 @dataclass
 class _Graph:
-    """The part of the state space that was followed; states are numbered in the order in which they were found."""
+    """The explored part of the state space; states are numbered in the order in which they were found."""
 
     states: list[State]
     numbers: dict[State, int]
@@ -36,7 +39,7 @@ class _Graph:
     taken: list[set[int]] = field(default_factory=list)
 
     def reach(self, state: State, parent: int, move: Move) -> int:
-        """The number of the state, which is new if it was not there."""
+        """The number of a state, which is added if it is new."""
         number = self.numbers.setdefault(state, len(self.states))
         if number == len(self.states):
             self.states.append(state)
@@ -73,7 +76,7 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 def knot_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which some processes wait for each other forever, whatever the others do.
 
-    Unknown where events are failures: one may end a knot, so that what is left out does not keep it.
+    Unknown if there are failures: a failure may end a knot, which the reduction then does not preserve.
     """
     if any(event.kind == "failure" for event in system.events):
         return Unknown(
@@ -105,7 +108,9 @@ def knot_free(system: System, limits: Limits) -> Verdict:
 
 
 def _follow(graph: _Graph, sets: ClosedSets, limits: Limits) -> Iterator[int]:
-    """Follow the steps of a closed set from every state that was reached and not looked at; yields their numbers."""
+    """Takes the steps of a stubborn set from every state that is not expanded yet; yields the numbers of
+    these states.
+    """
     while len(graph.after) < len(graph.states):
         number = len(graph.after)
         limits.check(len(graph.states) * (_BYTES_PER_STATE + 8 * len(graph.states[0])))
@@ -126,8 +131,8 @@ def _take(graph: _Graph, sets: ClosedSets, number: int, events: Iterable[int]) -
 
 
 def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
-    """Take from the first state of a final component the events that it ignores forever, with all that belongs to
-    them.
+    """Takes the events that a final component ignores forever, with the smallest stubborn set that contains one of
+    them, from its first state; returns whether there are any.
     """
     first = min(final)
     taken = set().union(*(graph.taken[number] for number in final))
@@ -141,7 +146,7 @@ def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
 
 
 def _knot(graph: _Graph, offers: OffersByState, number: int) -> Refuted:
-    """The knot of this state, where it first appears on the way, with the moves that bring it about."""
+    """The knot of a state, at the first state on the path that contains it, with the moves that cause it."""
     stuck = offers.knot(graph.states[number])
     while (parent := graph.parents[number]) is not None and offers.knot(graph.states[parent[0]]):
         number = parent[0]

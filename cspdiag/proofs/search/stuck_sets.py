@@ -1,9 +1,11 @@
-"""Who is stuck in a global state: the deadlocked processes, and the largest set of components that never move again.
+"""Which components are stuck in a global state: the deadlocked processes, and the largest set of components that never
+move again.
 
-A component is stuck with others when every event that it offers needs another stuck component that does not offer it:
-whatever the rest does, none of them moves. A failure (a missed sample, a fault) that does not happen now does not help:
-what could only be cancelled by one is stuck. The union of two such sets is such a set, so there is a largest one; it
-is a knot if one of its processes has not ended and offers an event. Unless a failure ends it, it stays.
+A set of components is stuck if every event that one of them offers needs another one of them that does not offer it:
+whatever the others do, none of the set moves. A failure (a missed sample, a fault) that is not possible now does not
+count: components that only a failure could release are stuck. The union of two stuck sets is a stuck set, so there is a
+largest one; it is a knot if one of its processes has not ended and offers an event. A knot stays, unless a failure ends
+it.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 
 
 class OffersByState:
-    """What the components of a system offer, by state, for looking into many global states."""
+    """What the components of a system offer, by state, computed once for examining many global states."""
 
     def __init__(self, system: System) -> None:
         self.system = system
@@ -37,7 +39,7 @@ class OffersByState:
         )
 
     def knot(self, state: Sequence[int]) -> tuple[int, ...]:
-        """The largest set of components that never move again, or nothing if no process in it wants to go on."""
+        """The largest set of components that never move again; empty if no process in it wants to continue."""
         stuck = self._never_move(state)
         for at in stuck:
             component = self.system.components[at]

@@ -1,4 +1,4 @@
-"""Traces made shorter, and followed."""
+"""The relevant moves of traces, and the states that they lead to."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cspdiag.proofs.verdict import Move
 
 
 def causes(trace: Sequence[Move], components: Iterable[int]) -> tuple[Move, ...]:
-    """The moves of a trace that the states of these components at its end depend on; the others can be left out."""
+    """The moves of a trace on which the states of these components at its end depend; the others can be left out."""
     concerned = set(components)
     kept = []
     for move in reversed(trace):

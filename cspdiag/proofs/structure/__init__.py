@@ -1,3 +1,3 @@
-"""What all methods of proof know of a system: which pairs of processes meet, wait for each other, and cannot do so for
-ever.
+"""What all proof methods know of a system: which pairs of processes communicate, which wait for each other, and which
+cannot do so forever.
 """

@@ -1,8 +1,8 @@
-"""Events that nobody needs to distinguish.
+"""Merges events that no proof needs to distinguish.
 
-A channel that is written in two places of a process may have an event for each. If all parties but one take two events
-from the same states to the same states, the system does the same with both under one name: whether one of them can
-happen depends on that one party, which moves as before.
+A channel that is written in two places of a process may have an event for each. If all parties except one take two
+events from the same states to the same states, the system behaves the same if they become one event: which of them can
+happen depends on that one party only, which moves as before.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from typing import TypeAlias
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 
 Use: TypeAlias = frozenset[tuple[int, int]]
-"""From which states to which a component takes an event."""
+"""The states before and after an event in one component."""
 
 
 def representatives(system: System) -> list[int]:
-    """For each event the first that it need not be distinguished from, which may be itself."""
+    """For each event the first one that it need not be distinguished from, which may be the event itself."""
     answer = list(range(len(system.events)))
     groups: dict[tuple[tuple[int, ...], bool], list[int]] = {}
     for number, event in enumerate(system.events):
         groups.setdefault((event.parties, event.kind == "failure"), []).append(number)
-    # One event of a few parties at most: nothing to compare for the rest, which are nearly all.
+    # Nearly all groups have a single event, and nothing to compare.
     shared = [group for (parties, _), group in groups.items() if len(group) > 1 and len(parties) > 1]
     uses = _uses(system, {number for group in shared for number in group})
     for group in shared:

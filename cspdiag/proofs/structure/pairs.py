@@ -1,9 +1,9 @@
-"""What two components that share an event can be doing at the same time.
+"""Which states two components that share an event can be in at the same time.
 
-The composition of two components, with everybody else taken to be willing, reaches every pair of states that the whole
-network reaches, and few others: the abstraction of Antonino, Gibson-Robinson and Roscoe, "Efficient deadlock-freedom
-checking using local analysis and SAT solving" (iFM 2016). Components that differ only in the names of their events have
-the same **shape**, and pairs of the same shapes, joined in the same way, are explored once.
+The composition of two components, with all other components taken to be willing, reaches every pair of states that the
+whole network reaches, and few others: the abstraction of Antonino, Gibson-Robinson and Roscoe, "Efficient
+deadlock-freedom checking using local analysis and SAT solving" (iFM 2016). Components that differ only in the names of
+their events have the same **shape**, and pairs of the same shapes, joined in the same way, are explored once.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ LARGEST_PRODUCT = 250_000
 """Pairs with more states than this are taken to reach all of them."""
 
 LARGEST_MEETING = 4
-"""Every two parties of an event with at most this number are a pair; of a larger one only its first party with each of
-the others.
+"""Any two parties of an event with at most this number of parties are a pair; of larger events only the first party
+with each of the others.
 """
 
 
 @record
 class Shape:
-    """A component with its events numbered from 0 in the order in which they are met.
+    """A component with its events numbered from 0, in the order in which they occur.
 
-    ``alone`` are the events with a single party, which nobody can refuse. States keep the numbers that they have in the
-    component.
+    ``alone`` are the events with a single party, which no other component can refuse. States keep the numbers that they
+    have in the component.
     """
 
     edges: tuple[tuple[Edge, ...], ...]
@@ -51,12 +51,12 @@ class Shape:
 
     @cached_property
     def reachable(self) -> tuple[int, ...]:
-        """The states that the component reaches when everybody is willing, in increasing order."""
+        """The states that the component reaches if all partners are willing, in increasing order."""
         return tuple(sorted(self.depths))
 
     @cached_property
     def depths(self) -> dict[int, int]:
-        """For each of those states the fewest steps to it."""
+        """The least number of steps to each of those states."""
         depths, waiting = {self.initial: 0}, [self.initial]
         for state in waiting:
             for _, after in self.edges[state]:
@@ -89,7 +89,7 @@ class Shape:
         return tuple(found)
 
     def without(self, events: Collection[int]) -> list[list[int]]:
-        """For each state the states after it by other events than these."""
+        """For each state the states after it by events other than these."""
         found = []
         for targets, after in zip(self.targets, self.after, strict=True):
             left = after
@@ -102,7 +102,7 @@ class Shape:
 
     @cached_property
     def waiting(self) -> tuple[int, ...]:
-        """The reachable states that the component leaves only together with others, or never."""
+        """The reachable states that the component leaves only together with other components, or never."""
         return tuple(
             state
             for state in self.reachable
@@ -111,8 +111,8 @@ class Shape:
 
     @cached_property
     def asking(self) -> frozenset[int]:
-        """The states of a process that has not ended in which it waits for an event: what makes a knot
-        worth reporting.
+        """The states in which a process that has not ended waits for an event: only a knot with such a state is
+        reported.
         """
         if not self.process:
             return frozenset()
@@ -120,13 +120,13 @@ class Shape:
 
 
 class Pair:
-    """Two shapes joined by events: ``reached[s]`` are the states of the second beside state ``s`` of the first, and
-    conversely in ``reached_back``.
+    """Two shapes joined by events: ``reached[s]`` are the states that the second can be in while the first is in state
+    ``s``, and ``reached_back`` the other way round.
 
-    ``blocked[s]`` are those among them in which both wait and can do nothing with each other. ``first_asks`` are the
-    states of the first in which it waits for the second and nobody else can refuse. A failure is nothing to wait for;
-    ``first_spared[s]`` are, where the first would take part in one, the states of the second in which it does not
-    happen.
+    ``blocked[s]`` are those among them in which both wait and have no event together. ``first_asks`` are the states of
+    the first in which it offers an event that only the second can refuse. A failure is not waited for; if the first
+    takes part in a failure in state ``s``, ``first_spared[s]`` are the states of the second in which that failure is
+    not possible.
     """
 
     def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...], limits: Limits) -> None:
@@ -144,14 +144,14 @@ class Pair:
         self.second_hopeless = tuple(state for state in second.waiting if not self.blocked_back.get(state))
 
     def seen_from_first(self, second: int) -> Neighbour:
-        """The pair as the first sees it, with component ``second`` for its neighbour."""
+        """The pair from the first's point of view, with component ``second`` as its neighbour."""
         return Neighbour(
             second, self.reached, self.blocked, self.blocked_back,
             self.first_asks, self.second_asks, self.first_hopeless, self.first_spared, self.complete,
         )  # fmt: skip
 
     def seen_from_second(self, first: int) -> Neighbour:
-        """The pair as the second sees it, with component ``first`` for its neighbour."""
+        """The pair from the second's point of view, with component ``first`` as its neighbour."""
         return Neighbour(
             first, self.reached_back, self.blocked_back, self.blocked,
             self.second_asks, self.first_asks, self.second_hopeless, self.second_spared, self.complete,
@@ -200,7 +200,7 @@ def _blocked(
 
 
 def _asked(shape: Shape, shared: Iterable[int]) -> frozenset[int]:
-    """The waiting states that offer an event which only the other of the pair can refuse."""
+    """The waiting states that offer an event that only the other shape of the pair can refuse."""
     wanted = set(shared)
     return frozenset(state for state in shape.waiting if not wanted.isdisjoint(shape.offers[state]))
 
@@ -229,11 +229,12 @@ def _turned(groups: dict[int, tuple[int, ...]]) -> dict[int, tuple[int, ...]]:
 
 
 class Neighbour(NamedTuple):
-    """A component that shares an event with another one, seen from that one: the tables of ``Pair``, the right way
-    round.
+    """A neighbour of a component, which shares an event with it: the tables of ``Pair`` from the component's point of
+    view.
 
-    ``asks`` are the states of that one in which it waits for the neighbour alone, ``asked`` those of the neighbour;
-    ``hopeless`` are its waiting states beside which the neighbour never waits too; ``spared`` as in ``Pair``.
+    ``asks`` are the states of the component in which it waits for the neighbour alone, ``asked`` those of the neighbour
+    in which it waits for the component alone; ``hopeless`` are waiting states of the component in which the neighbour
+    never waits for it at the same time; ``spared`` as in ``Pair``.
     """
 
     component: int
@@ -248,11 +249,10 @@ class Neighbour(NamedTuple):
 
 
 class Structure:
-    """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its
+    """The shapes of a system: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its
     neighbours.
 
-    Of several events that nobody needs to distinguish only one has parties here. ``limits`` are those for all that is
-    found out about pairs.
+    Of several merged events only one has parties here. ``limits`` apply to the exploration of pairs.
     """
 
     def __init__(self, system: System, limits: Limits | None = None) -> None:
@@ -275,7 +275,7 @@ class Structure:
             self.events.append(events)
 
     def remembered(self, what: str, find: Callable[[], T]) -> T:
-        """What ``find`` returned the first time: it depends on the system alone."""
+        """The result of the first call of ``find``, which must depend on the system alone."""
         if what not in self._remembered:
             self._remembered[what] = find()
         found: T = self._remembered[what]
@@ -283,12 +283,14 @@ class Structure:
 
     @cached_property
     def fails(self) -> bool:
-        """Whether there are events of the kind ``failure``, which save nobody from a knot unless they happen now."""
+        """Whether there are events of the kind ``failure``, which release a component from a knot only if they are
+        possible now.
+        """
         return any(event.kind == "failure" for event in self.system.events)
 
     @cached_property
     def roles(self) -> list[list[tuple[int, int]]]:
-        """For each event its parties, in increasing order, each with the number that the event has in its shape."""
+        """The parties of each event, in increasing order, each with the number of the event in its shape."""
         roles: list[list[tuple[int, int]]] = [[] for _ in self.system.events]
         for component, events in enumerate(self.events):
             for number, event in enumerate(events):
@@ -297,7 +299,7 @@ class Structure:
 
     @cached_property
     def neighbours(self) -> list[list[Neighbour]]:
-        """For each component those that it shares an event with. Raises LimitError."""
+        """The neighbours of each component. Raises LimitError."""
         links: dict[tuple[int, int], list[Link]] = {}
         for roles, event in zip(self.roles, self.system.events, strict=True):
             if len(roles) == 2:
@@ -329,7 +331,7 @@ class Structure:
 def _shape(
     component: Component, expected: list[int], merged: list[int], alone: bytearray, known: dict[object, Shape]
 ) -> tuple[Shape, tuple[int, ...]]:
-    """The shape of a component and its events, of which the ``expected`` ones that it never offers come last."""
+    """The shape of a component, and its events; the ``expected`` events that it never offers come last."""
     numbers: dict[int, int] = {INTERNAL: INTERNAL}
     renamed = tuple(
         tuple(

@@ -1,4 +1,4 @@
-"""A question about a system, with what several methods need to answer it."""
+"""The questions that several proof methods answer, with what they share."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from cspdiag.proofs.transitions.systems.system import System
 
 @record
 class StuckQuestion:
-    """Whether a system is free from deadlock (``together``: all components wait), or from knots. ``structure`` may be
-    given if it is known.
+    """Whether a system is free from deadlock (``together``: all components wait) or from knots. ``known`` is its
+    structure, if it has been computed already.
     """
 
     system: System
@@ -23,12 +23,12 @@ class StuckQuestion:
 
     @cached_property
     def structure(self) -> Structure:
-        """The system by shapes and pairs."""
+        """The shapes and pairs of the system."""
         return self.known or Structure(self.system)
 
     @cached_property
     def waiting(self) -> WaitingOrder:
-        """The waiting states that are not excluded by orders of waiting."""
+        """The waiting states that orders of waiting do not exclude."""
         return waiting_states(self.structure, together=self.together)
 
     @cached_property

@@ -1,8 +1,9 @@
-"""Traps: sets of places that, once one of them is taken, never become empty.
+"""Traps: sets of places that stay marked once one of them is marked.
 
-A place is a state of a component. Every step that takes a component out of a trap puts one into it, so that a trap
-which holds an initial state always holds some state: "the token is somewhere on the ring". Traps exclude what pairs of
-components cannot see (Esparza and Melzer, "Verification of safety properties using integer programming", 2000).
+A place is a state of a component; it is marked while the component is in that state. Every step that takes a component
+out of a trap takes one into it, so a trap that contains an initial state always contains a current one: "the token is
+somewhere on the ring". Traps exclude states that the analysis of pairs cannot exclude (Esparza and Melzer,
+"Verification of safety properties using integer programming", 2000).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 Place: TypeAlias = tuple[int, int]
-"""A component and a state of it."""
+"""A component and one of its states."""
 
 
 class Traps:
@@ -33,7 +34,7 @@ class Traps:
         self._index_edges()
 
     def _index_edges(self) -> None:
-        """Number the pairs of an event and a party; list the edges into every place."""
+        """Numbers the pairs of an event and a party, and lists the edges into every place."""
         self.into: list[list[tuple[int, int]]] = [[] for _ in range(self.total)]
         self.roles: list[int] = []  # The event of each pair of an event and a party, -1 for internal edges.
         self.parties = [len(event.parties) for event in self.structure.system.events]
@@ -46,14 +47,16 @@ class Traps:
                     self.into[first + after].append((role, first + state))
 
     def avoiding(self, state: Sequence[int]) -> list[Place] | None:
-        """The largest trap without any place of a global state that holds an initial place, or None."""
+        """The largest trap with an initial place and without a place of the given global state; None if there is no
+        such trap.
+        """
         inside = bytearray(b"\x01") * self.total
         for first, local in zip(self.first, state, strict=True):
             inside[first + local] = 0
         return self._largest(inside)
 
     def smaller(self, trap: Collection[Place]) -> list[Place]:
-        """A smaller trap within one, found by leaving out one component after the other."""
+        """A smaller trap within a trap, found by leaving out one component after another."""
         kept = list(trap)
         for component in sorted({component for component, _ in kept}):
             rest = [place for place in kept if place[0] != component]
@@ -66,9 +69,11 @@ class Traps:
         return kept
 
     def _largest(self, inside: bytearray) -> list[Place] | None:
-        """The largest trap within some places, marked with 1; None if it holds no initial place. Raises LimitError."""
+        """The largest trap within the places that are 1 in ``inside``; None if it has no initial place. Raises
+        LimitError.
+        """
         self.structure.limits.check()
-        leaving: dict[int, list[int]] = {}  # For each pair of event and party the places from which it leaves the set.
+        leaving: dict[int, list[int]] = {}  # The places from which each pair of event and party leaves the set.
         missing = self.parties.copy()  # The parties of each event that cannot leave the set yet.
         gone = [place for place in range(self.total) if not inside[place]]
         while gone:

@@ -1,12 +1,12 @@
 """Orders of waiting: the rule behind acyclic client-server networks and ordered resources.
 
-A process that waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when
-one of the neighbours that it waits for has no state left, beside it, in which that neighbour could wait as well. What
-is struck off can never be part of a knot; when nothing is left the order of striking off is a proof: everybody waits
-only for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch,
-Justo and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How
-to design deadlock-free networks using CSP and verification tools", 1997), which find such an order from the form of the
-processes.
+In a knot, every process that waits waits for a neighbour that waits too. A waiting state of a component is struck off
+if one of the neighbours that it waits for has no waiting state left that is possible at the same time. A state that is
+struck off can never be part of a knot; if no states are left, the order in which they were struck off is a proof: every
+component waits only for earlier ones. This generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock
+freedom", 1987), Welch, Justo and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and
+Martin and Jassim ("How to design deadlock-free networks using CSP and verification tools", 1997), which derive such an
+order from the form of the processes.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from cspdiag.proofs.structure.pairs import Structure
 
 
 class WaitingOrder:
-    """What is left of the waiting states: ``left[i]`` of component ``i``; ``order`` are the components in the order in
-    which they lost their last one.
+    """The remaining waiting states: ``left[i]`` of component ``i``; ``order`` has the components in the order in which
+    they lost their last one.
     """
 
     def __init__(self, structure: Structure, *, together: bool) -> None:
@@ -30,12 +30,12 @@ class WaitingOrder:
 
     @property
     def order(self) -> tuple[int, ...]:
-        """The components without waiting states that are left."""
+        """The components without remaining waiting states."""
         return tuple(self._striking.order)
 
     def exclude(self, component: int) -> list[int]:
-        """Remove the states in which a process requests, because it has been proved otherwise that it never waits for
-        ever, and what follows from it.
+        """Strikes off the states in which a component requests something, because it has been proved in another way
+        that it never waits forever, and all states that follow from that.
 
         Returns the components that lost their last state.
         """
@@ -47,15 +47,15 @@ class WaitingOrder:
 
 
 def waiting_states(structure: Structure, *, together: bool) -> WaitingOrder:
-    """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the
-    whole network. Raises LimitError.
+    """The waiting states that may be part of a knot or, if all components wait ``together``, of a deadlock of the whole
+    network. Raises LimitError.
     """
     return WaitingOrder(structure, together=together)
 
 
 class _Meeting:
-    """An event of three or more parties: ``refusing[i]`` counts the states left in which party ``i`` waits without
-    offering it.
+    """An event with three or more parties: ``refusing[i]`` counts the remaining states in which party ``i`` waits
+    without offering it.
     """
 
     def __init__(self, refusing: dict[int, int]) -> None:
@@ -63,9 +63,7 @@ class _Meeting:
         self.parties = sum(count > 0 for count in refusing.values())
 
     def lose(self, component: int) -> bool:
-        """Party ``component`` has one state less that refuses; whether few enough are left to look at the
-        event again.
-        """
+        """Removes a refusing state of party ``component``; returns whether the event has to be looked at again."""
         self.refusing[component] -= 1
         if self.refusing[component] == 0:
             self.parties -= 1
@@ -73,7 +71,7 @@ class _Meeting:
         return False
 
     def helpless(self) -> list[int]:
-        """The parties whom no other one can refuse the event any more."""
+        """The parties to which no other party can refuse the event any longer."""
         if self.parties > 1:
             return []
         if self.parties == 0:
@@ -82,8 +80,8 @@ class _Meeting:
 
 
 class _Striking:
-    """The state of the work. ``counts`` says how many states of a neighbour still support one of ours; it is filled
-    where it is first needed.
+    """The elimination in progress. ``counts`` has the number of states of a neighbour that still support a state of a
+    component; entries are made when first needed.
     """
 
     def __init__(self, structure: Structure, together: bool) -> None:
@@ -119,7 +117,9 @@ class _Striking:
                 self.order.append(component)
 
     def strike_offers(self, event: int, components: list[int]) -> None:
-        """Nobody else can refuse the event: these components do not wait where they offer it."""
+        """Strikes off the states in which these components offer an event that no other party can refuse: they do not
+        wait there.
+        """
         for component in components:
             number = self.structure.events[component].index(event)
             offers = self.structure.shapes[component].offers

@@ -1,1 +1,1 @@
-"""Proofs by invariants: what hubs and counters keep in balance, found as sums that never change."""
+"""Proofs by linear invariants: weighted sums over the states of components that never change, or never increase."""

@@ -1,9 +1,10 @@
 """The linear invariants that hold with equality: a basis of all of them, computed exactly and sparsely.
 
-A state of a component weighs what the steps on a way to it have added. An event adds to each of its parties an amount
-of that party's own, and to all together nothing; a step that a component takes alone adds nothing. That leaves an
-equation for every circle in the graph of a component, the same for all of one shape. The solutions are the P-invariants
-of the network (Murata, "Petri nets: properties, analysis and applications", 1989, section V).
+The weight of a state of a component is the sum of what the steps on a path to it add. An event adds an amount of its
+own to each of its parties, and the amounts of all parties sum to zero; a step that a component takes alone adds
+nothing. This gives an equation for every cycle in the graph of a component, the same one for all components of one
+shape. The solutions are the P-invariants of the network (Murata, "Petri nets: properties, analysis and applications",
+1989, section V).
 """
 
 from __future__ import annotations
@@ -23,21 +24,23 @@ Sum: TypeAlias = dict[int, Fraction]
 """A linear combination: unknowns with their coefficients, none of which is 0."""
 
 Counts: TypeAlias = dict[int, int]
-"""How often a path passes each event of a shape, less how often it passes it backwards."""
+"""How often a path takes each event of a shape forwards, minus how often it takes it backwards."""
 
 ONE = Fraction(1)
 
 
 @record
 class _Paths:
-    """Of a shape: a path from the initial state to every other one, and what differs where an edge closes a circle."""
+    """For a shape: a path from the initial state to every other state, and the counts of each cycle that another edge
+    closes.
+    """
 
     to: dict[int, Counts]
     circles: tuple[Counts, ...]
 
 
 def invariants_with_equality(structure: Structure, limits: Limits) -> list[Weights]:
-    """Weights of the states, 0 for every initial one, of which the sum is 0 in every reachable state. Raises
+    """Invariants: weights of states, 0 for every initial state, whose sum is 0 in every reachable state. Raises
     LimitError.
     """
     of_shape = {id(shape): shape for shape in structure.shapes}
@@ -85,9 +88,9 @@ def _plus(one: Counts, other: Counts, sign: int = 1) -> Counts:
 
 
 def _added(structure: Structure) -> list[dict[int, Sum]]:
-    """For every component and event of its shape what the event adds to it, in terms of unknowns.
+    """What each event of the shape of a component adds to it, for every component, in terms of unknowns.
 
-    An event that one of its parties never offers never happens, so that what it adds to the others need not sum to 0.
+    An event that one of its parties never offers never happens, so what it adds to the others need not sum to 0.
     """
     offered = {id(shape): {event for edges in shape.offers for event in edges} for shape in structure.shapes}
     added: list[dict[int, Sum]] = [{} for _ in structure.shapes]
@@ -116,7 +119,7 @@ def _combined(parts: Iterable[tuple[Fraction, Sum]]) -> Sum:
 
 
 def _solved(equations: Iterable[Sum], limits: Limits) -> dict[int, Sum]:
-    """Unknowns in terms of those that may be chosen, so that the sums given are 0 (elimination by Gauss and Jordan)."""
+    """The bound unknowns in terms of the free ones, so that the given sums are 0 (Gauss-Jordan elimination)."""
     solved: dict[int, Sum] = {}
     for equation in equations:
         limits.check()
@@ -140,8 +143,8 @@ def _substituted(one: Sum, solved: dict[int, Sum]) -> Sum:
 def _invariants(
     paths: Sequence[_Paths], added: Sequence[dict[int, Sum]], solved: dict[int, Sum], limits: Limits
 ) -> Iterator[Weights]:
-    """The weights for each unknown that may be chosen, when it is 1 and the others are 0."""
-    # For each choice, by component, what it adds there with an event.
+    """The weights for each free unknown, with that unknown 1 and the others 0."""
+    # For each free unknown and component, what each event adds.
     choices: dict[int, dict[int, dict[int, Fraction]]] = {}
     for component, sums in enumerate(added):
         for event, amount in sums.items():

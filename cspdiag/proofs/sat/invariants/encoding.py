@@ -1,4 +1,4 @@
-"""An invariant as clauses: the weights of the states that are taken sum to at most 0, or to 0."""
+"""Invariants as clauses: the weights of the chosen states sum to at most 0, or to exactly 0."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from cspdiag.proofs.sat.invariants.problem import Weights
 from cspdiag.proofs.sat.solver import Clause
 
 MOST_SUMS = 100_000
-"""Invariants with more partial sums than this are not made clauses."""
+"""Invariants with more partial sums than this are not turned into clauses."""
 
 
 def sum_clauses(encoding: Encoding, weights: Weights, *, equal: bool = False) -> list[Clause]:
-    """Clauses that the sum of the weights is at most 0, or ``equal`` to it; none if there were too many.
+    """Clauses that the sum of the weights is at most 0, or with ``equal`` exactly 0; none if there would be too many.
 
     Every partial sum that matters has a variable (Eén and Sörensson, "Translating pseudo-Boolean constraints into SAT",
     2006).
@@ -21,7 +21,7 @@ def sum_clauses(encoding: Encoding, weights: Weights, *, equal: bool = False) ->
     values = [_by_value(encoding.variables[component], weight) for component, weight in weights.items()]
     if not all(values):
         return []  # A component has no state left to be in: there is no model anyway.
-    # least[k], most[k]: of the sums of the members from k on.
+    # least[k], most[k]: bounds of the sum of the weights from component k on.
     least, most = [0], [0]
     for choices in reversed(values):
         least.append(least[-1] + min(choices))
@@ -60,7 +60,7 @@ def _by_value(variables: dict[int, int], weight: dict[int, int]) -> dict[int, li
 
 
 def excluding(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> Clause:
-    """The clause that excludes a candidate which violates the invariant, and all that agree with it where there are
-    weights.
+    """The clause that excludes a candidate that violates the invariant, and all candidates with the same states of the
+    components that have weights.
     """
     return [-encoding.variables[component][candidate[component]] for component in weights]

@@ -1,4 +1,4 @@
-"""The marking equation of a network: which weights of its places no step increases."""
+"""The marking equation of a network, which decides for which weights of its places no step increases their sum."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 
 Weights: TypeAlias = dict[int, dict[int, int]]
-"""For components the weights of their states; an absent one is 0."""
+"""The weights of the states of each component; a missing weight is 0."""
 
 
 @record
 class Problem:
-    """Places are numbered; ``first[i]`` maps the states of component ``i`` to their places.
+    """A marking equation. Places are numbered; ``places[i]`` maps the states of component ``i`` to their places.
 
-    ``free`` are the changes (from a place, to a place) that a component makes alone; ``events`` have for each event the
-    changes of each of its parties, of which one each is made at once. Each initial place has weight 0: only differences
-    within a component count.
+    ``free`` are the changes (from a place, to a place) that a component makes alone; ``events`` has, for each event and
+    party, the changes of that party: each party makes one of its changes when the event happens. Initial places have
+    weight 0: only differences within a component matter.
     """
 
     initial: tuple[int, ...]
@@ -42,7 +42,7 @@ class Problem:
         return weights
 
     def never_increases(self, weights: Weights) -> bool:
-        """Whether no step increases the sum of the weights, computed with whole numbers."""
+        """Whether no step increases the sum of the weights; computed exactly, with whole numbers."""
         values: dict[int, int] = {}
         for component, weight in weights.items():
             values.update((self.places[component][state], value) for state, value in weight.items())
@@ -55,12 +55,12 @@ class Problem:
         )
 
     def excess(self, weights: Weights, state: Sequence[int]) -> int:
-        """By how much the weights of a global state exceed those of the initial one."""
+        """By how much the sum of the weights in a global state exceeds that in the initial state."""
         return sum(weight.get(state[component], 0) for component, weight in weights.items())
 
 
 def problem_of(structure: Structure) -> Problem:
-    """The marking equation of a system by its shapes."""
+    """The marking equation of a system."""
     places: list[dict[int, int]] = []
     free: list[tuple[int, int]] = []
     changes: list[dict[int, list[tuple[int, int]]]] = [{} for _ in structure.system.events]

@@ -1,8 +1,8 @@
-"""The solver for weights, in a process that can be ended at any time:
-``python -m cspdiag.proofs.sat.invariants.process``.
+"""The solver for weights, in an operating-system process that can be ended at any time: ``python -m
+cspdiag.proofs.sat.invariants.process``.
 
-The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It takes
-no more memory than it is given: where it needs more it ends, and there is no answer.
+The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It uses
+no more memory than it is given: if it needs more it ends without an answer.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ MARGIN = 1e-9
 
 
 class WeightsProcess:
-    """Asks the process; a context that starts it when it is first needed, and ends it, at the latest when the time is
-    up.
+    """The client of the process: a context that starts it when it is first needed, and ends it, at the latest when the
+    time is up.
     """
 
     def __init__(self, problem: Problem, limits: Limits) -> None:
@@ -44,8 +44,8 @@ class WeightsProcess:
             self._process.communicate()
 
     def weights(self, candidate: Sequence[int]) -> list[float] | None:
-        """Weights of the places that exclude a candidate, as the solver believes; None if there are none, or when the
-        time is up.
+        """Weights of the places that exclude a candidate, up to rounding; None if the solver finds none, or the time is
+        up.
         """
         places = [of[state] for of, state in zip(self._problem.places, candidate, strict=True)]
         try:
@@ -80,10 +80,11 @@ class WeightsProcess:
 
 
 class _Program:
-    """The linear program: the least sum of absolute weights with which a candidate exceeds the initial state by 1.
+    """The linear program: minimizes the sum of the absolute weights with which a candidate exceeds the initial state by
+    1.
 
-    Its variables are the positive and the negative parts of the weights, and for every party of an event the most that
-    it may add.
+    Its variables are the positive and negative parts of the weights, and, for every party of an event, the most that it
+    may add.
     """
 
     def __init__(self, problem: dict[str, Any]) -> None:
@@ -137,8 +138,8 @@ class _Program:
 
 
 def limit_memory(more: int) -> None:
-    """Let this process take this number of bytes more than it has; only on Linux, which alone reports how much it
-    has.
+    """Limits this process to ``more`` bytes in addition to those that it uses now; only on Linux, where that number is
+    known.
     """
     try:
         resource = import_module("resource")
@@ -152,8 +153,8 @@ def limit_memory(more: int) -> None:
 
 
 def main() -> None:
-    """Answer candidates until there are no more."""
-    # The libraries themselves are not counted.
+    """Answers candidates until the input ends."""
+    # Loaded before the limit is set, so the libraries do not count.
     import_module("scipy.optimize")
     problem = json.loads(sys.stdin.readline())
     limit_memory(problem["memory"])

@@ -1,11 +1,11 @@
-"""Tier 2: proof by SAT and traps, refined by linear invariants: what counters and hubs keep in balance.
+"""Tier 2: proof by SAT and traps, refined by linear invariants.
 
-The places of a network (the states of its components) carry weights. Those of which no step changes the sum are clauses
-from the start (``invariants_basis``). Where no step increases it, a candidate of which the sum is greater than that of
-the initial state is not reachable: a rational solution of the dual of the marking equation (Murata, "Petri nets:
-properties, analysis and applications", 1989, sections IV and V; Esparza and Melzer, 2000). Such weights come from a
-solver that computes with floating-point numbers, in a process of its own; they are made rational and count only if the
-condition holds for every step exactly.
+The places of a network (the states of its components) carry weights. Weights whose sum no step changes become clauses
+from the start (``invariants.basis``). If no step increases the sum, a candidate with a greater sum than the initial
+state is unreachable: a rational solution of the dual of the marking equation (Murata, "Petri nets: properties, analysis
+and applications", 1989, sections IV and V; Esparza and Melzer, 2000). Such weights come from a solver that computes
+with floating-point numbers, in a process of its own; they are made rational, and used only if the condition holds
+exactly for every step.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000
-"""For systems with more edges than this no solver searches for further weights."""
+"""In systems with more edges than this no solver searches for further weights."""
 
 DENOMINATORS = (1, 2, 6, 12, 60, 2520)
 """Weights are rounded to fractions with denominators up to each of these in turn."""
 
 
 def by_invariants(question: StuckQuestion, limits: Limits, examine: Examination | None = None) -> Verdict:
-    """Prove the property by SAT, traps and invariants, or give the candidate that is left.
+    """Proves the property by SAT, traps and invariants, or returns the candidate that is left.
 
     ``examine`` may find a refutation from a candidate before all are excluded. Invariants that were found for another
-    question about the system are used.
+    question about the same system are used again.
     """
     structure = question.structure
     problem = problem_of(structure)
@@ -64,7 +64,7 @@ def by_invariants(question: StuckQuestion, limits: Limits, examine: Examination 
 
 
 def _exact(problem: Problem, found: Sequence[float] | None, candidate: Sequence[int]) -> Weights | None:
-    """The weights as whole numbers, if they really exclude the candidate."""
+    """The weights as whole numbers; None if they do not exactly exclude the candidate."""
     if found is None:
         return None
     for denominator in DENOMINATORS:
