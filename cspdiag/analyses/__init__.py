@@ -1,4 +1,4 @@
-"""What can be said only of the finished network: one analysis a file, one row in ANALYSES."""
+"""Analyses of the finished network: one to a file, and one entry in ANALYSES."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ ANALYSES: dict[str, Analysis] = {"load": LOAD}
 
 
 def analyse(program: Program, checked: Checked, report: Report) -> CoreNetwork | None:
-    """Run every analysis that a program without errors gives rise to; only then is it lowered for them, and the network
-    returned.
+    """Run the analyses that concern a program without errors; only for them is it lowered. Returns the network.
 
-    ``checked`` is what the checks of its processes have found out, with the same report.
+    ``checked`` is the result of the checks of its processes, with the same report.
     """
     concerned = [analysis for analysis in ANALYSES.values() if analysis.concerns(program)]
     if not concerned:

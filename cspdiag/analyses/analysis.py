@@ -1,4 +1,4 @@
-"""What an analysis is."""
+"""The interface of an analysis."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from cspdiag.network.ir.network import CoreNetwork
 
 @record
 class Analysis:
-    """A pass over the finished network.
+    """An analysis of the finished network.
 
-    ``concerns`` says cheaply whether a program gives it anything to report; ``run`` reports what it finds.
+    ``concerns`` is a quick test of whether a program needs it; ``run`` reports what it finds.
     """
 
     concerns: Callable[[Program], bool]

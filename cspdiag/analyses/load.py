@@ -1,7 +1,7 @@
 """The share of the processor that the control laws need, from their worst-case execution times.
 
-A lower bound: laws without ``wcet`` or without a period count nothing, of parts in sequence only the most demanding
-counts, and of branches of an alternative too. Laws that follow one another on the same sample add up.
+This is a lower bound: laws without ``wcet`` or without a period count as zero, and of parts in sequence or branches of
+an alternative only the most demanding one counts. Laws that follow one another on the same sample add up.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def _states_times(program: Program) -> bool:
 
 
 def check_load(network: CoreNetwork, report: Report) -> None:
-    """Warn where the laws need more than the whole processor."""
+    """Warn if the laws need more than the whole processor."""
     loads = _Loads(network)
     share = loads.of_instance(network.top)
     if share > 1:
@@ -35,9 +35,9 @@ class _Loads:
         self.classes = {entry.name: entry for entry in network.classes}
         self.class_of = {instance.path: self.classes[instance.class_name] for instance in network.instances}
         self.periods: dict[str, int] = {}
-        """Of leaf processes by path: the shortest period of a net that they are on."""
+        """The shortest period of the nets of a leaf process, by its path."""
         self.samplers: set[str] = set()
-        """Leaf processes that read a sampled net, so that a run of them begins a new period."""
+        """Leaf processes that read a sampled net, so each run of them begins a new period."""
         for net in network.nets:
             if net.sampling is None:
                 continue
@@ -47,7 +47,7 @@ class _Loads:
         self.laws: list[tuple[str, int, Span]] = []
 
     def of_instance(self, path: str) -> float:
-        """The share of the processor that an instance with everything inside it needs."""
+        """The share of the processor that an instance needs, with all instances inside it."""
         entry = self.class_of[path]
         if isinstance(entry, ProcessClass):
             return self._action(path, entry.body) if entry.body is not None else 0.0
@@ -68,11 +68,13 @@ class _Loads:
                 return self._sequence(path, action.steps)
             case ir.ParallelSteps():
                 return sum(self._action(path, step) for step in action.steps)
-            case _:  # Of the parts of anything else one runs at a time.
+            case _:  # Of the parts of any other action one runs at a time.
                 return max((self._action(path, inner) for inner in actions_inside(action)), default=0.0)
 
     def _sequence(self, path: str, steps: tuple[ir.CoreAction, ...]) -> float:
-        """A law that reads a sample begins a period; those after it that read none run in the same one."""
+        """The largest share of a sequence: a law that reads a sample begins a period, and later laws that read none run
+        in the same period.
+        """
         largest = present = 0.0
         period: int | None = None
         for step in steps:

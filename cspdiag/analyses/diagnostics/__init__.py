@@ -1,1 +1,1 @@
-"""What the analyses find, in words for people."""
+"""The diagnostics of the analyses."""

@@ -1,4 +1,4 @@
-"""What the processor cannot do in time."""
+"""The diagnostic of an overloaded processor."""
 
 from __future__ import annotations
 

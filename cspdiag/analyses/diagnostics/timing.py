@@ -1,4 +1,4 @@
-"""What the timing analysis finds: loops that are late, and those of which it is not known."""
+"""The diagnostics of the timing analysis: loops that are late, and loops without a known bound."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class NotSchedulable(Diagnostic):
     process: str
     reason: str
     loops: tuple[tuple[str, str, str, Span], ...]
-    """Name, period, worst response in words, and place of each loop that may be late."""
+    """Name, period, worst response time in words, and place of each loop that may be late."""
     advice: str | None = None
 
     @property
@@ -37,7 +37,7 @@ class NoTimingBound(Diagnostic):
     process: str
     reason: str
     places: tuple[tuple[str, Span], ...]
-    """What stands in the way, in words, with its place."""
+    """The reasons in words, with their places."""
     advice: str | None = None
 
     @property

@@ -1,6 +1,6 @@
-"""Bode picture of open loops with their margins.
+"""A Bode plot of open loops with their margins.
 
-Needs matplotlib (``pip install "cspdiag[plot]"``), which is imported when a picture is made.
+Needs matplotlib (``pip install "cspdiag[plot]"``), which is imported when a plot is made.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from cspdiag.analyses.margins.margin import frequency_response
 
 _COLOURS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99", "#555555", "#8a2d5c")
 _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
-"""Curves are distinguishable in grey print, too."""
+"""Curves can be distinguished in black and white, too."""
 _STYLE = {
     "font.family": "DejaVu Sans", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
     "axes.linewidth": 0.6, "lines.linewidth": 1.3, "legend.framealpha": 0.8, "legend.edgecolor": "none",
@@ -25,7 +25,7 @@ _STYLE = {
 
 
 def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
-    """The picture as a file of that kind: svg, png or pdf. Loops that are equal share a curve."""
+    """The plot as the content of a file: svg, png or pdf. Equal loops share a curve."""
     import matplotlib as mpl
     import numpy
     from matplotlib.figure import Figure
@@ -75,7 +75,7 @@ def _distinct(loops: Sequence[AnalysedLoop]) -> list[tuple[list[str], AnalysedLo
 
 
 def _label(names: Sequence[str], loop: AnalysedLoop) -> str:
-    """The loop, how many more are equal, and its margins."""
+    """The loop, the number of other loops that are equal, and its margins."""
     equal = f" and {len(names) - 1} equal" if len(names) > 1 else ""
     found = loop.margins
     if not found.is_stable:
@@ -86,7 +86,7 @@ def _label(names: Sequence[str], loop: AnalysedLoop) -> str:
 
 
 def _mark(magnitude: Any, phase: Any, loop: AnalysedLoop, frequencies: Any, degrees: Any, colour: str) -> None:
-    """The phase margin as a line down to -180 degrees at its crossover, the gain margin as one up to 0 dB."""
+    """The phase margin as a line down to -180 degrees at its crossover, the gain margin as a line up to 0 dB."""
     import numpy
 
     found = loop.margins

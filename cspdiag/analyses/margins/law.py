@@ -29,18 +29,19 @@ if TYPE_CHECKING:
     Matrix = numpy.ndarray[tuple[int, ...], numpy.dtype[numpy.float64]]
 
 Leaf = tuple[str, tuple[int, ...]]
-"""A number within a state or a port: the name, and the way through arrays and structs."""
+"""A number within a state or a port: the name, and the indexes of it in arrays and structs."""
 
-ROUNDS = 2
-"""Samples after which whole numbers and truth values are taken as settled."""
+SETTLING_SAMPLES = 2
+"""Samples after which whole numbers and truth values are assumed to be constant."""
 
 
 @record
 class LinearLaw:
-    """Over the numbers within states and inputs, in that order: ``next`` (a row for each state that steps), ``rates``
-    (a row for each state that has a derivative, per second) and ``outputs`` (a row for each number within an output).
+    """A linear law, over the numbers within its states and inputs, in that order.
 
-    ``states`` lists the discrete ones first. Constants about the operating point are left out.
+    ``next`` has a row for each discrete state, ``rates`` one for each continuous state (its derivative, per second),
+    and ``outputs`` one for each number within an output. Discrete states come first. Constant terms at the operating
+    point are omitted.
     """
 
     discrete: tuple[Leaf, ...]
@@ -56,19 +57,18 @@ class LinearLaw:
 def linearize(
     law: SubmodelClass, parameters: Mapping[str, Any], *, point: Mapping[str, Any] | None = None, time: float = 0.0
 ) -> LinearLaw:
-    """The law about the point where its states have their initial values and its inputs are zero, but for those states
-    and inputs that are in ``point``.
+    """The law, linearized at its initial states and zero inputs, except for the states and inputs in ``point``.
 
-    Raises NotLinearError where it is computed elsewhere or has no slope there.
+    Raises NotLinearError if it is computed in another language or has no slope there.
     """
     import numpy
 
     if law.external is not None:
         raise NotLinearError(
-            f"`{law.definition}` is written in {law.external.language}, which cannot be looked into", law.external.span
+            f"`{law.definition}` is written in {law.external.language}, which cannot be linearized", law.external.span
         )
     settled: dict[str, Any] = {}
-    for _ in range(ROUNDS):
+    for _ in range(SETTLING_SAMPLES):
         layout = _Layout(law, parameters, {**settled, **(point or {})}, time)
         evaluation = layout.evaluation
         following = _following(law, evaluation, layout)
@@ -86,8 +86,8 @@ def linearize(
     for port in outputs:
         names = [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]
         for name in names:
-            for way, number in _numbers(evaluation.signals[name], port.type):
-                output_leaves.append((name, way))
+            for indexes, number in _numbers(evaluation.signals[name], port.type):
+                output_leaves.append((name, indexes))
                 rows.append(evaluation.slope(number))
     following = {name: evaluation.value(value) for name, value in law.next_values}
     kinds = {state.name: state.type for state in law.states}
@@ -108,8 +108,8 @@ def linearize(
     def matrix(found: list[Any]) -> Matrix:
         return numpy.array(found, dtype=float).reshape(len(found), evaluation.size)
 
-    every = (*next_rows, *rate_rows, *rows)
-    if not all(numpy.isfinite(row).all() for row in every):
+    all_rows = (*next_rows, *rate_rows, *rows)
+    if not all(numpy.isfinite(row).all() for row in all_rows):
         raise NotLinearError(f"`{law.definition}` has no slope at the operating point", law.span)
     return LinearLaw(
         tuple(layout.discrete),
@@ -124,7 +124,7 @@ def linearize(
 
 
 def _once(found: list[Simplification]) -> list[Simplification]:
-    """Equations are evaluated for outputs and again for derivatives; what was simplified is reported once."""
+    """Each simplification once: equations are evaluated for outputs and again for derivatives."""
     kept: dict[tuple[str, Any, bytes], Simplification] = {}
     for part in found:
         kept.setdefault((part.what, part.span, part.depends.tobytes()), part)
@@ -140,10 +140,10 @@ def _equations(law: SubmodelClass, evaluation: Linearization) -> None:
             if evaluation.slope(evaluation.value(given)).any():
                 language = equation.external.language
                 raise NotLinearError(
-                    f"`{equation.name}` answers to `{name}`, but is written in {language}, which cannot be looked into",
+                    f"`{equation.name}` depends on `{name}`, but is written in {language}, which cannot be linearized",
                     equation.span,
                 )
-        # What does not answer to states and inputs is constant for them, whatever it is.
+        # A call that depends on no state or input counts as a constant, whatever its value.
         evaluation.signals |= {local: zero(kind) for _, local, kind in equation.outputs}
 
 
@@ -153,7 +153,7 @@ def _following(law: SubmodelClass, evaluation: Linearization, layout: _Layout) -
 
 
 class _Layout:
-    """Places the numbers within states and inputs in one vector, and gives them their values at the operating point."""
+    """Arranges the numbers within states and inputs in one vector, with their values at the operating point."""
 
     def __init__(
         self, law: SubmodelClass, parameters: Mapping[str, Any], point: Mapping[str, Any], time: float
@@ -169,28 +169,28 @@ class _Layout:
         self.inputs: list[Leaf] = []
         for state in law.states:
             target = self.continuous if state.continuous else self.discrete
-            target += [(state.name, way) for way, _ in _numbers(values[state.name], state.type)]
+            target += [(state.name, indexes) for indexes, _ in _numbers(values[state.name], state.type)]
         starts: dict[str, Any] = {}
         for port in law.ports:
             if port.direction == "in":
                 names = [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]
                 for name in names:
                     starts[name] = point.get(name, zero(port.type))
-                    self.inputs += [(name, way) for way, _ in _numbers(starts[name], port.type)]
+                    self.inputs += [(name, indexes) for indexes, _ in _numbers(starts[name], port.type)]
         order = {leaf: k for k, leaf in enumerate((*self.discrete, *self.continuous, *self.inputs))}
         self.evaluation = Linearization(parameters, len(order), time)
         self.evaluation.signals |= plain.signals
         identity = numpy.eye(len(order))
 
-        def lifted(name: str, way: tuple[int, ...], value: Any, kind: Type) -> Any:
+        def with_slopes(name: str, indexes: tuple[int, ...], value: Any, kind: Type) -> Any:
             match kind:
                 case RealType():
-                    return Number(float(value), identity[order[name, way]])
+                    return Number(float(value), identity[order[name, indexes]])
                 case ArrayType():
-                    return tuple(lifted(name, (*way, k), part, kind.element) for k, part in enumerate(value))
+                    return tuple(with_slopes(name, (*indexes, k), part, kind.element) for k, part in enumerate(value))
                 case StructType():
                     return tuple(
-                        lifted(name, (*way, k), part, inner)
+                        with_slopes(name, (*indexes, k), part, inner)
                         for k, (part, (_, inner)) in enumerate(zip(value, kind.fields, strict=True))
                     )
                 case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
@@ -199,26 +199,26 @@ class _Layout:
                     assert_never(kind)
 
         for state in law.states:
-            self.evaluation.signals[state.name] = lifted(state.name, (), values[state.name], state.type)
+            self.evaluation.signals[state.name] = with_slopes(state.name, (), values[state.name], state.type)
         for port in law.ports:
             if port.direction == "in":
                 for name in [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]:
-                    self.evaluation.signals[name] = lifted(name, (), starts[name], port.type)
+                    self.evaluation.signals[name] = with_slopes(name, (), starts[name], port.type)
 
 
 def _numbers(value: Any, kind: Type) -> Iterator[tuple[tuple[int, ...], Any]]:
-    """The real numbers within a value, with the way to each."""
+    """The real numbers within a value, each with its indexes."""
     match kind:
         case RealType():
             yield (), value
         case ArrayType():
             for k, part in enumerate(value):
-                for way, number in _numbers(part, kind.element):
-                    yield (k, *way), number
+                for indexes, number in _numbers(part, kind.element):
+                    yield (k, *indexes), number
         case StructType():
             for k, (part, (_, inner)) in enumerate(zip(value, kind.fields, strict=True)):
-                for way, number in _numbers(part, inner):
-                    yield (k, *way), number
+                for indexes, number in _numbers(part, inner):
+                    yield (k, *indexes), number
         case BoolType() | IntType() | TimeType() | TextType() | EnumType() | UnknownType():
             return
         case _:
@@ -240,5 +240,5 @@ def _has_numbers(kind: Type) -> bool:
 
 
 def _named(leaves: list[Leaf]) -> list[str]:
-    """The names of what the leaves are within, each once."""
+    """The names of the states or ports of some leaves, each once."""
     return list(dict.fromkeys(name for name, _ in leaves))

@@ -1,8 +1,8 @@
 """Values with their slopes: expressions of control laws, linearized exactly where they are smooth.
 
 Forward differentiation: a number is its value at the operating point together with its derivative with respect to
-states and inputs. What is not smooth is taken by what it does for small signals, and remembered: quantization counts as
-its mean, a limit as not reached, an ``if`` by the side that is taken.
+states and inputs. What is not smooth is replaced by its behaviour for small signals, which is recorded: quantization is
+replaced by its mean, a limit counts as not reached, an ``if`` keeps the side that is active at the operating point.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from cspdiag.base import Span
 
 
 class NotLinearError(CspdiagError):
-    """An expression has no slope at the operating point: ``span`` is its place, if it has one in the text."""
+    """An expression has no slope at the operating point; ``span`` is its place, if it has one in the text."""
 
     def __init__(self, reason: str, span: Span | None) -> None:
         super().__init__(reason)
@@ -60,7 +60,9 @@ class Number:
 
 @record
 class Simplification:
-    """What was not smooth, how it was taken, where it stands, and what (by the nonzero entries) it depends on."""
+    """What was not smooth and how it was replaced, its place, and (by the nonzero entries) the states and inputs that
+    it depends on.
+    """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
 
@@ -72,7 +74,7 @@ class Simplification:
 class Linearization:
     """Evaluates the expressions of one flattened submodel at an operating point.
 
-    ``parameters`` are those of the instance; ``signals`` grows with the equations; values of real type that depend on
+    ``parameters`` are those of the instance; ``signals`` is extended by the equations; real values that depend on
     states or inputs are ``Number``.
     """
 
@@ -88,11 +90,11 @@ class Linearization:
         self._compared: list[Any] = []
 
     def slope(self, value: Any) -> Slope:
-        """The slope of a value; zero for what depends on nothing."""
+        """The slope of a value; zero if it depends on no state or input."""
         return value.slope if isinstance(value, Number) else self.numpy.zeros(self.size)
 
     def value(self, expression: Expression) -> Any:
-        """The value of an expression; raises NotLinearError where the arithmetic fails or has no slope."""
+        """The value of an expression. Raises NotLinearError if the arithmetic faults or the value has no slope."""
         try:
             return self._value(expression)
         except (arithmetic.UndefinedError, arithmetic.OutOfRangeError, ArithmeticError, ValueError) as problem:
@@ -107,7 +109,7 @@ class Linearization:
             case SignalValue():
                 return self.signals[expression.name]
             case VariableValue():
-                raise NotLinearError("a variable of a process is no part of a control law", expression.span)
+                raise NotLinearError("a variable of a process is not part of a control law", expression.span)
             case PresentTime():
                 return self.time
             case UnaryOperation():
@@ -208,7 +210,7 @@ class Linearization:
                 return arguments[0]
             case "atan2":
                 if x == 0 and plain[1] == 0:
-                    raise ValueError("the angle of nothing has no slope")
+                    raise ValueError("the angle of the zero vector has no slope")
                 return Number(value, (plain[1] * dx - x * slopes[1]) / (x * x + plain[1] ** 2))
             case "quantize":
                 self._simplified("quantization is taken as its mean, without steps", call.span, arguments[0])
@@ -239,7 +241,7 @@ class Linearization:
                 self._simplified(f"`{call.function}` is taken as constant", call.span, arguments[0])
                 return value
             case "until":
-                raise AssertionError("stands in compositions alone")
+                raise AssertionError("only used in compositions")
             case _:
                 assert_never(call.function)
 
@@ -264,4 +266,4 @@ _SMOOTH: dict[str, Callable[[float, float], float]] = {
     "acos": lambda x, _: -1 / math.sqrt(1 - x * x),
     "atan": lambda x, _: 1 / (1 + x * x),
 }
-"""Derivative of a function, of its argument and its value."""
+"""The derivative of a function, from its argument and its value."""

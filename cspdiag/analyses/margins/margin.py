@@ -1,6 +1,6 @@
-"""Stability and margins of a loop that was cut open.
+"""Stability and margins of a loop that is cut open.
 
-The figures are those of python-control; a loop is stable when every eigenvalue of the closed one lies within the unit
+The margins are computed by python-control; a loop is stable if every eigenvalue of the closed loop lies within the unit
 circle (Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998).
 """
 
@@ -19,20 +19,21 @@ if TYPE_CHECKING:
 
 
 GRID = 800
-"""Frequencies at which a loop is looked at, up to half the sample frequency."""
+"""The number of frequencies at which the response is computed, up to half the sample frequency."""
 
 
 @record
 class Margins:
-    """Of one loop; infinite where nothing limits them. The loop is stable as long as
+    """The margins of one loop; infinite where nothing limits them. A stable loop stays stable if
 
     - its gain is multiplied by less than ``gain`` and more than ``lowest_gain``;
-    - it lags by less than ``phase`` degrees more, which is ``delay`` seconds at the frequency that minds them most;
+    - its phase lags by less than ``phase`` degrees more, or by less than ``delay`` seconds at its most
+      sensitive frequency.
 
-    of an unstable loop, ``gain`` below 1 is the factor that would make it stable and ``phase`` what is missing.
+    For an unstable loop, ``gain`` below 1 is the factor that would make it stable and ``phase`` what is missing.
     ``modulus`` is the distance of the Nyquist curve from -1, ``crossover`` and ``phase_crossover`` are in rad/s,
-    ``radius`` is the largest absolute eigenvalue of the closed loop, ``drifts`` says that something beside the loop
-    has no place of rest (an angle whose speed is controlled).
+    ``radius`` is the largest absolute eigenvalue of the closed loop, and ``drifts`` means that a state outside the loop
+    integrates without limit (an angle whose speed is controlled).
     """
 
     is_stable: bool
@@ -48,7 +49,7 @@ class Margins:
 
 
 def stability(loop: OpenLoop) -> float:
-    """How far the eigenvalues of the closed loop lie within the unit circle; 0 and less where it is not stable."""
+    """How far the eigenvalues of the closed loop lie within the unit circle; at most 0 if it is not stable."""
     return _inside(_closed_radius(*minimal(loop))[0])
 
 
@@ -69,11 +70,11 @@ def margins(loop: OpenLoop) -> Margins:
     crossings = [(float(g), float(w)) for g, w in zip(gains, gain_at, strict=True) if g > 0]
     last = float((-(c @ numpy.linalg.solve(-numpy.eye(len(a)) - a, b)) - d).real[0, 0]) if len(a) else -d
     if last < 0:
-        # At half the sample frequency the response is real: a crossing that no grid can show.
+        # At half the sample frequency the response is real: a crossing that lies on no grid.
         crossings.append((-1 / last, math.pi / loop.period))
-    wanted = [part for part in crossings if (part[0] > 1) == is_stable]
+    candidates = [part for part in crossings if (part[0] > 1) == is_stable]
     gain, phase_crossover = (
-        (min(wanted) if is_stable else max(wanted)) if wanted else (math.inf if is_stable else 0.0, None)
+        (min(candidates) if is_stable else max(candidates)) if candidates else (math.inf if is_stable else 0.0, None)
     )
     lowest = max((g for g, _ in crossings if g < 1), default=0.0) if is_stable else 0.0
     lags = [(float((p + 180) % 360 - 180), float(w)) for p, w in zip(phases, phase_at, strict=True)]
@@ -85,7 +86,7 @@ def margins(loop: OpenLoop) -> Margins:
 
 @record
 class Response:
-    """The open loop over frequency in rad/s, feedback counted as negative."""
+    """The frequency response of the open loop, with frequencies in rad/s and negative feedback."""
 
     frequencies: Any
     values: Any
@@ -108,13 +109,13 @@ def frequency_response(loop: OpenLoop) -> Response:
 
 
 def _inside(radius: float) -> float:
-    """The margin leaves out what rounding may have moved from the circle."""
+    """The distance from the unit circle, less what rounding may have added."""
     return 1 - 1e-9 - radius
 
 
 def _closed_radius(a: Matrix, b: Matrix, c: Matrix, d: float) -> tuple[float, bool]:
-    """The largest absolute eigenvalue of the closed loop, and whether one at 1 was left out that the loop neither sees
-    nor moves.
+    """The largest absolute eigenvalue of the closed loop, and whether one at 1 was ignored that the loop cannot observe
+    or control.
     """
     import numpy
 
@@ -126,9 +127,9 @@ def _closed_radius(a: Matrix, b: Matrix, c: Matrix, d: float) -> tuple[float, bo
     scale = numpy.linalg.norm(a, 2)
     for value in numpy.linalg.eigvals(closed):
         if abs(value - 1) < 1e-6:
-            unseen = numpy.linalg.svd(numpy.vstack([value * identity - a, c]), compute_uv=False)[-1]
-            unmoved = numpy.linalg.svd(numpy.hstack([value * identity - a, b]), compute_uv=False)[-1]
-            if min(unseen, unmoved) < 1e-6 * scale:
+            unobservable = numpy.linalg.svd(numpy.vstack([value * identity - a, c]), compute_uv=False)[-1]
+            uncontrollable = numpy.linalg.svd(numpy.hstack([value * identity - a, b]), compute_uv=False)[-1]
+            if min(unobservable, uncontrollable) < 1e-6 * scale:
                 drifts = True
                 continue
         largest = max(largest, float(abs(value)))

@@ -1,4 +1,4 @@
-"""A loop that was cut open, as matrices, and the least of it that has the same response."""
+"""A loop that is cut open, as matrices, and its minimal part with the same response."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @record
 class Cut:
-    """Where a loop is opened: a law, by its path, and a number within one of its outputs."""
+    """Where a loop is cut: a law, by its path, and a number within one of its outputs."""
 
     law: str
     output: Leaf
@@ -23,21 +23,22 @@ class Cut:
     @property
     def path(self) -> str:
         """The path of the law, and the output."""
-        port, way = self.output
-        return f"{self.law}.{port}{''.join(f'[{k}]' for k in way)}"
+        port, indexes = self.output
+        return f"{self.law}.{port}{''.join(f'[{k}]' for k in indexes)}"
 
     @property
     def name(self) -> str:
-        """As people call it: the path without the outermost process."""
+        """The path without the outermost process."""
         return self.path.partition(".")[2]
 
 
 @record
 class OpenLoop:
-    """x' = A x + B v, y = C x + D v, once every ``period`` seconds; y is what the law computes where v was written the
-    last time.
+    """x' = A x + B v, y = C x + D v, once every ``period`` seconds; v is the value last written at the cut, and y the
+    value that the law computes.
 
-    Negative feedback is part of y: the loop is closed by v = y. ``laws`` are the laws within, that of the cut first.
+    Negative feedback is part of y: the loop is closed by v = y. ``laws`` are the laws in the loop, that of the cut
+    first.
     """
 
     cut: Cut
@@ -48,19 +49,19 @@ class OpenLoop:
     d: float
     laws: tuple[str, ...]
     states: tuple[tuple[str, Leaf], ...]
-    """What each row of ``a`` is: a number of the ``plant``, of a law (by its path), one ``held`` or in a ``latch`` at
+    """The state of each row of ``a``: a number of the ``plant``, of a law (by its path), ``held`` or in a ``latch`` at
     an output, or in a ``net``.
     """
 
     @property
     def kept(self) -> tuple[tuple[str, Leaf], ...]:
-        """The states that the cut moves and that move the cut."""
+        """The states that depend on the cut and on which the cut depends."""
         return tuple(self.states[k] for k in kept_states(self))
 
 
 def kept_states(loop: OpenLoop) -> list[int]:
-    """Indexes of the states that the cut moves and that move the cut: other joints, references and counters
-    fall away.
+    """Indexes of the states that depend on the cut and on which the cut depends: other joints, references and counters
+    are dropped.
     """
     import numpy
 
@@ -70,7 +71,7 @@ def kept_states(loop: OpenLoop) -> list[int]:
 
 
 def minimal(loop: OpenLoop) -> tuple[Matrix, Matrix, Matrix, float]:
-    """The matrices over those states only."""
+    """The matrices over the kept states only."""
     import numpy
 
     kept = kept_states(loop)
@@ -78,7 +79,7 @@ def minimal(loop: OpenLoop) -> tuple[Matrix, Matrix, Matrix, float]:
 
 
 def _closure(moves: Any, start: Any) -> Any:
-    """The states that can be reached from some, where ``moves[i, j]`` says that j moves i."""
+    """The states that depend on those in ``start``, where ``moves[i, j]`` means that i depends on j."""
     reached = start.copy()
     while True:
         more = reached | (moves & reached[None, :]).any(axis=1)

@@ -1,7 +1,7 @@
-"""The largest sample period that still leaves a margin.
+"""The largest sample period with a required margin.
 
-A period is a constant of the text, on which the laws depend too: their coefficients follow it. So the network is made
-again for every period that is looked at, and the loop opened in it.
+A period is a constant of the text, and the coefficients of the laws may depend on it. So the network is built again for
+every period that is tried, and the loop is cut open in it.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 
 Variant = Callable[[Mapping[str, int]], "OpenLoop | None"]
-"""A loop with constants set, in nanoseconds; None where the program has no such loop then."""
+"""A loop with constants set, in nanoseconds; None if the program then has no such loop."""
 
 DOUBLINGS = 6
-"""Periods up to 2^6 times as long or as short are looked at."""
+"""Periods up to 2^6 times longer or shorter are tried."""
 DIGITS = 4
-"""The answer has as many."""
-MOST, MOST_DECIBELS = 1e9, 180.0
-"""No loop keeps more: the same factor of gain, as one and in dB."""
+"""The number of significant digits of the result."""
+LARGEST_MARGIN, LARGEST_DECIBELS = 1e9, 180.0
+"""The largest margin that can be required, and the largest gain in dB."""
 
 
 @record
-class Wanted:
-    """What must be left: a number of degrees, a factor of gain, seconds of delay, or merely stability."""
+class RequiredMargin:
+    """The margin that is required: a number of degrees, a factor of gain, seconds of delay, or only stability."""
 
     kind: Literal["phase", "gain", "delay", "stable"]
     value: float
 
     def excess(self, loop: OpenLoop) -> float:
-        """How much more than that a loop keeps, from -1 (it is unstable) over 0 (just so much) to 1 (at least twice as
+        """How much more margin a loop has: from -1 (it is unstable) over 0 (exactly enough) to 1 (at least twice as
         much).
         """
         if self.kind == "stable":
@@ -42,15 +42,15 @@ class Wanted:
         if stability(loop) <= 0:
             return -1.0
         found = margins(loop)
-        left = {"phase": abs(found.phase), "gain": found.gain, "delay": found.delay}[self.kind]
-        return min(left / self.value, 2.0) - 1
+        remaining = {"phase": abs(found.phase), "gain": found.gain, "delay": found.delay}[self.kind]
+        return min(remaining / self.value, 2.0) - 1
 
 
-def wanted(text: str) -> Wanted:
-    """``30deg``, ``6dB``, ``2``, ``5ms`` or ``stable``. Raises ValueError."""
+def parse_margin(text: str) -> RequiredMargin:
+    """The margin in a text: ``30deg``, ``6dB``, ``2``, ``5ms`` or ``stable``. Raises ValueError."""
     compact = text.replace(" ", "")
     if compact == "stable":
-        return Wanted("stable", 0.0)
+        return RequiredMargin("stable", 0.0)
     for suffix, kind, scale in (
         ("deg", "phase", 1.0),
         ("us", "delay", 1e-6),
@@ -58,11 +58,11 @@ def wanted(text: str) -> Wanted:
         ("s", "delay", 1.0),
     ):
         if compact.endswith(suffix):
-            return Wanted(kind, scale * _positive(compact.removesuffix(suffix), text))  # type: ignore[arg-type]
+            return RequiredMargin(kind, scale * _positive(compact.removesuffix(suffix), text))  # type: ignore[arg-type]
     if compact.endswith("dB"):
         decibels = _positive(compact.removesuffix("dB"), text)
-        return Wanted("gain", 10 ** (_limited(decibels, MOST_DECIBELS, text) / 20))
-    return Wanted("gain", _positive(compact, text))
+        return RequiredMargin("gain", 10 ** (_limited(decibels, LARGEST_DECIBELS, text) / 20))
+    return RequiredMargin("gain", _positive(compact, text))
 
 
 def _positive(number: str, text: str) -> float:
@@ -70,7 +70,7 @@ def _positive(number: str, text: str) -> float:
         value = float(number)
     except ValueError:
         value = -1.0
-    return _limited(value, MOST, text)
+    return _limited(value, LARGEST_MARGIN, text)
 
 
 def _limited(value: float, most: float, text: str) -> float:
@@ -80,8 +80,8 @@ def _limited(value: float, most: float, text: str) -> float:
 
 
 def period_constants(network: CoreNetwork, loop: OpenLoop) -> dict[str, int]:
-    """The constants of the text that say the period of the loop's own law, with their values in nanoseconds; empty
-    where it is a number in the text.
+    """The constants of the text that give the period of the loop's own law, with their values in nanoseconds; empty if
+    the period is a number in the text.
     """
     top = network.class_named(network.top)
     assert isinstance(top, ProcessClass)
@@ -101,12 +101,12 @@ def period_constants(network: CoreNetwork, loop: OpenLoop) -> dict[str, int]:
     return found
 
 
-def largest_period(variant: Variant, constants: Mapping[str, int], wanted: Wanted) -> int | None:
-    """The largest period in nanoseconds up to which the loop keeps what is wanted; None where no period that was looked
-    at does.
+def largest_period(variant: Variant, constants: Mapping[str, int], required: RequiredMargin) -> int | None:
+    """The largest period in nanoseconds up to which the loop has the required margin; None if it does at no period
+    tried.
 
-    All constants are scaled together. Between the periods that are looked at the margin is taken to fall, as that of a
-    sampled loop does. The root is searched by the method of Alefeld, Potra and Shi (1995), which needs few of them.
+    All constants are scaled together. Between the periods that are tried the margin is assumed to decrease, as it does
+    for sampled loops. The root is found by the method of Alefeld, Potra and Shi (1995), which needs few periods.
     """
     present = max(constants.values())
     grain = 10 ** max(0, len(str(present)) - DIGITS)
@@ -116,7 +116,7 @@ def largest_period(variant: Variant, constants: Mapping[str, int], wanted: Wante
         whole = round(period / grain) * grain
         if whole not in known:
             loop = variant({name: value * whole // present for name, value in constants.items()})
-            known[whole] = -1.0 if loop is None else wanted.excess(loop)
+            known[whole] = -1.0 if loop is None else required.excess(loop)
         return known[whole]
 
     bounds = _bounds(excess, present)
@@ -126,16 +126,14 @@ def largest_period(variant: Variant, constants: Mapping[str, int], wanted: Wante
     if kept < lost:
         from scipy.optimize import toms748  # type: ignore[import-untyped]
 
-        # Just so much counts as kept: the sign has to differ at the bounds.
+        # Exactly enough counts as kept: the sign has to differ at the bounds.
         toms748(lambda period: excess(period) or 1e-12, kept, lost, xtol=grain / 2)
-    least_lost = min((period for period, left in known.items() if left < 0 and period >= kept), default=lost)
-    return max(period for period, left in known.items() if left >= 0 and period <= least_lost)
+    least_lost = min((period for period, remaining in known.items() if remaining < 0 and period >= kept), default=lost)
+    return max(period for period, remaining in known.items() if remaining >= 0 and period <= least_lost)
 
 
 def _bounds(excess: Callable[[int], float], present: int) -> tuple[int, int] | None:
-    """A period that keeps the margin and a longer one that does not; twice the same where none was found that
-    does not.
-    """
+    """A period with the margin and a longer one without it; the same period twice if no longer one lacks it."""
     if excess(present) >= 0:
         kept = present
         for longer in (present * 2**k for k in range(1, DOUBLINGS + 1)):

@@ -28,6 +28,6 @@ def state_space(loop: OpenLoop) -> control.StateSpace:
     )
 
 
-def _name(kind: str, port: str, way: tuple[object, ...]) -> str:
-    """A state as python-control may call it: without dots."""
-    return f"{kind}:{port}{''.join(f'[{k}]' for k in way)}".replace(".", "_")
+def _name(kind: str, port: str, indexes: tuple[object, ...]) -> str:
+    """The name of a state in python-control, which allows no dots."""
+    return f"{kind}:{port}{''.join(f'[{k}]' for k in indexes)}".replace(".", "_")

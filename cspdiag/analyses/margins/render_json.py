@@ -1,4 +1,4 @@
-"""Margins for machines: seconds, degrees, rad/s; infinite ones are null."""
+"""Margins as JSON: seconds, degrees, rad/s; infinite ones are null."""
 
 from __future__ import annotations
 

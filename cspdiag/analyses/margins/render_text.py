@@ -1,4 +1,4 @@
-"""Margins as a table for people."""
+"""Margins as a table of text."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from cspdiag.model.constants.durations import rounded
 
 
 def table(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | None = None) -> str:
-    """The whole report; ``periods`` has the largest period of each loop by name, in nanoseconds, and the constant that
-    says it.
+    """The report as text, with a line break at its end; ``periods`` gives for each loop the largest period in
+    nanoseconds, and its constant.
     """
     return "\n".join(_lines(report, periods or {})) + "\n"
 

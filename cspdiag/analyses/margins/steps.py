@@ -1,4 +1,4 @@
-"""How the states of a linear law go on: as rows of numbers over whatever they are combinations of."""
+"""One step of a linear law: its states as rows of coefficients over any basis."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from cspdiag.analyses.margins.law import LinearLaw
 
 
 def combined(weights: Any, rows: list[Any], zero: Any) -> Any:
-    """The sum of some rows with weights."""
+    """The weighted sum of some rows."""
     return sum((weight * row for weight, row in zip(weights, rows, strict=True) if weight), zero)
 
 
 def advanced(law: LinearLaw, row: list[Any], duration: float, zero: Any) -> list[Any]:
-    """The states after a sample: discrete ones step, continuous ones follow their derivatives with everything else
-    held.
+    """The states after a sample: discrete ones step, continuous ones follow their derivatives with everything else held
+    constant.
     """
     stepped = [combined(weights, row, zero) for weights in law.next]
     if not law.continuous:
@@ -23,9 +23,9 @@ def advanced(law: LinearLaw, row: list[Any], duration: float, zero: Any) -> list
     from scipy.linalg import expm  # type: ignore[import-untyped]
 
     size = len(row)
-    whole = numpy.zeros((size, size))
+    generator = numpy.zeros((size, size))
     first = len(law.discrete)
-    whole[first : first + len(law.continuous)] = law.rates * duration
-    transition = expm(whole)
+    generator[first : first + len(law.continuous)] = law.rates * duration
+    transition = expm(generator)
     moved = transition[first : first + len(law.continuous)]
     return stepped + [combined(weights, row, zero) for weights in moved]

@@ -1,4 +1,4 @@
-"""Where in the composition the control laws of a program run: which are active together, and which is served first."""
+"""Where in the composition the control laws of a program run: which are active together, and their priorities."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ from cspdiag.network.ir.network import ConstantEnd, CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import actions_inside
 
 Branching = tuple[str, int]
-"""A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""
+"""A step down the composition: ``parallel``, ``loop`` or ``other``, and the number of the part."""
 
 
 @record
 class Copy:
-    """A process reads a channel into one of its variables: paths of both nets, as far as they are the process's own
-    ends.
-    """
+    """A process reads a port or channel into one of its variables."""
 
     process: str
     source: ir.End
@@ -25,35 +23,39 @@ class Copy:
 
 
 class Structure:
-    """The ways from the outermost process down to each leaf, and the variables that are filled by reading."""
+    """The positions of each leaf process in the composition of the program, and the variables that are filled by
+    reading.
+    """
 
     def __init__(self, network: CoreNetwork) -> None:
         self._classes = {entry.name: entry for entry in network.classes}
         self._class_of = {instance.path: instance.class_name for instance in network.instances}
-        self.ways: dict[str, list[tuple[Branching, ...]]] = {}
+        self.positions: dict[str, list[tuple[Branching, ...]]] = {}
         self.priorities: dict[str, tuple[int, ...]] = {}
         self.copies: list[Copy] = []
         self._run(network.top, (), ())
 
     def are_active_together(self, one: str, other: str) -> bool:
-        """Whether two leaves are parts of one mode: in parallel, or within one loop."""
-        return any(_together(a, b) for a in self.ways[one] for b in self.ways[other])
+        """Whether two leaf processes belong to the same mode: they are in parallel, or in the same loop."""
+        return any(_are_active_together(a, b) for a in self.positions[one] for b in self.positions[other])
 
-    def _run(self, path: str, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
+    def _run(self, path: str, position: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
         entry = self._classes[self._class_of[path]]
         if isinstance(entry, ProcessClass) and entry.body is not None:
-            self._action(path, entry.body, way, priority)
+            self._action(path, entry.body, position, priority)
         else:
-            self.ways.setdefault(path, []).append(way)
+            self.positions.setdefault(path, []).append(position)
             self.priorities.setdefault(path, priority)
 
-    def _action(self, path: str, action: ir.CoreAction, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
+    def _action(
+        self, path: str, action: ir.CoreAction, position: tuple[Branching, ...], priority: tuple[int, ...]
+    ) -> None:
         match action:
             case ir.RunInstance():
-                self._run(f"{path}.{action.instance}", way, priority)
+                self._run(f"{path}.{action.instance}", position, priority)
             case ir.ReadValue():
                 self.copies.append(Copy(path, action.source, action.target.channel))
-            case _:  # Anything else consists of its parts.
+            case _:  # Any other action consists of its parts.
                 if isinstance(action, ir.Choice | ir.InterruptOn):
                     branches = action.branches if isinstance(action, ir.Choice) else (action.branch,)
                     self.copies += [
@@ -64,7 +66,7 @@ class Structure:
                 ranked = isinstance(action, ir.ParallelSteps) and action.prioritized
                 for number, part in enumerate(actions_inside(action)):
                     inner = (*priority, number) if ranked else priority
-                    self._action(path, part, (*way, (_kind(action), number)), inner)
+                    self._action(path, part, (*position, (_kind(action), number)), inner)
 
 
 def _kind(action: ir.CoreAction) -> str:
@@ -73,11 +75,11 @@ def _kind(action: ir.CoreAction) -> str:
             return "parallel"
         case ir.Repeat() | ir.WhileLoop() | ir.CountedLoop():
             return "loop"
-        case _:  # Of the parts of anything else one runs at a time.
+        case _:  # Of the parts of any other action one runs at a time.
             return "other"
 
 
-def _together(one: tuple[Branching, ...], other: tuple[Branching, ...]) -> bool:
+def _are_active_together(one: tuple[Branching, ...], other: tuple[Branching, ...]) -> bool:
     for (kind, number), (_, other_number) in zip(one, other, strict=False):
         if number != other_number:
             return kind == "parallel"
@@ -87,7 +89,7 @@ def _together(one: tuple[Branching, ...], other: tuple[Branching, ...]) -> bool:
 
 
 def end_name(end: ir.End) -> str:
-    """The port or channel of the process that an end belongs to, as nets name it."""
+    """The name of a port or channel of a process, as nets have it."""
     match end:
         case ir.ChannelEnd():
             return end.channel
@@ -95,10 +97,8 @@ def end_name(end: ir.End) -> str:
             return end.port if end.index is None else f"{end.port}[{end.index}]"
 
 
-def standing_inputs(network: CoreNetwork, path: str) -> dict[str, Value]:
-    """What the inputs of a law read from the beginning: defaults, and the initial values of variables of the process
-    around it.
-    """
+def initial_inputs(network: CoreNetwork, path: str) -> dict[str, Value]:
+    """The initial values of the inputs of a law: defaults, and initial values of variables of the enclosing process."""
     above, _, name = path.rpartition(".")
     arguments = {instance.path: dict(instance.arguments) for instance in network.instances}.get(above, {})
     owner = next((entry for entry in network.instances if entry.path == above), None)

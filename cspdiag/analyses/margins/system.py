@@ -1,10 +1,9 @@
-"""A loop of a program as one linear system, cut at an output of a law: what the law computes for what it is taken to
-have written.
+"""A loop of a program as one linear system.
 
-Everything is followed instant by instant over one period of the law, as the language says (section "Time"): the plant
-between the instants with its inputs held, samples at the ticks, outputs that change at the tick after they were
-written, faster laws inside. So the result is exact for the linearized parts, whatever the rates, as long as they divide
-the period.
+The loop is cut at an output of a law; the system gives what the law computes for what it is assumed to have written.
+One period of the law is followed instant by instant, as the language defines it (section "Time"): the plant between the
+instants with its inputs held, samples at the ticks, outputs that change at the tick after they were written, and faster
+laws in between. So the result is exact for the linearized parts at all rates that divide the period.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from cspdiag.analyses.margins.law import Leaf, LinearLaw, linearize
 from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
 from cspdiag.analyses.margins.steps import advanced, combined
-from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
+from cspdiag.analyses.margins.structure import Structure, end_name, initial_inputs
 from cspdiag.base.graphs import reached
 from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelClass
@@ -27,11 +26,11 @@ if TYPE_CHECKING:
     Matrix = numpy.ndarray[tuple[int, ...], numpy.dtype[numpy.float64]]
 
 LARGEST_NUMBER_OF_INSTANTS = 20_000
-"""Grids finer than this within one period are refused."""
+"""A finer grid within one period is refused."""
 
 
-class Loops:
-    """The laws of a program beside one environment, linearized about an operating point."""
+class LinearizedProgram:
+    """The laws of a program and one environment, linearized about an operating point."""
 
     def __init__(self, network: CoreNetwork, environment: Environment, point: dict[str, float]) -> None:
         if environment.system is None:
@@ -52,7 +51,7 @@ class Loops:
         self.external = {_numbered(port.name, port.index): port for port in network.external_ports}
         self.net_of: dict[tuple[str, str], str] = {}
         self.outside: dict[str, str] = {}
-        """External port by the path of its net."""
+        """The external port of a net, by the path of the net."""
         self.readers: dict[str, list[str]] = {}
         for net in network.nets:
             for path, port in (*net.writers, *net.readers):
@@ -68,15 +67,15 @@ class Loops:
         self._laws: dict[str, LinearLaw] = {}
 
     def law(self, path: str) -> LinearLaw:
-        """The law at a path, linearized; raises NotLinearError."""
+        """The law at a path, linearized. Raises NotLinearError."""
         found = self._laws.get(path)
         if found is None:
-            point = standing_inputs(self.network, path)
+            point = initial_inputs(self.network, path)
             found = self._laws[path] = linearize(self.classes[path], self.parameters[path], point=point)
         return found
 
     def _periods(self) -> dict[str, int]:
-        """The period of each law in nanoseconds: that of its sampled nets, or what it was given as ``sample``."""
+        """The period of each law in nanoseconds: that of its sampled nets, or its parameter ``sample``."""
         found: dict[str, int] = {}
         for net in self.network.nets:
             if net.sampling is not None:
@@ -90,7 +89,7 @@ class Loops:
         return found
 
     def nets_after(self, path: str) -> list[str]:
-        """The nets that a law writes, and the variables that processes copy them into."""
+        """The nets that a law writes, and the variables into which processes copy them."""
         entry = self.classes[path]
         nets = [
             net for port in entry.ports if port.direction == "out" for net in self._nets(path, port.name, port.size)
@@ -101,8 +100,8 @@ class Loops:
         names = [port] if size is None else [f"{port}[{k}]" for k in range(size)]
         return [self.net_of[path, name] for name in names if (path, name) in self.net_of]
 
-    def within(self, path: str) -> list[str]:
-        """The laws on the way from a law through the plant back to it, without itself; slower ones are left open."""
+    def laws_between(self, path: str) -> list[str]:
+        """The other laws on a path from a law through the plant back to it; slower ones are left open."""
         period = self.periods[path]
         usable = [
             other
@@ -116,7 +115,7 @@ class Loops:
         return [other for other in usable if other in forward and path in self.reachable(other, [*usable, path])]
 
     def reachable(self, path: str, usable: list[str]) -> set[str]:
-        """Of some laws those that read what a law writes."""
+        """Those of some laws that read what a law writes, directly or through others."""
 
         def readers(path: str) -> list[str]:
             return [law for net in self.nets_after(path) for law in usable if self.is_read_by(net, law)]
@@ -124,43 +123,43 @@ class Loops:
         return set(reached(readers(path), readers))
 
     def is_read_by(self, net: str, law: str) -> bool:
-        """Whether a law reads a net, or, an output of the program, what the plant answers to it."""
+        """Whether a law reads a net or, for an output of the program, an input at which the plant responds to it."""
         if law in self.readers.get(net, ()):
             return True
         port = self.outside.get(net)
         if port is None or self.external[port].direction != "out":
             return False
-        answering = self.answering(port)
+        responding_inputs = self.responding_inputs(port)
         return any(
             law in self.readers[other]
             for other, name in self.outside.items()
-            if self.external[name].direction == "in" and name in answering
+            if self.external[name].direction == "in" and name in responding_inputs
         )
 
-    def answering(self, port: str) -> set[str]:
-        """The inputs of the program at which the plant answers to an output, sooner or later."""
+    def responding_inputs(self, port: str) -> set[str]:
+        """The inputs of the program at which the plant responds to an output, now or later."""
         plant = self.plant
         size = len(plant.discrete) + len(plant.continuous)
         rows = [*plant.next, *plant.rates]
         moved = {size + k for k, (name, _) in enumerate(plant.inputs) if name == port}
         while True:
-            more = {k for k, row in enumerate(rows) if any(_answers(row, j) for j in moved)} - moved
+            more = {k for k, row in enumerate(rows) if any(_has_effect(row, j) for j in moved)} - moved
             if not more:
                 break
             moved |= more
         return {
             name
             for (name, _), row in zip(plant.output_names, plant.outputs, strict=True)
-            if any(_answers(row, j) for j in moved)
+            if any(_has_effect(row, j) for j in moved)
         }
 
     def open(self, cut: Cut) -> OpenLoop:
-        """The loop cut at an output. Raises NotLinearError where a law in it is not linear or the rates do not fit."""
-        return _Follower(self, cut).open_loop()
+        """The loop, cut at an output. Raises NotLinearError if a law in it is not linear or the rates do not fit."""
+        return _PeriodSimulation(self, cut).open_loop()
 
 
-def _answers(row: Matrix, column: int) -> bool:
-    """Whether a coefficient is more than what rounding leaves of terms that cancel."""
+def _has_effect(row: Matrix, column: int) -> bool:
+    """Whether a coefficient is larger than the rounding error of terms that cancel."""
     return bool(abs(row[column]) > 1e-9 * max(1.0, abs(row).max()))
 
 
@@ -169,77 +168,79 @@ def _numbered(name: str, index: int | None) -> str:
 
 
 def _refuse_offsets(network: CoreNetwork, plant: LinearLaw) -> None:
-    """Raises NotLinearError where laws do not begin together, or discrete parts of the plant step beside its grid."""
+    """Raises NotLinearError if laws do not begin together, or if discrete parts of the plant step off its grid."""
     for port in network.external_ports:
         if port.sampling is None or not port.sampling.offset:
             continue
         if port.direction == "in":
             raise NotLinearError(
-                f"the samples of `{port.name}` have an offset, which is followed of outputs", port.span
+                f"the samples of `{port.name}` have an offset, which margins follow for outputs only", port.span
             )
         if plant.discrete:
             raise NotLinearError(
-                f"`{port.name}` has an offset, which is followed only where the plant has no discrete parts", port.span
+                f"`{port.name}` has an offset, which margins follow only if the plant has no discrete parts", port.span
             )
 
 
-class _Follower:
-    """Follows every number as a combination of those at the beginning of a period and of the cut's value."""
+class _PeriodSimulation:
+    """Follows one period; every number is a row of coefficients over the states at its beginning and the value at the
+    cut.
+    """
 
-    def __init__(self, loops: Loops, cut: Cut) -> None:
+    def __init__(self, program: LinearizedProgram, cut: Cut) -> None:
         import numpy
 
         self.numpy = numpy
-        self.loops = loops
+        self.program = program
         self.cut = cut
-        self.period = loops.periods[cut.law]
-        inside = [cut.law, *loops.within(cut.law)]
-        order = {path: k for k, path in enumerate(loops.classes)}
+        self.period = program.periods[cut.law]
+        inside = [cut.law, *program.laws_between(cut.law)]
+        order = {path: k for k, path in enumerate(program.classes)}
         self.laws = sorted(inside, key=lambda path: (self._rank(path), order[path]))
-        self._by_data()
-        self.places: dict[tuple[str, Leaf], int] = {}
-        plant = loops.plant
+        self._order_by_data()
+        self.index_of: dict[tuple[str, Leaf], int] = {}
+        plant = program.plant
         for leaf in (*plant.discrete, *plant.continuous):
-            self.places["plant", leaf] = len(self.places)
+            self.index_of["plant", leaf] = len(self.index_of)
         for leaf in plant.inputs:
-            self.places["held", leaf] = len(self.places)
-            self.places["latch", leaf] = len(self.places)
+            self.index_of["held", leaf] = len(self.index_of)
+            self.index_of["latch", leaf] = len(self.index_of)
         for path in self.laws:
-            law = loops.law(path)
+            law = program.law(path)
             for leaf in (*law.discrete, *law.continuous):
-                self.places[path, leaf] = len(self.places)
-            for name, way in law.output_names:
-                net = loops.net_of.get((path, name))
-                for written in () if net is None else (net, *loops.copied.get(net, ())):
-                    self.places.setdefault(("net", (written, way)), len(self.places))
-        size = len(self.places)
-        self.state: dict[tuple[str, Leaf], Any] = dict(zip(self.places, numpy.eye(size, size + 1), strict=True))
+                self.index_of[path, leaf] = len(self.index_of)
+            for name, indexes in law.output_names:
+                net = program.net_of.get((path, name))
+                for written in () if net is None else (net, *program.copied.get(net, ())):
+                    self.index_of.setdefault(("net", (written, indexes)), len(self.index_of))
+        size = len(self.index_of)
+        self.state: dict[tuple[str, Leaf], Any] = dict(zip(self.index_of, numpy.eye(size, size + 1), strict=True))
         self.test = numpy.eye(size + 1)[size]
         self.zero = numpy.zeros(size + 1)
         self.computed: Any = self.zero
         self._moves: dict[tuple[int, bool, int], Matrix] = {}
 
     def _rank(self, path: str) -> tuple[tuple[int, ...], int]:
-        """Priority, and then the order of the ports whose samples wake the laws."""
-        priority = self.loops.structure.priorities[path]
+        """The priority of a law, and then the position of the first port whose samples start it."""
+        priority = self.program.structure.priorities[path]
         while priority and priority[-1] == 0:
             priority = priority[:-1]
-        woken = [
+        starting = [
             k
-            for k, name in enumerate(self.loops.external)
-            for net, port in self.loops.outside.items()
-            if port == name and path in self.loops.readers[net]
+            for k, name in enumerate(self.program.external)
+            for net, port in self.program.outside.items()
+            if port == name and path in self.program.readers[net]
         ]
-        return priority, min(woken, default=len(self.loops.external))
+        return priority, min(starting, default=len(self.program.external))
 
-    def _by_data(self) -> None:
-        """A law without samples of its own runs after those that write for it."""
+    def _order_by_data(self) -> None:
+        """Order the laws: one without samples of its own runs after those that write for it."""
         placed: list[str] = []
         waiting = list(self.laws)
         while waiting:
             for path in waiting:
                 sources = [other for other in waiting if other != path and self._feeds(other, path)]
-                if not sources or self._is_woken(path):
+                if not sources or self._is_started_by_sample(path):
                     break
             else:
                 path = waiting[0]
@@ -248,22 +249,22 @@ class _Follower:
         self.laws = placed
 
     def _feeds(self, one: str, other: str) -> bool:
-        return any(other in self.loops.readers.get(net, ()) for net in self.loops.nets_after(one))
+        return any(other in self.program.readers.get(net, ()) for net in self.program.nets_after(one))
 
-    def _is_woken(self, path: str) -> bool:
-        return self._rank(path)[1] < len(self.loops.external)
+    def _is_started_by_sample(self, path: str) -> bool:
+        return self._rank(path)[1] < len(self.program.external)
 
     def open_loop(self) -> OpenLoop:
         """Follow one period from tick to tick."""
         numpy = self.numpy
-        environment = self.loops.environment
+        environment = self.program.environment
         grid = Sampling(environment.step)
-        fine = gcd(environment.step, *(self.loops.periods[path] for path in self.laws))
+        fine = gcd(environment.step, *(self.program.periods[path] for path in self.laws))
         if self.period // fine > LARGEST_NUMBER_OF_INSTANTS:
             raise NotLinearError(
                 f"a period has more than {LARGEST_NUMBER_OF_INSTANTS} instants of the environment", environment.span
             )
-        runs = {t for path in self.laws for t in range(0, self.period, self.loops.periods[path])}
+        runs = {t for path in self.laws for t in range(0, self.period, self.program.periods[path])}
         ticks = sorted(runs | self._handed_over() | self._grid())
         spans = [
             (following - instant, grid.is_tick(instant))
@@ -277,8 +278,8 @@ class _Follower:
                 following += 1
             self._advance(*spans[position], times=following - position)
             position = following
-        a = numpy.array([self.state[place] for place in self.places])
-        size = len(self.places)
+        a = numpy.array([self.state[place] for place in self.index_of])
+        size = len(self.index_of)
         return OpenLoop(
             self.cut,
             self.period * 1e-9,
@@ -287,19 +288,17 @@ class _Follower:
             self.computed[None, :size],
             float(self.computed[size]),
             (self.cut.law, *(path for path in self.laws if path != self.cut.law)),
-            tuple(self.places),
+            tuple(self.index_of),
         )
 
     def _grid(self) -> set[int]:
-        """The instants at which discrete parts of the environment step; a plant without any is the same on
-        every grid.
-        """
-        if not self.loops.plant.discrete:
+        """The instants at which discrete parts of the environment step; a plant without any needs no grid."""
+        if not self.program.plant.discrete:
             return {0}
-        return set(range(0, self.period, self.loops.environment.step))
+        return set(range(0, self.period, self.program.environment.step))
 
     def _latches(self) -> list[Sampling]:
-        ports = (self.loops.external.get(name) for name, _ in self.loops.plant.inputs)
+        ports = (self.program.external.get(name) for name, _ in self.program.plant.inputs)
         return [port.sampling for port in ports if port is not None and port.sampling and not port.immediate]
 
     def _handed_over(self) -> set[int]:
@@ -308,12 +307,12 @@ class _Follower:
         return {t for latch in shifted for t in range(latch.offset, self.period, latch.period)}
 
     def _is_idle(self, instant: int) -> bool:
-        """Whether nothing but the plant goes on at an instant."""
-        laws = (Sampling(self.loops.periods[path]) for path in self.laws)
+        """Whether only the plant changes at an instant."""
+        laws = (Sampling(self.program.periods[path]) for path in self.laws)
         return not any(sampling.is_tick(instant) for sampling in (*self._latches(), *laws))
 
     def _tick(self, instant: int) -> None:
-        plant = self.loops.plant
+        plant = self.program.plant
         row = [self.state["plant", leaf] for leaf in (*plant.discrete, *plant.continuous)]
         row += [self.state["held", leaf] for leaf in plant.inputs]
         sampled = {
@@ -321,20 +320,20 @@ class _Follower:
             for leaf, weights in zip(plant.output_names, plant.outputs, strict=True)
         }
         for leaf in plant.inputs:
-            port = self.loops.external.get(leaf[0])
+            port = self.program.external.get(leaf[0])
             if port is not None and port.sampling and port.sampling.is_tick(instant) and not port.immediate:
                 self.state["held", leaf] = self.state["latch", leaf]
         for path in self.laws:
-            if Sampling(self.loops.periods[path]).is_tick(instant):
+            if Sampling(self.program.periods[path]).is_tick(instant):
                 self._run(path, sampled)
 
     def _run(self, path: str, sampled: dict[Leaf, Any]) -> None:
-        law = self.loops.law(path)
+        law = self.program.law(path)
         states = (*law.discrete, *law.continuous)
         row = [self.state[path, leaf] for leaf in states]
         row += [self._read(path, leaf, sampled) for leaf in law.inputs]
         outputs = [combined(weights, row, self.zero) for weights in law.outputs]
-        following = advanced(law, row, self.loops.periods[path] * 1e-9, self.zero)
+        following = advanced(law, row, self.program.periods[path] * 1e-9, self.zero)
         for leaf, value in zip(states, following, strict=True):
             self.state[path, leaf] = value
         for leaf, value in zip(law.output_names, outputs, strict=True):
@@ -343,45 +342,45 @@ class _Follower:
             self._write(path, leaf, value)
 
     def _read(self, path: str, leaf: Leaf, sampled: dict[Leaf, Any]) -> Any:
-        net = self.loops.net_of.get((path, leaf[0]))
+        net = self.program.net_of.get((path, leaf[0]))
         if net is None:
             return self.zero
-        port = self.loops.outside.get(net)
+        port = self.program.outside.get(net)
         if port is not None:
             return sampled.get((port, leaf[1]), self.zero)
         return self.state.get(("net", (net, leaf[1])), self.zero)
 
     def _write(self, path: str, leaf: Leaf, value: Any) -> None:
-        name, way = leaf
-        net = self.loops.net_of.get((path, name))
+        name, indexes = leaf
+        net = self.program.net_of.get((path, name))
         if net is None:
             return
-        for written in (net, *self.loops.copied.get(net, ())):
-            self.state["net", (written, way)] = value
-        port = self.loops.outside.get(net)
+        for written in (net, *self.program.copied.get(net, ())):
+            self.state["net", (written, indexes)] = value
+        port = self.program.outside.get(net)
         if port is None:
             return
-        declared = self.loops.external[port]
+        declared = self.program.external[port]
         kind = "latch" if declared.sampling is not None and not declared.immediate else "held"
-        if (kind, (port, way)) in self.state:
-            self.state[kind, (port, way)] = value
+        if (kind, (port, indexes)) in self.state:
+            self.state[kind, (port, indexes)] = value
 
     def _advance(self, duration: int, steps: bool, times: int) -> None:
-        """The plant goes on with its inputs held, a stretch of time after another of the same length; its discrete
-        parts step if they do so at the beginnings of these.
+        """Advance the plant with its inputs held by ``times`` intervals of the same length; with ``steps`` its discrete
+        parts step at the beginning of each.
         """
         numpy = self.numpy
-        plant = self.loops.plant
-        places = [("plant", leaf) for leaf in (*plant.discrete, *plant.continuous)]
-        places += [("held", leaf) for leaf in plant.inputs]
-        if not places:
+        plant = self.program.plant
+        keys = [("plant", leaf) for leaf in (*plant.discrete, *plant.continuous)]
+        keys += [("held", leaf) for leaf in plant.inputs]
+        if not keys:
             return
         key = duration, steps, times
         if key not in self._moves:
-            unit = list(numpy.eye(len(places)))
-            moved = advanced(plant, unit, duration * 1e-9, numpy.zeros(len(places)))
+            unit = list(numpy.eye(len(keys)))
+            moved = advanced(plant, unit, duration * 1e-9, numpy.zeros(len(keys)))
             kept = 0 if steps else len(plant.discrete)
             once = numpy.array([*unit[:kept], *moved[kept:], *unit[len(moved) :]])
             self._moves[key] = numpy.linalg.matrix_power(once, times)
-        following = self._moves[key] @ numpy.array([self.state[place] for place in places])
-        self.state.update(zip(places, following, strict=True))
+        following = self._moves[key] @ numpy.array([self.state[one] for one in keys])
+        self.state.update(zip(keys, following, strict=True))

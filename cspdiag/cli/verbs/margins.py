@@ -17,7 +17,7 @@ from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
     from cspdiag.analyses.margins.open_loop import OpenLoop
-    from cspdiag.analyses.margins.period import Variant, Wanted
+    from cspdiag.analyses.margins.period import RequiredMargin, Variant
     from cspdiag.network.ir.network import CoreNetwork, Environment
     from cspdiag.pipeline import Built
 
@@ -57,11 +57,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Linearize, measure, report; fine where there are loops and all of them are stable."""
     from cspdiag.analyses.margins.linear import NotLinearError
-    from cspdiag.analyses.margins.period import wanted
+    from cspdiag.analyses.margins.period import parse_margin
 
     _check_plot(arguments.plot)
     try:
-        margin = None if arguments.largest_period is None else wanted(arguments.largest_period)
+        margin = None if arguments.largest_period is None else parse_margin(arguments.largest_period)
     except ValueError as problem:
         raise UsageError(f"--largest-period: {problem}") from None
     built = _built(arguments)
@@ -168,7 +168,7 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
 
 
 def _periods(
-    arguments: Namespace, built: Built, network: CoreNetwork, report: LoopReport, margin: Wanted
+    arguments: Namespace, built: Built, network: CoreNetwork, report: LoopReport, margin: RequiredMargin
 ) -> dict[str, tuple[int | None, str]]:
     """For each loop whose period is a constant of the text, the largest one, with the name of the constant."""
     from cspdiag.analyses.margins.period import largest_period, period_constants
@@ -203,14 +203,14 @@ class _Search:
     def variants(self, loop: AnalysedLoop) -> Variant:
         """One loop with constants set."""
         from cspdiag.analyses.margins.linear import NotLinearError
-        from cspdiag.analyses.margins.loops import opened_again
+        from cspdiag.analyses.margins.loops import reopen
 
         def variant(constants: Mapping[str, int]) -> OpenLoop | None:
             network = self._network(constants)
             if network is None:
                 return None
             try:
-                return opened_again(network, _environment(network, self.environment), loop)
+                return reopen(network, _environment(network, self.environment), loop)
             except NotLinearError:
                 return None
 

@@ -163,7 +163,7 @@ def test_a_plant_in_another_language_is_refused() -> None:
         "  state x : double = 1\n  der x = u / 1<s>\n  y = x\n}}",
         'submodel Plant python "plant.py:Plant" {{\n  in  u : double\n  out y : double\n}}',
     )
-    with pytest.raises(NotLinearError, match="cannot be looked into"):
+    with pytest.raises(NotLinearError, match="cannot be linearized"):
         loops(program(text, gain=1.0, latch=""))
 
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import pytest
 
-from cspdiag.analyses.margins.loops import opened_again
+from cspdiag.analyses.margins.loops import reopen
 from cspdiag.analyses.margins.open_loop import OpenLoop
-from cspdiag.analyses.margins.period import Variant, Wanted, largest_period, period_constants, wanted
+from cspdiag.analyses.margins.period import RequiredMargin, Variant, largest_period, parse_margin, period_constants
 from tests.analyses.margins.programs import INTEGRATOR, only_loop, program
 
 GRAIN = 10_000
@@ -22,7 +22,7 @@ def variants_of(gain: float) -> Variant:
 
     def variant(constants: Mapping[str, int]) -> OpenLoop | None:
         network = loaded.build(set={name: f"{value} ns" for name, value in constants.items()})
-        return opened_again(network, network.environments[0], loop)
+        return reopen(network, network.environments[0], loop)
 
     return variant
 
@@ -42,15 +42,15 @@ def test_a_period_that_is_a_number_in_the_text_has_none() -> None:
 def test_it_is_where_the_formula_says(gain: float) -> None:
     """K T = 1 is the limit of stability, K T = 1/2 leaves a gain of 2; from shorter and from longer periods alike."""
     present = {"T": 10_000_000}
-    stable = largest_period(variants_of(gain), present, Wanted("stable", 0))
-    halved = largest_period(variants_of(gain), present, Wanted("gain", 2.0))
+    stable = largest_period(variants_of(gain), present, RequiredMargin("stable", 0))
+    halved = largest_period(variants_of(gain), present, RequiredMargin("gain", 2.0))
     assert stable == pytest.approx(1e9 / gain, abs=GRAIN)
     assert halved == pytest.approx(0.5e9 / gain, abs=GRAIN)
 
 
 def test_the_answer_keeps_what_is_wanted_and_the_next_period_does_not() -> None:
     variant = variants_of(7.0)
-    for margin in (Wanted("phase", 40.0), Wanted("delay", 0.05), Wanted("gain", 3.0)):
+    for margin in (RequiredMargin("phase", 40.0), RequiredMargin("delay", 0.05), RequiredMargin("gain", 3.0)):
         found = largest_period(variant, {"T": 10_000_000}, margin)
         assert found is not None
         kept, lost = variant({"T": found}), variant({"T": found + GRAIN})
@@ -67,12 +67,12 @@ def test_few_periods_are_looked_at() -> None:
         looked.append(constants["T"])
         return variant(constants)
 
-    assert largest_period(counted, {"T": 10_000_000}, Wanted("phase", 30.0)) is not None
+    assert largest_period(counted, {"T": 10_000_000}, RequiredMargin("phase", 30.0)) is not None
     assert len(looked) == len(set(looked)) <= 14
 
 
 def test_none_where_no_period_helps() -> None:
-    assert largest_period(variants_of(-1.0), {"T": 10_000_000}, Wanted("stable", 0)) is None
+    assert largest_period(variants_of(-1.0), {"T": 10_000_000}, RequiredMargin("stable", 0)) is None
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_none_where_no_period_helps() -> None:
     ],
 )
 def test_margins_as_they_are_written(text: str, kind: str, value: float) -> None:
-    found = wanted(text)
+    found = parse_margin(text)
     assert found.kind == kind
     assert math.isclose(found.value, value, abs_tol=1e-12)
 
@@ -95,4 +95,4 @@ def test_margins_as_they_are_written(text: str, kind: str, value: float) -> None
 @pytest.mark.parametrize("text", ["", "deg", "-3dB", "a lot", "0", "1e99deg", "nan"])
 def test_what_is_no_margin_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="a margin is"):
-        wanted(text)
+        parse_margin(text)
