@@ -77,7 +77,9 @@ class _Builder:
     """Adds instructions in the order of the text."""
 
     def __init__(self) -> None:
-        self.code = Code[Action](instructions=[], before=[], back={}, abandoned=[], sequences=[], decisions=[])
+        self.code = Code[Action](
+            instructions=[], before=[], back={}, abandoned=[], waiting={}, sequences=[], decisions=[]
+        )
         self._open: tuple[int, ...] = ()
         """What the next instruction comes after: at most one, but where ways come together, and none where nothing
         ends.
@@ -181,8 +183,11 @@ class _Builder:
             self._open = beginning
             self.action(step)
             ends += self._open
-        self._open = tuple(ends) if len(ends) == len(parallel.steps) else ()
-        self.add(Join(span=parallel.span, fork=fork))
+        every_branch_ends = len(ends) == len(parallel.steps)
+        self._open = tuple(ends) if every_branch_ends else ()
+        join = self.add(Join(span=parallel.span, fork=fork))
+        if not every_branch_ends:
+            self.code.waiting[join] = tuple(ends)
 
     def _choice(self, choice: Choice) -> None:
         select = self.add(Select(span=choice.span, step=choice))

@@ -227,6 +227,10 @@ class Code(Generic[A_co]):
     """
     abandoned: list[int | None]
     """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
+    waiting: dict[int, tuple[int, ...]]
+    """By the ``Join`` of a parallel of which some branch never ends, and which is never reached therefore: the ends of
+    the others, which wait there.
+    """
     sequences: list[tuple[SequentialSteps[A_co], list[int]]]
     """Every sequence, with the instruction at which each of its steps begins."""
     decisions: list[tuple[Decision[A_co], range]]
@@ -235,23 +239,13 @@ class Code(Generic[A_co]):
 
 def following(code: Code) -> list[list[int]]:
     """The instructions after each: those behind it in the order of the text, then those that it goes back to, from the
-    outermost loop; so the first after a ``Test`` is where its condition holds.
-
-    A branch of a parallel that has ended is followed by the ``Join``, where it waits for the others; there an analysis
-    arrives only if all of them can end.
+    outermost loop; so the first after a ``Test`` is where its condition holds. The ``Join`` comes after every branch
+    that may end.
     """
     after: list[list[int]] = [[] for _ in code.instructions]
     for index, before in enumerate(code.before):
-        for earlier in before:
+        for earlier in (*before, *code.waiting.get(index, ())):
             after[earlier].append(index)
     for index, ways in enumerate(after):
         ways.sort(key=lambda way: (way <= index, way))
-    joins: list[int] = []
-    for index, instruction in reversed(list(enumerate(code.instructions))):
-        if joins and not after[index] and not isinstance(instruction, Stop | Raise):
-            after[index].append(joins[-1])
-        if isinstance(instruction, Join):
-            joins.append(index)
-        elif isinstance(instruction, Fork):
-            joins.pop()
     return after
