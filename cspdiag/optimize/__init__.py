@@ -1,6 +1,6 @@
-"""Passes over the network, each a pure function; together they are ``-O1``.
+"""The passes of ``-O1``, each a pure function from network to network.
 
-What a process communicates, when, and how it ends stay the same after each of them.
+Each pass keeps what every process communicates, when, and how it ends.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from cspdiag.base.record import node
 from cspdiag.network.ir.network import Network
 from cspdiag.optimize.bookkeeping import drop_bookkeeping
-from cspdiag.optimize.check.network import require_whole
+from cspdiag.optimize.check.network import require_valid
 from cspdiag.optimize.constants import fold_constants
 from cspdiag.optimize.dead.steps import remove_dead_parts
 from cspdiag.optimize.flatten.processes import flatten
@@ -35,7 +35,7 @@ class Pass:
 PASSES: tuple[Pass, ...] = (
     Pass(
         name="specialize",
-        description="A class for each way in which its ports are connected; alternatives get names.",
+        description="A class for each combination of media that its ports are connected to; alternatives get names.",
         apply=specialize,
     ),
     Pass(
@@ -45,18 +45,18 @@ PASSES: tuple[Pass, ...] = (
     ),
     Pass(
         name="inline_laws",
-        description="Control laws are computed by the process that runs them, with their states beside its variables.",
+        description="Control laws are computed by the process that runs them, with their states next to its variables.",
         apply=inline_laws,
     ),
     Pass(
         name="flatten",
-        description="Processes that run in sequence are one process with the process around them.",
+        description="Processes that run in sequence become part of the process around them.",
         apply=flatten,
     ),
     Pass(
         name="constants",
         description=(
-            "Parameters that all instances of a class agree on, and what follows from them, are put in their places."
+            "Parameters that are equal in all instances of a class, and what follows from them, become literals."
         ),
         apply=fold_constants,
     ),
@@ -77,17 +77,16 @@ PASSES: tuple[Pass, ...] = (
     Pass(
         name="fuse",
         description=(
-            "A program whose schedule is known becomes one process: what happens first, and a loop of what happens "
-            "again and again."
+            "A program whose schedule is known becomes one process: a beginning, and a loop with what is repeated."
         ),
         apply=fuse,
     ),
 )
-"""In their order; a pass may rely on those before it."""
+"""In the order in which they run; a pass may rely on those before it."""
 
 
 def pass_named(name: str) -> Pass:
-    """The pass of that name; KeyError if there is none."""
+    """The pass of that name. Raises KeyError."""
     for entry in PASSES:
         if entry.name == name:
             return entry
@@ -98,19 +97,20 @@ def pass_named(name: str) -> Pass:
 def optimize(network: Network, passes: Sequence[Pass] = PASSES, *, debug: bool = False) -> Network:
     """The network after the passes, in the order given.
 
-    With ``debug`` it is verified before the first and after each; raises BrokenNetworkError, which names the pass.
+    With ``debug`` it is verified before the first pass and after each one; raises BrokenNetworkError, which names the
+    pass.
     """
     applied: list[str] = []
     if debug:
-        require_whole(network)
+        require_valid(network)
     for entry in passes:
         network = entry.apply(network)
         applied.append(entry.name)
         if debug:
-            require_whole(network, applied)
+            require_valid(network, applied)
     return network
 
 
 def lower_for_targets(network: Network) -> Network:
-    """The network after what every compiled target needs: media of ports, names of alternatives, order of creation."""
+    """The network with what every compiled target needs: media of ports, names of alternatives, order of creation."""
     return optimize(network, (pass_named("specialize"),))

@@ -1,13 +1,12 @@
-"""Drops the books that fairness and priority keep, where they cannot make a difference.
+"""Removes the state that fair alternatives and priorities need, where it makes no difference.
 
-A fair alternative (``[]``) chooses among the guards that are ready the first after the one that it chose last, and
-before it has chosen any, the first in text order. One that chooses at most once, or has one branch, is served as well
-by taking the first (``[]>``), and needs no memory.
+A fair alternative (``[]``) chooses, of the guards that are ready, the first after the one that it chose last; the first
+time it chooses the first in text order. If it chooses at most once, or has only one branch, it behaves like an
+alternative that always takes the first ready guard (``[]>``), which needs no memory.
 
-A prioritized parallel (``||>``) differs from a plain one only where processes of different priority are ready together.
+A prioritized parallel (``||>``) differs from a plain one only if processes of different priority are ready together.
 Branches enter the ready queue in text order, which is the order of their priorities. If at most one of them can ever
-wait, and nothing else runs beside the parallel, the others run once, in that order, and then there is nobody left to
-have a higher priority than.
+wait, and nothing else runs in parallel, the others run once, in that order, and afterwards no other branch is left.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from cspdiag.optimize.changes import changed, mapped, rebuilt, with_inner_action
 
 
 def drop_bookkeeping(network: Network) -> Network:
-    """The network with alternatives that need no memory, and parallels that need no priorities, marked as such."""
+    """The network with alternatives marked that need no memory, and parallels that need no priorities."""
     again = classes_run_again(network)
     classes = []
     for entry in network.classes:
@@ -31,7 +30,7 @@ def drop_bookkeeping(network: Network) -> Network:
             body = _without_memory(entry.body, entry.name not in again)
             if entry.name == network.top:
                 body = _without_priorities(body)
-            entry = changed(entry, body=rebuilt(body, _alone))
+            entry = changed(entry, body=rebuilt(body, _without_single_branch_priority))
         classes.append(entry)
     return replaced(network, classes=tuple(classes))
 
@@ -49,14 +48,14 @@ def _without_memory(body: ir.Action, runs_once: bool) -> ir.Action:
     return change(body)
 
 
-def _alone(action: ir.Action) -> ir.Action:
+def _without_single_branch_priority(action: ir.Action) -> ir.Action:
     if isinstance(action, ir.ParallelSteps) and len(action.steps) == 1:
         return changed(action, prioritized=False)
     return action
 
 
 def _without_priorities(action: ir.Action) -> ir.Action:
-    """The same for the outermost parallels of a composition."""
+    """The composition with its outermost parallels marked as plain where they need no priorities."""
     match action:
         case ir.ParallelSteps(prioritized=True, steps=steps) if sum(map(only_computes, steps)) >= len(steps) - 1:
             return replaced(action, prioritized=False)

@@ -1,4 +1,4 @@
-"""Actions built anew with something inside them changed; what does not change stays the same object."""
+"""Copies of actions with changes inside them; whatever does not change stays the same object."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.network.ir import actions as ir
 
 T = TypeVar("T")
 
-_NOT_LOOKED_AT = frozenset({"span", "type", "doc"})
+_UNCHANGED_FIELDS = frozenset({"span", "type", "doc"})
 
 
 def with_inner_actions(action: ir.Action, change: Callable[[ir.Action], ir.Action]) -> ir.Action:
@@ -43,9 +43,7 @@ def _branch(branch: ir.Branch, change: Callable[[ir.Action], ir.Action]) -> ir.B
 
 
 def rebuilt(action: ir.Action, change: Callable[[ir.Action], ir.Action]) -> ir.Action:
-    """The action with every action in it changed, those inside first; sequences that come to stand in sequences are
-    opened.
-    """
+    """The action with every action in it changed, innermost first; sequences directly inside sequences are joined."""
     inside = with_inner_actions(action, lambda inner: rebuilt(inner, change))
     if inside is not action and isinstance(inside, ir.SequentialSteps):
         inside = in_sequence(inside.steps, inside)
@@ -53,7 +51,7 @@ def rebuilt(action: ir.Action, change: Callable[[ir.Action], ir.Action]) -> ir.A
 
 
 def in_sequence(steps: Iterable[ir.Action], like: ir.Action) -> ir.Action:
-    """The steps one after another, sequences among them opened and skips left out; at the place of ``like``."""
+    """The steps as one sequence with nested sequences joined and skips removed; it has the source place of ``like``."""
     flat: list[ir.Action] = []
     for step in steps:
         if isinstance(step, ir.SequentialSteps):
@@ -66,8 +64,8 @@ def in_sequence(steps: Iterable[ir.Action], like: ir.Action) -> ir.Action:
 
 
 def with_parts(item: T, change: Callable[[object], object | None]) -> T:
-    """A record, or a tuple of them, with the parts replaced for which ``change`` gives something; those are not looked
-    into.
+    """A record, or a tuple of records, with the parts replaced for which ``change`` returns a value; these are not
+    searched further.
     """
 
     def inner(part: object) -> object:
@@ -82,7 +80,7 @@ def with_parts(item: T, change: Callable[[object], object | None]) -> T:
             return replacement
         changes = {}
         for name in field_names(part):
-            if name not in _NOT_LOOKED_AT:
+            if name not in _UNCHANGED_FIELDS:
                 old = getattr(part, name)
                 new = inner(old)
                 if new is not old:
@@ -93,13 +91,13 @@ def with_parts(item: T, change: Callable[[object], object | None]) -> T:
 
 
 def changed(item: T, **fields: object) -> T:
-    """A record with these fields; the same object where they are what they were."""
+    """A record with these fields; the same object if they are already what it has."""
     if all(getattr(item, name) is value for name, value in fields.items()):
         return item
     return replaced(item, **fields)
 
 
 def mapped(items: tuple[T, ...], change: Callable[[T], T]) -> tuple[T, ...]:
-    """The items changed; the same tuple where none is."""
+    """The items changed; the same tuple if none is."""
     results = tuple(map(change, items))
     return items if all(old is new for old, new in zip(items, results, strict=True)) else results

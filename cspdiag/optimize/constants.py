@@ -1,8 +1,7 @@
-"""Constants at the places where they are used: parameters that all instances of a class agree on, variables that nobody
-writes, and what follows.
+"""Constant propagation: parameters with the same value in all instances of a class, variables that are never written,
+and what follows from them.
 
-Only process classes are looked into; the names of the parameters of bodies in other languages, and of control laws, are
-theirs.
+Only process classes are changed; control laws and bodies in other languages keep the names of their parameters.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from cspdiag.network.ir.expressions import (
 from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.changes import changed, in_sequence
-from cspdiag.optimize.dead.waited_for import ends_of, places_waited_for
+from cspdiag.optimize.dead.broadcasts import ends_at, possible_broadcasts
 from cspdiag.optimize.folding import folded, is_literal
 
 Literals: TypeAlias = "dict[str, LiteralValue]"
@@ -36,8 +35,8 @@ Outputs: TypeAlias = "Mapping[str, set[str]]"
 
 
 def fold_constants(network: Network) -> Network:
-    """The network with constants in place of what is constant, parameters that have become needless removed, and
-    decided conditions gone.
+    """The network with constants propagated, parameters removed that are no longer needed, and constant conditions
+    decided.
     """
     classes = {entry.name: entry for entry in network.classes}
     given: dict[str, Literals | None] = {network.top: _arguments_of_top(network)}
@@ -47,7 +46,7 @@ def fold_constants(network: Network) -> Network:
         if isinstance(entry, ProcessClass) and entry.external is None:
             folded_class = _class(entry, given.get(entry.name) or {}, outputs)
             for instance in folded_class.instances:
-                _meet(given, instance)
+                _keep_common_arguments(given, instance)
             results[entry.name] = folded_class
         else:
             results[entry.name] = entry
@@ -72,8 +71,8 @@ def _arguments_of_top(network: Network) -> Literals:
     }
 
 
-def _meet(given: dict[str, Literals | None], instance: InstanceOf) -> None:
-    """One more instance of a class: only what it agrees on with the others stays known."""
+def _keep_common_arguments(given: dict[str, Literals | None], instance: InstanceOf) -> None:
+    """Take one more instance of a class into account: only arguments that are equal in all instances stay known."""
     found = {name: value for name, value in instance.arguments if isinstance(value, LiteralValue)}
     known = given.get(instance.class_name)
     if known is None:
@@ -85,13 +84,13 @@ def _meet(given: dict[str, Literals | None], instance: InstanceOf) -> None:
 
 
 def _same(one: Value, other: Value) -> bool:
-    """Equal to the last bit: -0.0 is not 0.0, and True is not 1."""
+    """Whether two values are equal to the last bit: -0.0 is not 0.0, and True is not 1."""
     return repr(one) == repr(other)
 
 
 def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> ProcessClass:
-    """The class with what is known put in place, as often as that makes more known."""
-    broadcasts = places_waited_for(entry)
+    """The class with known values propagated, repeatedly as long as more values become known."""
+    broadcasts = possible_broadcasts(entry)
     while True:
         known = dict(parameters)
         signals = _known_signals(entry)
@@ -105,7 +104,7 @@ def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> Proce
             channels=tuple(rewritten(item, fold) for item in entry.channels),
             instances=tuple(rewritten(item, fold) for item in entry.instances),
             ports=tuple(rewritten(item, fold) for item in entry.ports),
-            body=None if entry.body is None else rewritten(entry.body, _both(fold, broadcasts)),
+            body=None if entry.body is None else rewritten(entry.body, _folding_and_deciding(fold, broadcasts)),
         )
         if result == entry:
             return result
@@ -113,10 +112,10 @@ def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> Proce
 
 
 def _known_signals(entry: ProcessClass) -> dict[str, Known]:
-    """Constants of the class with a literal value, and signals of laws that are always one literal, or always another
+    """Constants of the class with a literal value, and signals of laws that always equal one literal, or always another
     signal.
 
-    A signal that is the present value of a state is not one of them: the state changes before the outputs are written.
+    A signal that equals the present value of a state does not count: the state changes before the outputs are written.
     """
     found: dict[str, Expression | None] = {constant.name: constant.value for constant in entry.constants}
     states = {state.name for state in entry.states}
@@ -130,13 +129,11 @@ def _known_signals(entry: ProcessClass) -> dict[str, Known]:
             found[part.name] = None
 
     known = {name: value for name, value in found.items() if _is_known(value, states)}
-    return {name: _behind(value, known) for name, value in known.items()}
+    return {name: _resolved(value, known) for name, value in known.items()}
 
 
-def _behind(value: Known, known: Mapping[str, Known]) -> Known:
-    """What a signal that stands for another one stands for in the end: the one between may be gone before it is looked
-    at again.
-    """
+def _resolved(value: Known, known: Mapping[str, Known]) -> Known:
+    """The last signal or value in a chain of equal signals: those in between may be removed before they are used."""
     while isinstance(value, SignalValue) and value.name in known:
         value = known[value.name]
     return value
@@ -192,10 +189,10 @@ def _folding(
     return fold
 
 
-def _both(fold: Callable[[Any], Any], broadcasts: frozenset[str]) -> Callable[[Any], Any]:
+def _folding_and_deciding(fold: Callable[[Any], Any], broadcasts: frozenset[str]) -> Callable[[Any], Any]:
     def change(item: Any) -> Any:
         result = _decided(fold(item))
-        if result is not item and not ends_of(item, broadcasts) <= ends_of(result, broadcasts):
+        if result is not item and not ends_at(item, broadcasts) <= ends_at(result, broadcasts):
             return fold(item)
         return result
 
@@ -223,7 +220,7 @@ def _decided(item: Any) -> Any:
             return _choice(item)
         case ir.SequentialSteps():
             return in_sequence(item.steps, item) if any(map(_opens, item.steps)) else item
-        case _:  # Nothing is decided in any other part.
+        case _:  # No other part has a condition.
             return item
 
 
@@ -232,10 +229,10 @@ def _opens(step: ir.Action) -> bool:
 
 
 def _choice(choice: ir.Choice) -> ir.Choice:
-    """Without branches that can never be chosen.
+    """The alternative without branches that can never be chosen.
 
-    One branch that stays keeps a condition: an alternative without one would be a plain reader or writer, which is
-    served before alternatives.
+    If only one branch remains it keeps its condition: without one the alternative would be a plain read or write, which
+    is served before alternatives.
     """
     branches = [branch for branch in choice.branches if not is_literal(branch.condition, False)]
     if not branches:

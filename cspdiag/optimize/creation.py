@@ -1,4 +1,4 @@
-"""The order in which the parts of a process come to be: it decides who is served first where several wait for one
+"""The order in which the parts of a process are created: it decides which is served first if several wait for one
 event.
 """
 
@@ -8,8 +8,8 @@ from cspdiag.network.ir.actions import ChannelEnd, Choice, End, InputEvent, Port
 from cspdiag.network.ir.network import CreatedChoice, CreatedInstance, MediumKind, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
-OF_A_READER: frozenset[MediumKind] = frozenset({"sampled", "event", "broadcast"})
-"""The media whose ends keep something for their reader."""
+MEDIA_WITH_READER_STATE: frozenset[MediumKind] = frozenset({"sampled", "event", "broadcast"})
+"""The media that keep state for each reading end."""
 
 
 def creation_order(
@@ -17,8 +17,8 @@ def creation_order(
 ) -> tuple[End | CreatedInstance | CreatedChoice, ...]:
     """Reading ends of ports, then of channels, then instances in text order, then alternatives in text order.
 
-    Only ends that keep something for their reader count. Each stands where it is met first: in the composition, then at
-    the inputs of the instances of ``submodels``; the elements of an array of ports stand together.
+    Only ends whose medium keeps state for them count, in the order in which they first occur: in the composition, then
+    at the inputs of the instances of ``submodels``. The elements of an array of ports stay together.
     """
     ends = _reading_ends(entry, submodels)
     choices = [part.name for part in parts(entry.body) if isinstance(part, Choice)]
@@ -40,7 +40,7 @@ def _reading_ends(entry: ProcessClass, submodels: dict[str, SubmodelClass]) -> l
             case ChannelEnd(channel=channel) if channel in broadcast:
                 found[end] = None
             case PortEnd(port=port, index=index) if port in media:
-                if media[port][index or 0].kind in OF_A_READER:
+                if media[port][index or 0].kind in MEDIA_WITH_READER_STATE:
                     found[end] = None
 
     for part in parts(entry.body):

@@ -1,4 +1,4 @@
-"""Values of expressions at compile time, only where every target computes the same bits."""
+"""Constant folding: values of expressions at compile time, only where every target computes the same bits."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ from cspdiag.network.ir.expressions import (
 from cspdiag.network.ir.faults import may_fault
 
 LIBRARY_FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"})
-"""Functions whose last bit depends on the library of the machine that runs the program."""
+"""Functions whose last bit depends on the library of the target machine."""
 
 EXACT_SECONDS = 2**53
-"""Durations in nanoseconds below this are doubles without rounding, so that there is one way to divide them."""
+"""Durations in nanoseconds below this are exact as doubles, so every target divides them in the same way."""
 
 
 def literal(value: Value, kind: Type, like: Expression) -> LiteralValue:
-    """A value at the place of an expression."""
+    """A value at the source place of an expression."""
     return LiteralValue(type=kind, span=like.span, value=value)
 
 
@@ -57,7 +57,7 @@ def is_literal(expression: Expression | None, value: object) -> bool:
 
 
 def folded_with(expression: Expression, variables: Mapping[str, LiteralValue]) -> Expression:
-    """The expression with these variables known."""
+    """The expression folded with the values of some variables known."""
 
     def change(part: Any) -> Any:
         if isinstance(part, VariableValue):
@@ -69,9 +69,9 @@ def folded_with(expression: Expression, variables: Mapping[str, LiteralValue]) -
 
 
 def folded(expression: Expression) -> Expression:
-    """The expression, or what it always gives; its operands have been folded already.
+    """The expression, or its constant value; its operands have already been folded.
 
-    An operation that would fault stays, and so does one whose bits depend on the machine. What is left out cannot
+    An operation that would fault stays, and so does one whose bits depend on the machine. Whatever is removed cannot
     fault.
     """
     match expression:
@@ -112,8 +112,8 @@ def _logic(expression: BinaryOperation) -> Expression:
 
 
 def _without_neutral(expression: BinaryOperation) -> Expression:
-    """Without ``* 1``, ``/ 1``, ``- 0`` and, for whole numbers, ``+ 0``: exact for every value, also for signed zeros
-    and NaN.
+    """The expression without ``* 1``, ``/ 1``, ``- 0`` and, for whole numbers, ``+ 0``: exact for every value,
+    including signed zeros and NaN.
     """
     if expression.type != expression.left.type:
         return expression
@@ -149,7 +149,7 @@ def _evaluated(expression: Expression) -> Expression:
 
 
 def _fits(value: Any, kind: Type) -> bool:
-    """Whether a value is one of its type, and no infinity or NaN, which have no literal."""
+    """Whether a value belongs to a type and is finite: infinities and NaN have no literal."""
     match kind:
         case BoolType():
             return isinstance(value, bool)

@@ -1,6 +1,4 @@
-"""Control laws computed in the process that runs them: no call, no communication but with others, the states beside its
-variables.
-"""
+"""Computes control laws in the process that runs them, without calls, with their states next to its variables."""
 
 from __future__ import annotations
 
@@ -32,11 +30,12 @@ from cspdiag.optimize.reachable import reachable
 
 
 def inline_laws(network: Network) -> Network:
-    """The network with every submodel but those written by hand, or with a part in C, computed by the process around
-    it.
+    """The network with every submodel inlined into the process around it, except those written by hand or with a part
+    in C.
 
-    A run becomes ``ReadInputs``, ``RunLaw`` and ``WriteOutputs``. Reads and writes are points of cancellation also
-    where none is left; such empty ones stay in programs in which a process can see that another was cancelled.
+    A run becomes ``ReadInputs``, ``RunLaw`` and ``WriteOutputs``. Reads and writes are points of cancellation even if
+    nothing is read or written; such empty ones are kept in programs in which another process can observe the
+    cancellation.
     """
     laws = {
         entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not _is_by_hand(entry)
@@ -54,13 +53,13 @@ def inline_laws(network: Network) -> Network:
 
 
 def _is_by_hand(law: SubmodelClass) -> bool:
-    """Whether a law has a struct of its own in C, written by hand, and with it what surrounds that."""
+    """Whether a law has a struct of its own in C, written by hand, and so cannot be split."""
     calls = (entry for entry in law.equations if isinstance(entry, ExternalCall))
     return law.external is not None or any(call.external.language == "c" for call in calls)
 
 
 class _Inlining:
-    """Takes the laws of one process class in; ``seen`` tells whether cancellation can be seen."""
+    """Inlines the laws of one process class; with ``seen`` other processes can observe cancellation."""
 
     def __init__(self, entry: ProcessClass, laws: Mapping[str, SubmodelClass], seen: bool) -> None:
         self.entry = entry
@@ -93,12 +92,12 @@ class _Inlining:
                 return self.laws[name].run(action)
             case ir.ResetInstance(instance=name) if name in self.laws:
                 return in_sequence(self.laws[name].reset(action), action)
-            case _:  # Any other action stays as it is.
+            case _:  # Any other action is unchanged.
                 return action
 
 
 class _Inlined:
-    """One instance of a law in a process class."""
+    """One instance of a law, inlined in a process class."""
 
     def __init__(self, instance: InstanceOf, law: SubmodelClass, owner: ProcessClass, seen: bool) -> None:
         self.instance = instance
@@ -111,13 +110,15 @@ class _Inlined:
         self.attachments = {(c.port, c.index): c.attachment for c in instance.connections}
         self.values, given = parameter_constants(instance, law.parameters)
         self.signals: dict[str, Expression] = {}
-        """What stands for an input that needs no reading."""
+        """The expressions that replace inputs which are not read."""
         defaults = self._defaults()
         self.constants = (*given, *defaults, *(self._equation(constant) for constant in law.constants))
         self.states = tuple(self._state(state) for state in law.states)
 
     def _defaults(self) -> tuple[SubmodelEquation, ...]:
-        """The inputs that are constants, for those that are no literals as constants of the class."""
+        """Constants for the inputs with a constant value, except for literals and parameters, which are used
+        directly.
+        """
         constants = []
         for name, port, attachment in self._elements("in"):
             if isinstance(attachment, ConstantEnd):
@@ -206,9 +207,9 @@ class _Inlined:
                 return "discard"
 
     def _inputs(self) -> tuple[tuple[ir.InputRead, ...], list[SubmodelEquation]]:
-        """What has to be read, in order, and equations for the inputs that are variables of the class.
+        """The inputs to read, in order, and equations for the inputs that are variables of the class.
 
-        A variable that may not have been written is read at its place in the order, so that the fault is where it was.
+        A variable that may not have been written is read in order with the others, so a fault occurs at the same place.
         """
         ends = [
             (name, port, end) for name, port, end in self._elements("in") if isinstance(end, ir.ChannelEnd | ir.PortEnd)
@@ -235,7 +236,9 @@ class _Inlined:
         return channel is not None and channel.initial is not None
 
     def _outputs(self, *, may_have_waited: bool) -> list[ir.Action]:
-        """Variables alone are assigned; beside other outputs they keep their place in the order of the writes."""
+        """The steps that write the outputs: assignments if all are variables, otherwise one step, in the order of the
+        writes.
+        """
         span = self.law.span
         writes = tuple(
             ir.OutputWrite(sink=end, value=SignalValue(type=port.type, name=f"{self.prefix}.{name}"))

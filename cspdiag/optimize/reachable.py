@@ -1,4 +1,4 @@
-"""What is left of a network when instances have gone."""
+"""Removes the classes and instances that are no longer reachable."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from cspdiag.optimize.changes import changed
 
 
 def reachable(network: Network) -> Network:
-    """The network with only the classes that have instances, and only the instances that there are, with the classes
-    that they have now.
+    """The network with only the classes that have instances, and only the instances that still exist, with their
+    present classes.
     """
     by_name = {entry.name: entry for entry in network.classes}
     used = {network.top}

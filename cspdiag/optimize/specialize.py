@@ -1,8 +1,7 @@
-"""Makes a class for every way in which its ports are connected, and writes down what targets would otherwise have to
-find out.
+"""Makes one class for each combination of media that its ports are connected to, and records what targets need to know.
 
-After it each port says what it is connected to, each channel whether it is guarded, each alternative has a name, and
-each class the order in which its parts come to be.
+After it each port states its media, each channel whether it is guarded, each alternative has a name, and each class the
+order in which its parts are created.
 """
 
 from __future__ import annotations
@@ -28,15 +27,15 @@ from cspdiag.network.ir.network import (
 )
 from cspdiag.optimize.changes import changed, in_sequence, mapped, rebuilt, with_inner_actions
 from cspdiag.optimize.creation import creation_order
-from cspdiag.optimize.guarded import Guards, Place, guards_by_class, place_of
+from cspdiag.optimize.guarded_places import Guards, PortOrChannel, guards_by_class, port_or_channel
 from cspdiag.optimize.reachable import reachable
 
 Media: TypeAlias = "tuple[tuple[Medium, ...], ...]"
-"""By port, the medium of the port or of each element."""
+"""For each port of a class the media of the port, or of its elements."""
 
 
 def specialize(network: Network) -> Network:
-    """The network with the media of all ports known; classes that are connected in different ways are cloned (``Cell``,
+    """The network with the media of all ports known; a class that is connected in different ways is cloned (``Cell``,
     ``Cell2``).
     """
     classes = tuple(entry if isinstance(entry, SubmodelClass) else _prepared(entry) for entry in network.classes)
@@ -44,20 +43,20 @@ def specialize(network: Network) -> Network:
 
 
 def _prepared(entry: ProcessClass) -> ProcessClass:
-    """The class without alternatives that leave no choice, and with names for the others."""
+    """The class without alternatives that have only one choice, and with names for the others."""
     return entry if entry.body is None else replaced(entry, body=named_choices(rebuilt(entry.body, _without_choice)))
 
 
 def _without_choice(action: ir.Action) -> ir.Action:
-    """A guard that is waited for by itself is the communication that it stands for."""
+    """The communication that an alternative with a single guard amounts to."""
     match action:
         case ir.Choice(branches=(ir.Branch(condition=None) as branch,)) if not isinstance(branch.event, ir.ReadyEvent):
-            return in_sequence([*_alone(branch), branch.body], action)
-        case _:  # Any other action stays as it is.
+            return in_sequence([*_communication_of(branch), branch.body], action)
+        case _:  # Any other action is unchanged.
             return action
 
 
-def _alone(branch: ir.Branch) -> list[ir.Action]:
+def _communication_of(branch: ir.Branch) -> list[ir.Action]:
     event = branch.event
     match event:
         case ir.InputEvent():
@@ -87,7 +86,7 @@ def named_choices(body: ir.Action) -> ir.Action:
 
 
 class _Specialization:
-    """Goes from the outermost process inwards and collects the ways in which each class is connected."""
+    """Proceeds from the outermost process inwards and collects the media with which each class is used."""
 
     def __init__(self, network: Network) -> None:
         self.network = network
@@ -96,7 +95,7 @@ class _Specialization:
         self.names: dict[tuple[str, Media], str] = {}
         self.clones: dict[str, list[ProcessClass]] = {entry.name: [] for entry in network.classes}
         self._pending: deque[tuple[ProcessClass, Media]] = deque()
-        self._met: dict[str, int] = {}
+        self._counts: dict[str, int] = {}
         self._taken = {
             *self.classes,
             *(constant.name for constant in network.constants),
@@ -129,11 +128,11 @@ class _Specialization:
         return tuple(tuple(_medium(kinds[place], place, guards) for place in _elements(port)) for port in top.ports)
 
     def _name(self, entry: ProcessClass, media: Media) -> str:
-        """The name of the clone; the first has that of the class."""
+        """The name of a clone; the first one keeps the name of the class."""
         key = (entry.name, media)
         name = self.names.get(key)
         if name is None:
-            number = self._met[entry.name] = self._met.get(entry.name, 0) + 1
+            number = self._counts[entry.name] = self._counts.get(entry.name, 0) + 1
             name = entry.name
             while number > 1 and name in self._taken:
                 name = f"{entry.name}{number}"
@@ -146,25 +145,25 @@ class _Specialization:
     def _specialize(self, entry: ProcessClass, media: Media) -> None:
         guards = self.guards[entry.name]
         channels = mapped(entry.channels, lambda channel: _guarded(channel, guards))
-        behind: dict[Place, Medium] = {}
+        medium_of: dict[PortOrChannel, Medium] = {}
         for port, elements in zip(entry.ports, media, strict=True):
-            behind.update(zip(_elements(port), elements, strict=True))
+            medium_of.update(zip(_elements(port), elements, strict=True))
         for channel in channels:
-            behind[channel.name] = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+            medium_of[channel.name] = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
         clone = replaced(
             entry,
             name=self.names[entry.name, media],
             ports=tuple(replaced(port, media=m) for port, m in zip(entry.ports, media, strict=True)),
             channels=channels,
-            instances=mapped(entry.instances, lambda instance: self._instance(instance, behind)),
+            instances=mapped(entry.instances, lambda instance: self._instance(instance, medium_of)),
         )
         self.clones[entry.name].append(clone)
 
-    def _instance(self, instance: InstanceOf, behind: Mapping[Place, Medium]) -> InstanceOf:
+    def _instance(self, instance: InstanceOf, medium_of: Mapping[PortOrChannel, Medium]) -> InstanceOf:
         inner = self.classes[instance.class_name]
         if isinstance(inner, SubmodelClass):
             return instance
-        attached = {(c.port, c.index): _attached(c.attachment, behind) for c in instance.connections}
+        attached = {(c.port, c.index): _attached(c.attachment, medium_of) for c in instance.connections}
         media = tuple(tuple(attached[place] for place in _elements(port)) for port in inner.ports)
         return changed(instance, class_name=self._name(inner, media))
 
@@ -173,7 +172,7 @@ def _elements(port: Port) -> list[tuple[str, int | None]]:
     return [(port.name, None)] if port.size is None else [(port.name, index) for index in range(port.size)]
 
 
-def _medium(kind: MediumKind, place: Place, guards: Guards) -> Medium:
+def _medium(kind: MediumKind, place: PortOrChannel, guards: Guards) -> Medium:
     return Medium(kind, place in guards.reads, place in guards.writes)
 
 
@@ -182,14 +181,14 @@ def _guarded(channel: LocalChannel, guards: Guards) -> LocalChannel:
     return changed(channel, guarded_reads=reads, guarded_writes=writes)
 
 
-def _attached(attachment: Attachment, behind: Mapping[Place, Medium]) -> Medium:
+def _attached(attachment: Attachment, medium_of: Mapping[PortOrChannel, Medium]) -> Medium:
     match attachment:
         case ConstantEnd():
             return _CONSTANT
         case DiscardEnd():
             return _DISCARD
         case ir.PortEnd() | ir.ChannelEnd():
-            return behind[place_of(attachment)]
+            return medium_of[port_or_channel(attachment)]
         case _:
             assert_never(attachment)
 

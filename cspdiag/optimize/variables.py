@@ -1,4 +1,4 @@
-"""Communication over a ``var`` channel, which is none, becomes assignment: the "(!)" lines of a diagram disappear."""
+"""Turns communication over ``var`` channels into assignments."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def with_assignments(entry: ProcessClass) -> ProcessClass:
                 return AssignValue(span=action.span, target=action.target, value=value)
             case WriteValue(sink=ChannelEnd(channel=name)) if name in types:
                 return AssignValue(span=action.span, target=Target(name), value=action.value)
-            case _:  # Any other action stays as it is.
+            case _:  # Any other action is unchanged.
                 return action
 
     if entry.body is None or not types:

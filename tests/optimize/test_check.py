@@ -16,7 +16,7 @@ from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import BinaryOperation, LiteralValue, ParameterValue, VariableValue
 from cspdiag.network.ir.network import Connection, InstanceOf, LocalChannel, Network, Port, SubmodelState
 from cspdiag.optimize import PASSES, Pass, optimize
-from cspdiag.optimize.check.network import MADE_BY, BrokenNetworkError, require_whole
+from cspdiag.optimize.check.network import MADE_BY, BrokenNetworkError, require_valid
 from tests.network import programs
 
 TEXT = """
@@ -96,7 +96,7 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
     ),
     "no place": (fields(ir.AssignValue, span=None), "AssignValue has no place in the text"),
     "alternative of nothing": (fields(ir.Choice, branches=()), "an alternative has no branches"),
-    "value of another type": (fields(LiteralValue, value="text"), "is no int"),
+    "value of another type": (fields(LiteralValue, value="text"), "is not of type int"),
     "parameter that is not declared": (fields(ParameterValue, name="lost"), "names no parameter"),
     "variable that is not declared": (fields(VariableValue, channel="lost"), "names no variable"),
     "variable of another type": (fields(VariableValue, type=BOOL), "has bool where int is needed"),
@@ -116,14 +116,14 @@ BROKEN: dict[str, tuple[Callable[[Network], Network], str]] = {
         each(SubmodelState, lambda state: replaced(state, name="lost")), "there is no state `s`"
     ),
     "two of one name": (lambda whole: replaced(whole, classes=(*whole.classes, whole.classes[-1])),
-     "there are 2 times"),
+     "there are 2 declarations of the class"),
     "classes the wrong way round": (
         lambda whole: replaced(whole, classes=whole.classes[::-1]), "is not before it"
     ),
     "instance that is not there": (
         lambda whole: replaced(whole, instances=whole.instances[:1]), "`Main.cell` is not listed"
     ),
-    "no outermost process": (lambda whole: replaced(whole, top="Law"), "the outermost process `Law` is no process"),
+    "no outermost process": (lambda whole: replaced(whole, top="Law"), "the outermost process `Law` is not a process"),
     "step of a pass that has not been": (
         each(ir.SkipStep,
          lambda skip: ir.ProcessScope(span=skip.span, instance="x", class_name="X", ends=(), body=skip)),
@@ -160,7 +160,7 @@ def test_what_a_pass_promises_is_asked_of_those_after_it(damage: Callable[[Netwo
 
 def test_a_whole_network_is_taken() -> None:
     whole = network()
-    require_whole(whole)
+    require_valid(whole)
     assert optimize(whole, debug=True) == optimize(whole)
 
 

@@ -110,7 +110,7 @@ REFUSED = {
             "  in press : int",
             PLANT + "environment Bench for Top { plant : Plant\n  plant.press -> press\n  }",
         ),
-        "nobody knows when press has an event",
+        "the instants of events at press are not known",
     ),
     "interrupt": (
         program(SENDER + RECEIVER, PAIR, "(s || r) interrupt after 10 ms -> skip"),

@@ -1,1 +1,1 @@
-"""Whether a network is what passes and targets take for granted."""
+"""Verifies the invariants of networks on which passes and targets rely."""

@@ -1,6 +1,4 @@
-"""What is wrong with the composition of a process: ends, variables and instances that are not there, and types that do
-not agree.
-"""
+"""Checks the composition of a process: ends, variables and instances that do not exist, and types that do not agree."""
 
 from __future__ import annotations
 
@@ -14,14 +12,14 @@ from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Direction, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.optimize.check.expressions import Names, agrees, wrong_in_expression
+from cspdiag.optimize.check.expressions import Names, agrees, expression_problems
 
-OF_EVERY_PROGRAM = frozenset({"Fault", "Timeout"})
+PREDECLARED_EXCEPTIONS = frozenset({"Fault", "Timeout"})
 """The exceptions that a program need not declare."""
 
 
 class CompositionCheck:
-    """The composition of a process class; each method gives, in words, what is wrong with a part of it."""
+    """The composition of a process class; each method yields the problems of one part of it, in words."""
 
     def __init__(self, process: ProcessClass, exceptions: frozenset[str]) -> None:
         self.process = process
@@ -36,8 +34,8 @@ class CompositionCheck:
             time=TIME,
         )
 
-    def wrong(self) -> Iterator[str]:
-        """Everything that is wrong, from the initial values of what the process owns to the last step."""
+    def problems(self) -> Iterator[str]:
+        """All problems, from the initial values of what the process owns to the last step."""
         for constant in self.process.constants:
             yield from self._value(constant.value, constant.type)
         for state in self.process.states:
@@ -49,7 +47,9 @@ class CompositionCheck:
             yield from self._action(self.process.body)
 
     def end(self, end: ir.End, direction: Direction | None = None) -> Iterator[str]:
-        """What is wrong with a port or channel that is read (``in``) or written; None: handed on to an instance."""
+        """The problems of a port or channel that is read (``in``), written (``out``) or, with None, passed to an
+        instance.
+        """
         match end:
             case ir.ChannelEnd():
                 if end.channel not in self.channels:
@@ -66,7 +66,7 @@ class CompositionCheck:
                 assert_never(end)
 
     def type_of(self, end: ir.End) -> Type | None:
-        """The type of the values that pass; None where there is no such end."""
+        """The type of the values that are passed; None if there is no such end."""
         found = self.ports.get(end.port) if isinstance(end, ir.PortEnd) else self.channels.get(end.channel)
         return None if found is None else found.type
 
@@ -116,7 +116,7 @@ class CompositionCheck:
                 yield from self._action(action.then)
                 yield from self._action(action.otherwise)
             case ir.CatchException():
-                if action.exception not in self.exceptions | OF_EVERY_PROGRAM:
+                if action.exception not in self.exceptions | PREDECLARED_EXCEPTIONS:
                     yield f"there is no exception `{action.exception}`"
                 yield from self._action(action.body)
                 yield from self._action(action.handler)
@@ -218,7 +218,7 @@ class CompositionCheck:
             yield f"`{target.channel}` is {kind} and is given {value}"
 
     def _value(self, value: Expression, wanted: Type | None = None) -> Iterator[str]:
-        return wrong_in_expression(value, self.names, wanted)
+        return expression_problems(value, self.names, wanted)
 
 
 def _place(step: ir.Step) -> Iterator[str]:
@@ -227,7 +227,7 @@ def _place(step: ir.Step) -> Iterator[str]:
 
 
 def _signals(process: ProcessClass) -> dict[str, Type]:
-    """What the laws that were taken into a process know by name."""
+    """The signals of the laws that are inlined in a process, by name."""
     found: dict[str, Type] = {constant.name: constant.type for constant in process.constants}
     found.update((state.name, state.type) for state in process.states)
     for part in parts(process.body):

@@ -1,4 +1,4 @@
-"""What is wrong with an expression of the network: names that nothing declares, and types that do not agree."""
+"""Checks an expression of the network: undeclared names, and types that do not agree."""
 
 from __future__ import annotations
 
@@ -45,17 +45,17 @@ from cspdiag.network.ir.expressions import (
 
 @node
 class Names:
-    """The types of what an expression may name."""
+    """The types of the names that an expression may use."""
 
     parameters: Mapping[str, Type]
     variables: Mapping[str, Type]
     signals: Mapping[str, Type]
     time: Type | None = None
-    """The type of the present instant, where that is known."""
+    """The type of the present instant, if it is known."""
 
 
 def agrees(one: Type, other: Type) -> bool:
-    """Whether values of two types are represented alike; units are none of the network's business."""
+    """Whether values of two types are represented alike; units do not matter in the network."""
     match one, other:
         case RealType(), RealType():
             return one.bits == other.bits
@@ -67,8 +67,8 @@ def agrees(one: Type, other: Type) -> bool:
             return one == other
 
 
-def wrong_in_expression(expression: Expression, names: Names, wanted: Type | None = None) -> Iterator[str]:
-    """What is wrong with an expression that may name ``names`` and is to have the type ``wanted``."""
+def expression_problems(expression: Expression, names: Names, wanted: Type | None = None) -> Iterator[str]:
+    """The problems of an expression that may use ``names`` and must have the type ``wanted``."""
     if wanted is not None and not agrees(expression.type, wanted):
         yield f"`{expression_text(expression)}` is {expression.type} where {wanted} is needed"
     for part in walk(expression):
@@ -80,7 +80,7 @@ def _wrong(part: Expression, names: Names) -> Iterator[str]:
     match part:
         case LiteralValue():
             if not is_value_of(part.value, part.type):
-                yield f"is no {part.type}"
+                yield f"is not of type {part.type}"
         case ParameterValue():
             yield from _wrong_name(part, part.name, names.parameters, "parameter")
         case VariableValue():
@@ -88,7 +88,7 @@ def _wrong(part: Expression, names: Names) -> Iterator[str]:
         case SignalValue():
             yield from _wrong_name(part, part.name, names.signals, "signal")
         case PresentTime():
-            yield from _differing(names.time, part.type) if names.time is not None else ("stands in a control law",)
+            yield from _differing(names.time, part.type) if names.time is not None else ("is in a control law",)
         case UnaryOperation():
             wanted = BOOL if part.operator == "not" else part.type
             yield from _differing(part.type, wanted, part.operand.type)

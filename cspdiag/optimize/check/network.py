@@ -1,8 +1,8 @@
-"""Whether a network is whole: every name is declared, types agree, steps have places, and nothing is there that a later
-pass makes.
+"""Checks whether a network is valid: every name is declared, types agree, steps have source places, and no step is
+there that only a later pass makes.
 
-It is looked at after each pass where it is asked for: a pass that breaks a network is found at the pass, not at the
-code.
+With ``--debug-passes`` the network is checked after each pass, so a defect is reported for the pass that made it and
+not for generated code.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from cspdiag.network.ir.network import (
 )
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.check.composition import CompositionCheck
-from cspdiag.optimize.check.expressions import Names, agrees, is_value_of, wrong_in_expression
+from cspdiag.optimize.check.expressions import Names, agrees, expression_problems, is_value_of
 
 MADE_BY: dict[type[ir.MadeAction], str] = {
     ir.ReadInputs: "inline_laws",
@@ -36,28 +36,28 @@ MADE_BY: dict[type[ir.MadeAction], str] = {
     ir.ProcessScope: "flatten",
     ir.ReportCommunication: "fuse",
 }
-"""The pass that makes each of the steps that are not in a text."""
+"""The pass that makes each of the steps that are not in a program text."""
 
 Class = ProcessClass | SubmodelClass
 
 
 class BrokenNetworkError(CspdiagError, ValueError):
-    """A pass has made a network that is not whole; ``problems`` are sentences, ``after`` is the pass."""
+    """A pass has made an invalid network; ``problems`` are sentences, ``after`` is the pass."""
 
     def __init__(self, problems: tuple[str, ...], after: str) -> None:
         super().__init__(f"the network is broken after {after}: {'; '.join(problems)}")
         self.problems = problems
 
 
-def require_whole(network: Network, passes: Collection[str] = ()) -> None:
-    """Raise BrokenNetworkError unless the network is whole after ``passes``, in their order."""
-    problems = tuple(dict.fromkeys(wrong_in_network(network, passes)))
+def require_valid(network: Network, passes: Collection[str] = ()) -> None:
+    """Raise BrokenNetworkError unless the network is valid after ``passes``, in their order."""
+    problems = tuple(dict.fromkeys(network_problems(network, passes)))
     if problems:
         raise BrokenNetworkError(problems, [*passes][-1] if passes else "lowering")
 
 
-def wrong_in_network(network: Network, passes: Collection[str]) -> Iterator[str]:
-    """What is wrong with a network after these passes."""
+def network_problems(network: Network, passes: Collection[str]) -> Iterator[str]:
+    """The problems of a network after these passes."""
     classes: dict[str, Class] = {}
     exceptions = frozenset(network.exceptions)
     for entry in network.classes:
@@ -68,7 +68,7 @@ def wrong_in_network(network: Network, passes: Collection[str]) -> Iterator[str]
         yield from _repeated("class", [entry.name, *classes.keys() & {entry.name}])
         classes[entry.name] = entry
     if not isinstance(classes.get(network.top), ProcessClass):
-        yield f"the outermost process `{network.top}` is no process"
+        yield f"the outermost process `{network.top}` is not a process"
         return
     yield from _wrong_arguments(network.top, classes[network.top], network.arguments)
     yield from _wrong_instances(network, classes)
@@ -78,7 +78,7 @@ def wrong_in_network(network: Network, passes: Collection[str]) -> Iterator[str]
 
 
 def _wrong_instances(network: Network, classes: Mapping[str, Class]) -> Iterator[str]:
-    """The instances are those of the tree that the classes make."""
+    """The listed instances must be those of the tree that the classes define."""
     listed = {item.path: item for item in network.instances}
     pending = [(network.top, classes[network.top])]
     there = {network.top}
@@ -96,7 +96,7 @@ def _wrong_instances(network: Network, classes: Mapping[str, Class]) -> Iterator
                 if instance.class_name in classes:
                     there.add(f"{path}.{instance.name}")
                     pending.append((f"{path}.{instance.name}", classes[instance.class_name]))
-    yield from (f"the instance `{path}` is listed and not there" for path in listed if path not in there)
+    yield from (f"the instance `{path}` is listed but does not exist" for path in listed if path not in there)
 
 
 def _wrong_arguments(path: str, entry: Class, arguments: Iterable[tuple[str, object]]) -> Iterator[str]:
@@ -106,7 +106,7 @@ def _wrong_arguments(path: str, entry: Class, arguments: Iterable[tuple[str, obj
         yield f"`{path}` and `{entry.name}` disagree about a parameter `{name}`"
     for name in kinds.keys() & given.keys():
         if not is_value_of(given[name], kinds[name]):  # type: ignore[arg-type]
-            yield f"`{path}` gives `{name}` the value {given[name]}, which is no {kinds[name]}"
+            yield f"`{path}` gives `{name}` the value {given[name]}, which is not of type {kinds[name]}"
 
 
 def _wrong_in_process(
@@ -120,7 +120,7 @@ def _wrong_in_process(
         if isinstance(part, ir.MadeAction) and MADE_BY[type(part)] not in passes:
             yield f"{type(part).__name__} is there before the pass `{MADE_BY[type(part)]}`"
     composition = CompositionCheck(entry, exceptions)
-    yield from composition.wrong()
+    yield from composition.problems()
     for instance in entry.instances:
         if instance.class_name not in inside:
             yield f"the class `{instance.class_name}` of `{instance.name}` is not before it"
@@ -143,7 +143,7 @@ def _wrong_in_instance(instance: InstanceOf, entry: Class, around: CompositionCh
     if kinds.keys() != dict(instance.arguments).keys():
         yield f"the arguments of `{instance.name}` are not the parameters of `{entry.name}`"
     for name, value in instance.arguments:
-        yield from wrong_in_expression(value, around.names, kinds.get(name))
+        yield from expression_problems(value, around.names, kinds.get(name))
     ports = {port.name: port for port in entry.ports}
     wanted = {(p.name, i) for p in entry.ports for i in ([None] if p.size is None else range(p.size))}
     yield from _repeated("connection", [f"{instance.name}.{c.port}[{c.index}]" for c in instance.connections])
@@ -153,7 +153,7 @@ def _wrong_in_instance(instance: InstanceOf, entry: Class, around: CompositionCh
         port, attached = ports.get(connection.port), connection.attachment
         match attached:
             case ConstantEnd():
-                yield from wrong_in_expression(attached.value, around.names, port.type if port else None)
+                yield from expression_problems(attached.value, around.names, port.type if port else None)
             case PortEnd() | ChannelEnd():
                 yield from around.end(attached, port.direction if port else None)
                 kind = around.type_of(attached)
@@ -179,14 +179,14 @@ def _wrong_in_submodel(entry: SubmodelClass, has_time: bool = False) -> Iterator
     states = {state.name: state.type for state in entry.states}
     for item in (*entry.constants, *entry.equations, *entry.derivative_equations):
         if not isinstance(item, ExternalCall):
-            yield from wrong_in_expression(item.value, names, item.type)
+            yield from expression_problems(item.value, names, item.type)
     for state in entry.states:
-        yield from wrong_in_expression(state.initial, names, state.type)
+        yield from expression_problems(state.initial, names, state.type)
     for name, value in (*entry.next_values, *entry.derivatives):
         if name not in states:
             yield f"there is no state `{name}`"
-        yield from wrong_in_expression(value, names)
+        yield from expression_problems(value, names)
 
 
 def _repeated(what: str, names: Iterable[str]) -> Iterator[str]:
-    yield from (f"there are {n} times a {what} `{name}`" for name, n in Counter(names).items() if n > 1)
+    yield from (f"there are {n} declarations of the {what} `{name}`" for name, n in Counter(names).items() if n > 1)

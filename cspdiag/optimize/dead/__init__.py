@@ -1,1 +1,1 @@
-"""Removes what has no effect."""
+"""Dead code elimination."""

@@ -1,8 +1,8 @@
-"""Removes what has no effect: steps that are never reached, handlers of what is never raised, and everything that
-nobody uses any more.
+"""Dead code elimination: steps that are never reached, handlers of exceptions that are never raised, and everything
+that is no longer used.
 
-What could fault stays, although its value is not used, and so do the reading ends of a ``broadcast``: its writer waits
-for them.
+Computations that may fault are kept, even if their values are not used, and so are the reading ends of a ``broadcast``:
+its writer waits for them.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from cspdiag.network.ir.network import (
 )
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import changed, in_sequence, mapped
+from cspdiag.optimize.dead.broadcasts import ends_at, possible_broadcasts
 from cspdiag.optimize.dead.values import without_dead_values
-from cspdiag.optimize.dead.waited_for import ends_of, places_waited_for
 from cspdiag.optimize.reachable import reachable
 
 Class: TypeAlias = "ProcessClass | SubmodelClass"
@@ -61,38 +61,38 @@ def remove_dead_parts(network: Network) -> Network:
 
 
 def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
-    """The class without steps that are never reached and handlers of what is never raised."""
-    waited_for = places_waited_for(entry)
+    """The class without steps that are never reached and handlers of exceptions that are never raised."""
+    broadcasts = possible_broadcasts(entry)
     raising = _Raising(entry, raised)
     assert entry.body is not None
-    is_whole = every_step_is_reached(entry.body)
+    is_fully_reached = every_step_is_reached(entry.body)
 
     def change(item: Any) -> Any:
-        nonlocal is_whole
+        nonlocal is_fully_reached
         match item:
-            case ir.SequentialSteps() if not is_whole:
-                return _until_the_last(item, waited_for)
+            case ir.SequentialSteps() if not is_fully_reached:
+                return _up_to_endless_step(item, broadcasts)
             case ir.CatchException() if not raising.may(item.body, item.exception):
-                is_whole = False
-                return item if ends_of(item.handler, waited_for) else item.body
-            case _:  # Any other part stays as it is.
+                is_fully_reached = False
+                return item if ends_at(item.handler, broadcasts) else item.body
+            case _:  # Any other part is unchanged.
                 return item
 
     return replaced(entry, body=rewritten(entry.body, change))
 
 
-def _until_the_last(sequence: ir.SequentialSteps, waited_for: frozenset[str]) -> ir.Action:
+def _up_to_endless_step(sequence: ir.SequentialSteps, broadcasts: frozenset[str]) -> ir.Action:
     for number, step in enumerate(sequence.steps[:-1], start=1):
         if not may_end(step):
             rest = sequence.steps[number:]
-            if any(isinstance(part, ir.RunInstance) for part in parts(rest)) or ends_of(rest, waited_for):
+            if any(isinstance(part, ir.RunInstance) for part in parts(rest)) or ends_at(rest, broadcasts):
                 break
             return in_sequence(sequence.steps[:number], sequence)
     return sequence
 
 
 class _Raising:
-    """What compositions of a class may raise."""
+    """The exceptions that compositions of a class may raise."""
 
     def __init__(self, entry: ProcessClass, raised: Raised) -> None:
         self._classes = {instance.name: instance.class_name for instance in entry.instances}
@@ -100,11 +100,11 @@ class _Raising:
         self._sampled = {p.name for p in entry.ports if not p.media or any(m.kind == "sampled" for m in p.media)}
 
     def by(self, body: ir.Action) -> Exceptions:
-        """The declared exceptions that may leave a composition, from what it runs as well."""
+        """The declared exceptions that may leave a composition, including those of the instances that it runs."""
         return exceptions_of(flow_of(body), lambda instance: self._raised[self._classes[instance]], _from_outside)[0]
 
     def may(self, body: ir.Action, exception: str) -> bool:
-        """Whether it may raise an exception; any step may fault."""
+        """Whether a composition may raise an exception; any step may fault."""
         if exception == "Fault" or (exception == "Timeout" and any(map(self._samples, parts(body)))):
             return True
         found = self.by(body)
@@ -127,7 +127,9 @@ class _Raising:
 
 
 def _from_outside(instruction: Instruction) -> Exceptions:
-    """A law in another language may raise anything."""
+    """The exceptions of an instruction that calls another language: a law in another language may raise any
+    exception.
+    """
     law = instruction.step if isinstance(instruction, Compute) else None
     is_external = isinstance(law, ir.RunLaw) and any(isinstance(equation, ExternalCall) for equation in law.equations)
     return None if is_external else NO_EXCEPTIONS
@@ -140,12 +142,12 @@ def _without_unused_instances(entry: ProcessClass, classes: Mapping[str, Class])
 
 
 def _is_waited_for(entry: Class) -> bool:
-    """Whether an instance matters although it is not run."""
-    return isinstance(entry, ProcessClass) and bool(places_waited_for(entry))
+    """Whether an instance is needed although it is not run."""
+    return isinstance(entry, ProcessClass) and bool(possible_broadcasts(entry))
 
 
 def _without_unused_parts(entry: ProcessClass, classes: Mapping[str, Class], keep_ports: bool) -> ProcessClass:
-    """Without ports, channels, parameters, and places in the order of creation, that nothing in the class mentions."""
+    """The class without ports, channels, parameters and entries of the creation order that are not mentioned in it."""
 
     def connected(instance: Any) -> Any:
         inner = classes[instance.class_name]
@@ -198,7 +200,9 @@ def _mentioned(entry: ProcessClass) -> _Mentioned:
 
 
 def _with_known_period(port: Port, parameters: set[str]) -> Port:
-    """The period of a port is for people: it does not keep a parameter alive."""
+    """The port without its period if that needs parameters which are otherwise unused: the period is only
+    documentation.
+    """
     needed = {part.name for part in parts(port.period) if isinstance(part, ParameterValue)}
     return port if needed <= parameters else replaced(port, period=None)
 
@@ -219,24 +223,24 @@ def _creation(entry: ProcessClass) -> tuple[Any, ...]:
             case _:  # Any other part makes none.
                 pass
     ends.update(connection.attachment for instance in entry.instances for connection in instance.connections)
-    waited_for = places_waited_for(entry)
-    ends.update(end for end in entry.creation if ends_of(end, waited_for))
+    broadcasts = possible_broadcasts(entry)
+    ends.update(end for end in entry.creation if ends_at(end, broadcasts))
     instances = {instance.name for instance in entry.instances}
 
-    def still_is(item: Any) -> bool:
+    def is_kept(item: Any) -> bool:
         match item:
             case CreatedInstance():
                 return item.instance in instances
             case CreatedChoice():
                 return item.choice in choices
-            case _:  # The ends.
+            case _:  # An end.
                 return item in ends
 
-    return _kept(entry.creation, still_is)
+    return _kept(entry.creation, is_kept)
 
 
 def _without_arguments(network: Network) -> Network:
-    """Without values for parameters that have gone."""
+    """The network without arguments for parameters that have been removed."""
     names_of = {entry.name: {parameter.name for parameter in entry.parameters} for entry in network.classes}
 
     def cut(item: Instantiation) -> Instantiation:

@@ -1,7 +1,7 @@
-"""Removes equations, states and assignments of a process whose values nobody uses.
+"""Removes equations, states and assignments of a process whose values are not used.
 
-A value is used if a communication, a condition, a delay or a value that is used needs it, or if computing it can fault:
-a fault is an effect.
+A value is used if a communication, a condition, a delay or another used value needs it, or if computing it can fault: a
+fault is an effect.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Name: TypeAlias = "tuple[type[SignalValue] | type[VariableValue], str]"
 
 
 def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> ProcessClass:
-    """The class without them; variables that are left without any use stay, for the caller to find.
+    """The class without dead values; variables that are left without any use stay for the caller to remove.
 
     ``unwritten`` are the variables that may be read before they are written, which is a fault.
     """
@@ -42,7 +42,7 @@ def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> Proce
                 return changed(item, states=states) if states else SkipStep(span=item.span)
             case SequentialSteps() if any(isinstance(step, SkipStep) for step in item.steps):
                 return in_sequence(item.steps, item)
-            case _:  # Any other part stays as it is.
+            case _:  # Any other part is unchanged.
                 return item
 
     return replaced(
@@ -71,8 +71,8 @@ def _live_part(law: RunLaw, values: _Values) -> RunLaw | SkipStep:
 
 
 class _Values:
-    """The signals and variables of a class that are ``used``, found by going on from what has an effect until nothing
-    is added.
+    """The signals and variables of a class that are ``used``, collected from everything that has an effect until
+    nothing is added.
     """
 
     def __init__(self, entry: ProcessClass, unwritten: frozenset[str]) -> None:
@@ -114,7 +114,7 @@ class _Values:
             self._need(name, (law.derivative_equations, law.derivatives))
 
     def may_fault(self, expression: Expression) -> bool:
-        """Whether computing the expression may fault, also because a variable was not written."""
+        """Whether computing the expression may fault, including by a read of an unwritten variable."""
         variables = (part.channel for part in parts(expression) if isinstance(part, VariableValue))
         return may_fault(expression) or any(name in self._unwritten for name in variables)
 
@@ -123,12 +123,12 @@ class _Values:
         return bool(item.target.indexes) or self.may_fault(item.value)
 
     def integrates(self, law: RunLaw) -> bool:
-        """Whether the continuous states of a law matter, which are integrated together."""
+        """Whether any continuous state of a law is used; they are integrated together."""
         values = [*(item.value for item in law.derivative_equations), *(value for _, value in law.derivatives)]
         return any((SignalValue, name) in self.used for name, _ in law.derivatives) or any(map(self.may_fault, values))
 
     def _effects(self, item: Any) -> Iterator[Any]:
-        """What is needed whatever happens; values that are only kept are not, unless computing them may fault."""
+        """What is needed in any case; values that are only stored are not, unless computing them may fault."""
         if isinstance(item, tuple):
             for entry in item:
                 yield from self._effects(entry)
@@ -164,8 +164,8 @@ class _Values:
 
 
 def _names(item: Any) -> Iterator[Name]:
-    """The signals and variables that something reads; an end of a variable counts as well, and so does one that is
-    assigned an element.
+    """The signals and variables that are read; an end of a variable counts as a read, and so does an assignment to one
+    element.
     """
     for part in parts(item):
         match part:

@@ -1,1 +1,1 @@
-"""Processes that run in sequence become one."""
+"""Inlines processes that run in sequence into the process around them."""

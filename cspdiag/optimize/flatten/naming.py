@@ -1,5 +1,5 @@
-"""Parts of a class that move into the class around it: names get the instance's prefix, parameters the values that it
-gives.
+"""Renaming of parts that are moved into the class around them: names get a prefix, parameters are replaced by their
+values.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ T = TypeVar("T")
 def parameter_constants(
     instance: InstanceOf, parameters: tuple[ClassParameter, ...]
 ) -> tuple[dict[str, Expression], tuple[SubmodelEquation, ...]]:
-    """What stands for each parameter of an instance, and the constants of the enclosing class that this takes.
+    """The expression that replaces each parameter of an instance, and the constants that this adds to the enclosing
+    class.
 
-    Literals and parameters of the enclosing class stand for themselves; anything else is computed once, as the constant
+    Literals and parameters of the enclosing class are used directly; anything else is computed once, as the constant
     ``servo.sample``.
     """
     spans = {parameter.name: parameter for parameter in parameters}
@@ -43,11 +44,10 @@ def _constant(name: str, value: Expression, span: Span, doc: str | None) -> Subm
 
 
 def renamed(item: T, prefix: str, values: Mapping[str, Expression], signals: Mapping[str, Expression] = {}) -> T:
-    """Expressions, alone or in records or tuples, with the prefix before their signals and variables and ``values`` for
-    parameters.
+    """Expressions, alone or in records or tuples, with the prefix added to their signals and variables, and ``values``
+    in place of parameters.
 
-    ``signals`` stand for signals of these names. Names of equations and channels that are not in expressions stay as
-    they are.
+    ``signals`` replace the signals of these names. Names of equations and channels outside expressions stay the same.
     """
 
     return with_parts(item, lambda part: renamed_part(part, prefix, values, signals))
@@ -56,7 +56,7 @@ def renamed(item: T, prefix: str, values: Mapping[str, Expression], signals: Map
 def renamed_part(
     part: object, prefix: str, values: Mapping[str, Expression], signals: Mapping[str, Expression] = {}
 ) -> Expression | None:
-    """As ``renamed``, for a value that has a name; None for anything else."""
+    """As ``renamed``, for a value that has a name; None for any other part."""
     match part:
         case ParameterValue(name=name):
             return values[name]
@@ -64,7 +64,7 @@ def renamed_part(
             return signals[name] if name in signals else replaced(part, name=f"{prefix}.{name}")
         case VariableValue(channel=channel):
             return replaced(part, channel=f"{prefix}.{channel}")
-        case _:  # Any other part has none.
+        case _:  # Any other part has no name.
             return None
 
 
@@ -74,7 +74,7 @@ def renamed_equation(
     values: Mapping[str, Expression],
     signals: Mapping[str, Expression] = {},
 ) -> SubmodelEquation | ExternalCall:
-    """An equation, with its own name too."""
+    """An equation renamed, including its own name."""
     inner = renamed(equation, prefix, values, signals)
     name = f"{prefix}.{equation.name}"
     if isinstance(inner, ExternalCall):

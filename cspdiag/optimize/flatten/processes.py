@@ -1,5 +1,5 @@
-"""Processes that run in sequence become one: their channels, states and instances move up, their bodies stand where
-they were run.
+"""Inlines processes that run in sequence: their channels, states and instances move up, their bodies replace
+the run.
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ from cspdiag.network.ir.actions import Action, End, Group, ParallelSteps, RunIns
 from cspdiag.network.ir.network import CreatedChoice, CreatedInstance, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import instances_run, parts
 from cspdiag.optimize.changes import with_inner_actions
-from cspdiag.optimize.flatten.moved import EndNumbers, MovedUp
+from cspdiag.optimize.flatten.inlined import EndNumbers, InlinedProcess
 from cspdiag.optimize.reachable import reachable
 from cspdiag.optimize.variables import with_assignments
 from cspdiag.syntax.parse.nesting import DEEPEST
 
 LARGEST = 20_000
-"""Records that a class may have with what is taken into it; without a limit, classes that two others run, each twice,
-would grow without bounds.
+"""The largest number of records of a class with inlined instances; without a limit, classes that two others run, each
+twice, would grow without bounds.
 """
 
 LONGEST = 8
-"""Elements of an array that are taken in; a longer one is better run by a loop."""
+"""Arrays with up to this number of elements are inlined; longer ones are better run in a loop."""
 
 
 def flatten(network: Network) -> Network:
-    """The network with each instance of a process that is run at one place, in sequence, taken into the process around
-    it.
+    """The network with each instance that is run at only one place, in sequence, inlined into the process around it.
 
-    What is run beside others stays a process, and so does what is run at several places, written by hand, or too large.
+    An instance that is run in parallel with others stays a process, and so does one that is run at several places,
+    written by hand, or too large.
     """
     flattening = _Flattening()
     for entry in network.classes:
@@ -59,54 +59,54 @@ class _Flattening:
         self.classes[entry.name] = entry
 
     def _flattened(self, entry: ProcessClass, body: Action) -> ProcessClass:
-        moved = self._moved(entry, body)
-        if not moved:
+        inlined = self._inlinable(entry, body)
+        if not inlined:
             return entry
 
-        def opened(action: Action) -> Action:
-            if isinstance(action, RunInstance) and action.instance in moved:
-                return moved[action.instance].scope(action)
-            return with_inner_actions(action, opened)
+        def with_bodies(action: Action) -> Action:
+            if isinstance(action, RunInstance) and action.instance in inlined:
+                return inlined[action.instance].scope(action)
+            return with_inner_actions(action, with_bodies)
 
-        inner = moved.values()
-        own = tuple(instance for instance in entry.instances if instance.name not in moved)
+        inner = inlined.values()
+        own = tuple(instance for instance in entry.instances if instance.name not in inlined)
         flat = replaced(
             entry,
             channels=(*entry.channels, *(channel for part in inner for channel in part.channels)),
             instances=(*own, *(instance for part in inner for instance in part.instances)),
             constants=(*entry.constants, *(constant for part in inner for constant in part.constants)),
             states=(*entry.states, *(state for part in inner for state in part.states)),
-            creation=tuple(creation_with(entry, moved)),
-            body=opened(body),
+            creation=tuple(creation_with_inlined(entry, inlined)),
+            body=with_bodies(body),
         )
         return with_assignments(flat)
 
-    def _moved(self, entry: ProcessClass, body: Action) -> dict[str, MovedUp]:
-        """The instances to take in."""
-        wanted = _run_in_sequence(body)
-        if not wanted:
+    def _inlinable(self, entry: ProcessClass, body: Action) -> dict[str, InlinedProcess]:
+        """The instances to inline, by name."""
+        candidates = _run_in_sequence(body)
+        if not candidates:
             return {}
         long = {name for name, count in Counter(i.array for i in entry.instances).items() if count > LONGEST}
         numbers = EndNumbers(entry)
-        moved: dict[str, MovedUp] = {}
+        inlined: dict[str, InlinedProcess] = {}
         own_depth = self._depths[entry.name]
         for instance in entry.instances:
             inner = self.classes[instance.class_name]
-            if instance.name not in wanted or (instance.array is not None and instance.array in long):
+            if instance.name not in candidates or (instance.array is not None and instance.array in long):
                 continue
             if isinstance(inner, ProcessClass) and inner.body is not None:
-                part = MovedUp(instance, inner, entry, numbers, self.classes)
+                part = InlinedProcess(instance, inner, entry, numbers, self.classes)
                 size = self._sizes[entry.name] + self._sizes[inner.name] + part.size
                 depth = own_depth + self._depths[inner.name] + 1
                 if size <= LARGEST and depth <= DEEPEST:
-                    moved[instance.name] = part
+                    inlined[instance.name] = part
                     self._sizes[entry.name] = size
                     self._depths[entry.name] = max(self._depths[entry.name], depth)
-        return moved
+        return inlined
 
 
 def _size(entry: ProcessClass) -> int:
-    """Of a class that is too large already, no more is counted than tells that."""
+    """The number of records of a class, counted only until it is too large."""
     owned = parts((entry.body, entry.channels, entry.instances, entry.constants, entry.states))
     return sum(1 for _ in islice(owned, LARGEST + 1))
 
@@ -124,7 +124,7 @@ def _depth(action: Action) -> int:
 
 
 def _run_in_sequence(body: Action) -> set[str]:
-    """The instances that are run at one place, which is no branch of a parallel by itself."""
+    """The instances that are run at only one place, unless that is a branch of a parallel by itself."""
     places = Counter(instances_run(body))
     branches = {
         branch.instance
@@ -142,10 +142,12 @@ def _without_labels(action: Action) -> Action:
     return action
 
 
-def creation_with(entry: ProcessClass, moved: Mapping[str, MovedUp]) -> Iterator[End | CreatedInstance | CreatedChoice]:
-    """The parts of an instance that moved up are made where the instance was."""
+def creation_with_inlined(
+    entry: ProcessClass, inlined: Mapping[str, InlinedProcess]
+) -> Iterator[End | CreatedInstance | CreatedChoice]:
+    """The order of creation with the parts of each inlined instance in place of the instance."""
     for part in entry.creation:
-        if isinstance(part, CreatedInstance) and part.instance in moved:
-            yield from moved[part.instance].creation
+        if isinstance(part, CreatedInstance) and part.instance in inlined:
+            yield from inlined[part.instance].creation
         else:
             yield part

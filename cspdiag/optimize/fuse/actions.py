@@ -1,4 +1,4 @@
-"""The composition of the one process that does what a schedule says."""
+"""The composition of the one process that carries out a schedule."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from cspdiag.network.ir.network import LocalChannel
 from cspdiag.network.lower.distinct_names import DistinctNames
 from cspdiag.optimize.changes import in_sequence
 from cspdiag.optimize.fuse.code import Failure
-from cspdiag.optimize.fuse.follow import Ends, Loops
-from cspdiag.optimize.fuse.record import Step, Turn
+from cspdiag.optimize.fuse.follow import Ends, Repeats
+from cspdiag.optimize.fuse.record import Decision, Step
 from cspdiag.optimize.fuse.rolling import rolled
 from cspdiag.optimize.fuse.schedule import Path
 
 
 class PathWriter:
-    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs
-    besides.
+    """Writes a path as a composition, ``body``, and the ``variables`` that it needs in addition.
 
-    ``followed`` has the positions of samples before which it begins to follow inputs: the ends, beginning with the one
-    that has the sample. ``closing``: the ends of processes that end are closed.
+    ``place`` gives the source place of generated actions. ``followed`` gives the positions of samples before which the
+    process begins to follow inputs, with their ends, beginning with that of the sample. ``closing``: the ends of
+    processes that end are closed.
     """
 
     def __init__(
@@ -39,9 +39,9 @@ class PathWriter:
         self._names = DistinctNames((*taken, *path.made))
         self._followed = followed
         self._closing = closing
-        self._loop = path.outcome.position if isinstance(path.outcome, Loops) else None
+        self._loop = path.outcome.position if isinstance(path.outcome, Repeats) else None
         self.alternatives: list[str] = []
-        """The names of those that it makes."""
+        """The names of the alternatives that it makes."""
         self._counters: dict[str, LiteralValue] = {}
         self._ended: str | None = None
         self.body = self._from(path, 0, 0)
@@ -54,7 +54,7 @@ class PathWriter:
 
     @property
     def counters(self) -> frozenset[str]:
-        """The variables that count turns, or tell that the program ends."""
+        """The variables that count iterations, or mark the end of the program."""
         return frozenset(self._counters)
 
     def _counter(self, name: str, initial: LiteralValue) -> str:
@@ -66,19 +66,21 @@ class PathWriter:
         return self._counter("turn", LiteralValue(type=INT, value=0))
 
     def _from(self, path: Path, first: int, now: int) -> ir.Action:
-        """What happens from the position ``first`` on, from the instant ``now``."""
+        """The occurrences from the position ``first`` and the instant ``now`` on."""
         match path.outcome:
             case Ends(failure=failure):
                 end: list[ir.Action] = []
                 if failure is not None:
                     end.append(_raised(failure))
-                return self._straight(path, first, len(path.happenings), now, path.now, end)
-            case Loops():
+                return self._straight(path, first, len(path.occurrences), now, path.now, end)
+            case Repeats():
                 return self._looping(path, first, now, path.outcome)
 
-    def _looping(self, path: Path, first: int, now: int, loops: Loops) -> ir.Action:
-        start, end = loops.position, len(path.happenings)
-        leaving = [p for p in range(start, end) if isinstance(path.happenings[p], Turn) and _ends_well(path.exits[p])]
+    def _looping(self, path: Path, first: int, now: int, loops: Repeats) -> ir.Action:
+        start, end = loops.position, len(path.occurrences)
+        leaving = [
+            p for p in range(start, end) if isinstance(path.occurrences[p], Decision) and _ends_well(path.exits[p])
+        ]
         until = None if self._waits_itself(path, start, loops.since) else loops.since
         again = None if until is None else path.now
         if len(leaving) == 1:
@@ -93,11 +95,11 @@ class PathWriter:
         loop = ir.Repeat(span=self._place.span, body=body, until=ended)
         return self._straight(path, first, start, now, until, [*self._samples_before(path, start), loop])
 
-    def _leaving(self, path: Path, first: int, now: int, loops: Loops, leave: int) -> ir.Action:
-        """A loop with one way out, which becomes its condition."""
-        start, end = loops.position, len(path.happenings)
-        turn = path.happenings[leave]
-        assert isinstance(turn, Turn)
+    def _leaving(self, path: Path, first: int, now: int, loops: Repeats, leave: int) -> ir.Action:
+        """A loop with one exit, which becomes its condition."""
+        start, end = loops.position, len(path.occurrences)
+        turn = path.occurrences[leave]
+        assert isinstance(turn, Decision)
         waits_itself = self._waits_itself(path, start, loops.since)
         first_part = self._straight(path, start, leave, loops.since, turn.time, [])
         second_part = self._straight(path, leave + 1, end, turn.time, None if waits_itself else path.now, [])
@@ -114,12 +116,12 @@ class PathWriter:
         return self._straight(path, first, start, now, until, [*before, first_part, again, after])
 
     def _samples_before(self, path: Path, loop: int) -> list[ir.Action]:
-        """Where the first sample is what a loop begins with, it is waited for before the loop."""
+        """If a loop begins with a first sample, the wait for it before the loop."""
         return [self._begin(loop)] if loop in self._followed else []
 
     def _waits_itself(self, path: Path, position: int, now: int) -> bool:
-        """Whether what comes first waits for a sample that comes just then."""
-        first = path.happenings[position] if position < len(path.happenings) else None
+        """Whether the occurrence at a position waits for a sample that arrives at this instant."""
+        first = path.occurrences[position] if position < len(path.occurrences) else None
         return isinstance(first, Step) and first.fresh and first.time == now
 
     def _straight(
@@ -132,24 +134,24 @@ class PathWriter:
         end: list[ir.Action],
         in_loop: bool = False,
     ) -> ir.Action:
-        """What happens between two positions, a wait until an instant, and what then follows."""
+        """The occurrences between two positions, a wait until an instant, and what follows."""
         steps: list[ir.Action] = []
         for position in range(first, last):
-            happening = path.happenings[position]
-            if not self._closing and isinstance(happening, Step) and isinstance(happening.action, ir.ProcessScope):
+            occurrence = path.occurrences[position]
+            if not self._closing and isinstance(occurrence, Step) and isinstance(occurrence.action, ir.ProcessScope):
                 continue
-            if happening.time > now and not (isinstance(happening, Step) and happening.fresh):
-                steps.append(self._wait(happening.time - now))
-            now = happening.time
-            if isinstance(happening, Step):
+            if occurrence.time > now and not (isinstance(occurrence, Step) and occurrence.fresh):
+                steps.append(self._wait(occurrence.time - now))
+            now = occurrence.time
+            if isinstance(occurrence, Step):
                 if position in self._followed and position != self._loop:
                     steps.append(self._begin(position))
-                steps.append(happening.action)
+                steps.append(occurrence.action)
                 continue
             other = path.exits[position]
             instead = self._from(other, position + 1, now)
-            condition = opposite(happening.condition) if happening.holds else happening.condition
-            span = happening.condition.span or self._place.span
+            condition = opposite(occurrence.condition) if occurrence.holds else occurrence.condition
+            span = occurrence.condition.span or self._place.span
             if not _ends_well(other):
                 otherwise: ir.Action = ir.SkipStep(span=span)
                 steps.append(ir.IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
@@ -169,7 +171,7 @@ class PathWriter:
         return in_sequence([*rolled(steps, self._turn), *end], self._place)
 
     def _begin(self, position: int) -> ir.Action:
-        """Waits for a sample, and so begins to follow other inputs with it."""
+        """Wait for a sample, and so begin to follow other inputs at the same time."""
         span = self._place.span
         skip = ir.SkipStep(span=span)
         branches = (
@@ -185,7 +187,7 @@ class PathWriter:
 
 
 def _raised(failure: Failure) -> ir.Action:
-    """Where it was raised, by the process that raised it."""
+    """The exception as raised by the process that raised it."""
     return failure.action if failure.process is None else replaced(failure.process, ends=(), body=failure.action)
 
 
@@ -194,7 +196,7 @@ def _ends_well(path: Path) -> bool:
 
 
 def opposite(condition: Expression) -> Expression:
-    """A condition that holds where this one does not."""
+    """A condition that holds if and only if this one does not."""
     match condition:
         case BinaryOperation(operator="=="):
             return replaced(condition, operator="!=")

@@ -1,7 +1,7 @@
-"""What a process has assigned when it is cancelled, and who sees that.
+"""Cancelled processes whose last assignments can be observed.
 
-A cancelled process goes on to its next communication, and may assign to variables on the way; a fused one ends where it
-is. That makes a difference only where an exception is caught and these variables are read afterwards.
+A cancelled process continues to its next communication, and may assign variables until then; in a fused program it ends
+immediately. The difference can only be observed if an exception is caught and these variables are read afterwards.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from cspdiag.network.ir.walk import channels_written, parts
 from cspdiag.optimize.fuse.code import NotStaticError
 
 
-def refuse_seen_cancellation(entry: ProcessClass) -> None:
-    """Raises NotStaticError where a caught exception cancels processes whose variables are read outside of what it
+def refuse_visible_cancellation(entry: ProcessClass) -> None:
+    """Raises NotStaticError if a caught exception cancels processes whose variables are read outside the part that it
     ends.
     """
-    everything = _reads(entry.body)
+    all_reads = _reads(entry.body)
     repeated = {
         id(part)
         for loop in parts(entry.body)
@@ -31,7 +31,7 @@ def refuse_seen_cancellation(entry: ProcessClass) -> None:
         if isinstance(part, ir.CatchException) and any(
             isinstance(inside, ir.ParallelSteps) for inside in parts(part.body)
         ):
-            reads = everything if id(part) in repeated else everything - _reads(part.body)
+            reads = all_reads if id(part) in repeated else all_reads - _reads(part.body)
             if any(reads[name] for name in _assigned(part)):
                 raise NotStaticError("what a cancelled process still assigns is read after the exception", part.span)
 
@@ -47,7 +47,7 @@ def _reads(action: object) -> Counter[str]:
 
 
 def _assigned(catch: ir.CatchException) -> set[str]:
-    """Variables, and states of control laws, that change in what the exception ends."""
+    """Variables, and states of control laws, that change in the part that the exception ends."""
     names = set(channels_written(catch.body))
     for part in parts(catch.body):
         if isinstance(part, ir.RunLaw):

@@ -1,6 +1,7 @@
-"""The instructions of a whole program, with what it takes to follow at compile time what all its processes do.
+"""The instructions of a program, prepared for following all its processes at compile time.
 
-What only computes is done as a whole, however large; outputs to the environment never wait, and count as computing.
+Parts that only compute are executed as a unit, however large; outputs to the environment never wait, and count as
+computation.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import MediumKind, ProcessClass
 from cspdiag.optimize.changes import with_inner_actions
 
-MOST_TURNS = 1_000
-"""A loop of more turns that communicate stays one."""
+LARGEST_NUMBER_OF_ITERATIONS = 1_000
+"""A loop that communicates in more iterations is not unrolled."""
 
 
 class NotStaticError(Exception):
-    """The order of communications is not known at compile time; the text says why."""
+    """The order of communications is not known at compile time; the message gives the reason."""
 
     def __init__(self, reason: str, span: Span | None = None) -> None:
         super().__init__(reason if span is None else f"{reason} ({span})")
@@ -30,17 +31,17 @@ class NotStaticError(Exception):
 
 @record(eq=False)
 class Failure:
-    """What raises an exception, in a process, None for the outermost."""
+    """An exception that is raised, and the process that raises it, None for the outermost."""
 
     action: ir.RaiseException
     process: ir.ProcessScope | None
 
 
 class Code:
-    """The instructions of a process class whose composition runs no instances any more, and where each goes on.
+    """The instructions of a process class whose composition runs no instances, and their successors.
 
-    ``whole`` are the conditions and loops that may be computed as a whole, with all that is inside them; None: all that
-    only compute.
+    ``whole`` are the conditions and loops that may be computed as a unit, including everything inside them; None: all
+    that only compute.
     """
 
     def __init__(self, entry: ProcessClass, whole: Container[ir.Action] | None = None) -> None:
@@ -53,23 +54,23 @@ class Code:
         self.instructions = code.instructions
         self.after = flow.following(code)
         self.computations = self._computations(code)
-        """By its first instruction what is computed as a whole, with the instruction after it."""
+        """What is computed as a unit, by its first instruction, with the instruction after it."""
         self.joins = {i.fork: index for index, i in enumerate(code.instructions) if isinstance(i, flow.Join)}
         """The ``Join`` of each ``Fork``."""
         self._refuse(code)
         self.around: list[tuple[int, ...]] = []
-        """By instruction what is around it within its branch, innermost first: the ``Enter`` of processes, and the
-        ``Abandon`` of what catches exceptions.
+        """The scopes around each instruction within its branch, innermost first: the ``Enter`` of processes, and the
+        ``Abandon`` of handlers.
         """
         self.failures: dict[int, Failure] = {}
         self._nest(code)
 
     def _unrolled(self, action: ir.Action) -> ir.Action:
-        """The action with the turns of loops that communicate one after another."""
+        """The action with loops that communicate unrolled into their iterations."""
         action = with_inner_actions(action, self._unrolled)
         if (
             not isinstance(action, ir.CountedLoop)
-            or action.turns > MOST_TURNS
+            or action.turns > LARGEST_NUMBER_OF_ITERATIONS
             or 0 in self._computations(flow_of(action))
         ):
             return action
@@ -80,7 +81,7 @@ class Code:
         computes = [self._computes(instruction) for instruction in code.instructions]
         found: dict[int, tuple[ir.Action, int]] = {}
         for action, inside in code.decisions:
-            out = next((way for index in inside for way in after[index] if way not in inside), None)
+            out = next((target for index in inside for target in after[index] if target not in inside), None)
             if out is None or not all(computes[inside.start : inside.stop]):
                 computes[inside.start] = False
             elif self._whole is None or isinstance(action, ir.CountedLoop) or action in self._whole:
@@ -88,17 +89,17 @@ class Code:
         return found
 
     def _computes(self, instruction: flow.Instruction) -> bool:
-        """Whether it never waits, and goes on after it in every case (but a fault)."""
+        """Whether an instruction never waits, and is followed by the next one in every case (except for a fault)."""
         match instruction:
             case flow.Compute():
                 return not isinstance(instruction.step, ir.ResetInstance)
             case flow.Communicate():
-                return self.is_over_at_once(instruction.step)
-            case _:  # Of all others these lead from step to step.
+                return self.is_done_at_once(instruction.step)
+            case _:  # Of the others, these only transfer control.
                 return isinstance(instruction, flow.Test | flow.Loop | flow.Turn | flow.Meet)
 
-    def is_over_at_once(self, step: flow.Communication) -> bool:
-        """Whether it never waits, and nobody can have waited for it."""
+    def is_done_at_once(self, step: flow.Communication) -> bool:
+        """Whether a communication never waits, and no other process can have waited for it."""
         match step:
             case ir.ReadValue():
                 return False
@@ -127,13 +128,13 @@ class Code:
         for index, instruction in enumerate(code.instructions):
             match instruction:
                 case flow.Call(step=step) | flow.Compute(step=ir.ResetInstance() as step):
-                    raise NotStaticError(f"{step.instance} is a process or control law of its own", step.span)
+                    raise NotStaticError(f"{step.instance} is a separate process or control law", step.span)
                 case flow.Watch(step=ir.CatchException(exception="Fault" | "Timeout" as exception)):
                     raise NotStaticError(f"a {exception} that is caught may come at any time", instruction.span)
                 case flow.Watch(step=step) if not isinstance(step, ir.CatchException):
                     raise NotStaticError("an interrupt may come at any time", instruction.span)
                 case flow.Loop() if index in counted and index not in self.computations:
-                    raise NotStaticError(f"{counted[index].turns} turns are too many to write down", instruction.span)
+                    raise NotStaticError(f"{counted[index].turns} iterations are too many to unroll", instruction.span)
                 case _:  # Every other instruction can be followed.
                     pass
 
@@ -145,7 +146,7 @@ class Code:
                     around.pop()
                 case flow.Leave() | flow.Unwatch():
                     around[-1] = around[-1][1:]
-                case _:  # Nothing else ends what is around.
+                case _:  # No other instruction ends a scope.
                     pass
             self.around.append(around[-1])
             match instruction:
@@ -161,5 +162,5 @@ class Code:
                     scopes = (code.instructions[place] for branch in reversed(around) for place in branch)
                     process = next((scope.step for scope in scopes if isinstance(scope, flow.Enter)), None)
                     self.failures[index] = Failure(instruction.step, process)
-                case _:  # Nothing else begins what is around.
+                case _:  # No other instruction begins a scope.
                     pass

@@ -1,7 +1,7 @@
-"""Reads the variable that a value comes from instead of a copy of it, so that copies which a rendezvous left become
-needless.
+"""Copy propagation: reads the origin of a value instead of a copy, so copies that rendezvous have left become dead.
 
-A copy stands for its origin until one of the two is written again. Where ways meet, what holds on all of them holds.
+A copy equals its origin until one of the two is written again. Where paths join, a copy is known only if it is known on
+all of them.
 """
 
 from __future__ import annotations
@@ -27,13 +27,12 @@ NOTHING: Copies = {}
 
 
 def without_copies(body: Action) -> Action:
-    """The composition of one process without parallels and instances, reading origins instead of copies; the copies are
-    still made.
+    """The composition of one process without parallels and instances, with reads of origins instead of copies; the
+    copies are still made.
     """
     code = flow_of(body)
-    states = solve(code, NOTHING, _after, _on_all_ways)
-    # The steps and conditions of the text in their order, as the walk below meets them; nothing is known of what is
-    # never reached.
+    states = solve(code, NOTHING, _after, _on_all_paths)
+    # The steps and conditions in text order, as the walk below visits them; no copies are known in unreachable ones.
     known = iter(
         [
             copies or NOTHING
@@ -64,12 +63,12 @@ def _after(index: int, instruction: Instruction, copies: Copies) -> Copies:
         case Compute(step=AssignValue(target=Target(channel=name, indexes=()), value=VariableValue(channel=source))):
             origin = copies.get(source, source)
             return after if origin == name else {**after, name: origin}
-        case _:  # Nothing else makes a copy.
+        case _:  # No other instruction makes a copy.
             return after
 
 
-def _on_all_ways(_: Instruction, ways: list[Copies]) -> Copies:
-    first, *others = ways
+def _on_all_paths(_: Instruction, paths: list[Copies]) -> Copies:
+    first, *others = paths
     return {name: origin for name, origin in first.items() if all(other.get(name) == origin for other in others)}
 
 

@@ -1,9 +1,9 @@
-"""Follows at compile time what a program does, by the meaning of the language: all its tasks, their channels and the
+"""Symbolic execution of a program at compile time, on the semantics of the language: all its tasks, channels and the
 time.
 
-Values are not known, but for variables that only count. What happens is written down: computations, samples that are
-taken, values that pass. Where the program goes on depends on a value that is not known, ``decisions`` say where to go;
-without one for it, following stops there.
+Values are unknown, except for variables that only count. Computations, samples and values that are passed are recorded.
+If control flow depends on an unknown value, ``decisions`` say where to continue; when they are used up, the execution
+stops there.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from cspdiag.semantics.media import EndKey, Place
 from cspdiag.semantics.requests import Parent, Run, Task
 from cspdiag.semantics.scheduler import Scheduler
 
-LONGEST = 1000
-"""Turns of tasks that are followed at most; a schedule that is longer would not be worth its memory."""
+LARGEST_NUMBER_OF_TURNS = 1000
+"""Turns of tasks that are executed at most; a longer schedule would not be worth its memory."""
 
 
 @record
@@ -40,9 +40,9 @@ class Ends:
 
 
 @record
-class Loops:
-    """The program is in a state for the second time; it was in it at instant ``since``, when ``position`` things had
-    happened.
+class Repeats:
+    """The program has returned to an earlier state, in which it was at the instant ``since``, after ``position``
+    occurrences.
     """
 
     position: int
@@ -50,47 +50,47 @@ class Loops:
 
 
 @record
-class Asks:
+class NeedsDecision:
     """What follows depends on a condition."""
 
     condition: Expression
 
 
-Outcome: TypeAlias = Ends | Loops | Asks
+Outcome: TypeAlias = Ends | Repeats | NeedsDecision
 
 
-class _FoundError(Exception):
+class _OutcomeError(Exception):
     def __init__(self, outcome: Outcome) -> None:
         super().__init__()
         self.outcome = outcome
 
 
-class _Unknown:
-    """The environment: inputs are sampled, and nobody knows what."""
+class _UnknownEnvironment:
+    """An environment whose samples are unknown."""
 
     grid = Sampling(2**63)
 
     def advance(self, now: int) -> None:
-        """It goes on."""
+        """Nothing changes."""
 
     def output(self, port: str) -> None:
-        """A value that is not known."""
+        """An unknown value."""
 
     def give(self, port: str, value: object) -> None:
-        """Outputs are written down where they are written."""
+        """Ignored: outputs are recorded where they are written."""
 
 
-class Following(Scheduler):
-    """The state of a program at an instant, and what has happened so far."""
+class SymbolicRun(Scheduler):
+    """The state of a program at an instant, with what has occurred so far."""
 
     def __init__(
         self, code: Code, ports: Sequence[ExternalPort], counting: frozenset[str], decisions: Sequence[bool]
     ) -> None:
-        super().__init__(code.entry.name, _Unknown(), timeouts=True)
+        super().__init__(code.entry.name, _UnknownEnvironment(), timeouts=True)
         self.code = code
         self.record = Recorder(code.entry, counting)
         self._decisions = decisions
-        self._asked = 0
+        self._decided = 0
         self._seen: dict[object, tuple[int, int]] = {}
         self._walkers: list[Walker] = []
         self._owners = _owners(code.entry)
@@ -101,7 +101,7 @@ class Following(Scheduler):
         self._ends: dict[EndKey, End] = {}
         self._media: dict[Place, Medium] = {}
         self._make_media(code.entry, ports)
-        self._waited_at = [medium for medium in self._media.values() if not isinstance(medium, AtOnce)]
+        self._waiting_media = [medium for medium in self._media.values() if not isinstance(medium, AtOnce)]
         self._period = math.lcm(*(port.sampling.period for port in self._sampled)) if self._sampled else 1
 
     def _make_media(self, entry: ProcessClass, ports: Sequence[ExternalPort]) -> None:
@@ -131,10 +131,10 @@ class Following(Scheduler):
         return sampled
 
     def medium_of(self, end: End) -> Medium:
-        """What an end belongs to. Raises NotStaticError where that is an input without a period."""
+        """The medium of an end. Raises NotStaticError if that is an input without a period."""
         medium = self._media.get(_place(end))
         if medium is None:
-            raise NotStaticError(f"nobody knows when {_place(end)[0]} has an event")
+            raise NotStaticError(f"the instants of events at {_place(end)[0]} are not known")
         return medium
 
     def key_of(self, end: End) -> EndKey:
@@ -143,31 +143,29 @@ class Following(Scheduler):
         return (self._owners.get(end, ""), name, index, end.end)
 
     def alternative(self, name: str, *, prioritized: bool) -> Choose:
-        """An alternative that has no guards yet."""
+        """An alternative without guards."""
         memory = {} if prioritized else self._memories.setdefault(name, {})
         return Choose(prioritized, memory, self._numbers[name])
 
     def follow(self) -> Outcome:
-        """Follows to the end, to a state that has been before, or to where a decision is missing. Raises
-        NotStaticError.
-        """
+        """Execute to the end, to a repeated state, or to where a decision is missing. Raises NotStaticError."""
         try:
             ending = self.run(Walker(self, (0,), 0), None)
-        except _FoundError as found:
+        except _OutcomeError as found:
             return found.outcome
         if ending.ended == "deadlock":
             raise NotStaticError("it deadlocks")
         return Ends(self.failure.failure if isinstance(self.failure, FailureError) else None)
 
     def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
-        """A new branch."""
+        """Start a branch."""
         assert isinstance(steps, Walker)
         steps.task = super().start(steps, priority, parent)
         self._walkers.append(steps)
         return steps.task
 
     def samplings(self) -> list[Sampling]:
-        """Those of the inputs that somebody follows."""
+        """Those of the inputs that some process follows."""
         return [port.sampling for port in self._sampled if port.sessions]
 
     def instant(self, now: int) -> None:
@@ -177,33 +175,33 @@ class Following(Scheduler):
         super().instant(now)
 
     def next_of(self, ready: Sequence[Task]) -> Task:
-        """The next turn: this is where the state of a program is compared with those before."""
+        """The task of the next turn, after a check for a repeated state."""
         self._walkers = [walker for walker in self._walkers if not walker.task.ended]
         self.remember()
         return super().next_of(ready)
 
     def followed_since(self) -> dict[End, int]:
-        """When the ends of sampled inputs were read, or waited at, for the first time."""
+        """The instants at which the ends of sampled inputs were first read or waited for."""
         return {self._ends[end]: since for port in self._sampled for end, since in port.since.items()}
 
     def folded(self, expression: Expression) -> Expression:
-        """The expression, or its value where that is known."""
+        """The expression, or its value if that is known."""
         return self.record.folded(expression)
 
-    def compute_beside(self, offer: Offer) -> None:
-        """The value of one of several offers is computed before any of them is made."""
-        self.record.compute_beside(offer)
+    def compute_in_advance(self, offer: Offer) -> None:
+        """Compute the value of one of several offers before any of them is made."""
+        self.record.compute_in_advance(offer)
 
     def holds(self, condition: Expression) -> bool:
-        """Whether a condition holds, as far as it is known, or decided."""
+        """Whether a condition holds, by its value if it is known, otherwise by the next decision."""
         value = self.folded(condition)
         if isinstance(value, LiteralValue):
             return value.value is True
-        if self._asked == len(self._decisions):
-            raise _FoundError(Asks(condition))
-        taken = self._decisions[self._asked]
-        self._asked += 1
-        self.record.turn(condition, taken)
+        if self._decided == len(self._decisions):
+            raise _OutcomeError(NeedsDecision(condition))
+        taken = self._decisions[self._decided]
+        self._decided += 1
+        self.record.decide(condition, taken)
         return taken
 
     def close(self, process: ProcessScope) -> None:
@@ -213,17 +211,17 @@ class Following(Scheduler):
         self.process_ended(process.instance)
 
     def remember(self) -> None:
-        """Stops where the program is in a state for the second time."""
+        """Record the state; stop if the program has been in it before."""
         state = self._state()
-        happened = len(self.record.happenings)
+        happened = len(self.record.occurrences)
         before = self._seen.get(state)
         if before is not None:
             position, since = before
             if since == self.now and position == happened:
-                raise NotStaticError("it goes on forever without doing anything")
-            raise _FoundError(Loops(position, since))
-        if len(self._seen) > LONGEST:
-            raise NotStaticError(f"it takes more than {LONGEST} turns until it repeats")
+                raise NotStaticError("it runs forever without doing anything")
+            raise _OutcomeError(Repeats(position, since))
+        if len(self._seen) > LARGEST_NUMBER_OF_TURNS:
+            raise NotStaticError(f"it takes more than {LARGEST_NUMBER_OF_TURNS} turns until it repeats")
         self._seen[state] = (happened, self.now)
 
     def _state(self) -> object:
@@ -233,7 +231,7 @@ class Following(Scheduler):
             tuple(map(_key, self.ready)),
             tuple(walker.state(self.now) for walker in self._walkers),
             tuple(_key(request.task) for request in self.waiting),
-            tuple(medium.state() for medium in self._waited_at),
+            tuple(medium.state() for medium in self._waiting_media),
             tuple(sorted((name, memory["last"]) for name, memory in self._memories.items() if memory)),
             self.record.knowledge(),
         )
@@ -249,13 +247,13 @@ def _place(end: End) -> Place:
 
 
 def _alternatives(entry: ProcessClass) -> Iterator[str]:
-    """In the order in which they come to be, which is that in which they are served."""
+    """The alternatives in the order in which they are created, which is the order in which they are served."""
     assert entry.body is not None
     yield from (made.choice for made in entry.creation if isinstance(made, CreatedChoice))
     yield from (choice.name for choice in choices(entry.body))
 
 
 def _owners(entry: ProcessClass) -> Mapping[End, str]:
-    """The process, of those that are inside, that has an end."""
+    """By end, the inlined process to which it belongs."""
     scopes = (part for part in parts(entry.body) if isinstance(part, ProcessScope))
     return {end: scope.instance for scope in scopes for end in scope.ends}

@@ -1,7 +1,7 @@
-"""Channels and sampled inputs as they are followed at compile time.
+"""Channels and sampled inputs in symbolic execution.
 
-Who waits at them, who meets whom, and in which order is what the meaning of the language says. Values are not known,
-only the expressions that they come from: where a value passes, the ``Recorder`` writes down an assignment and, for the
+Which processes wait at them, which of them communicate, and in what order is defined by the semantics of the language.
+Only the expressions of values are known: when a value is passed, the ``Recorder`` records an assignment and, for the
 trace, a report.
 """
 
@@ -23,7 +23,7 @@ from cspdiag.semantics.outside import SampledInput, Session
 
 
 class Place(Protocol):
-    """Where a task is that makes offers."""
+    """The task that makes offers, and its position."""
 
     key: tuple[int, ...]
     position: int
@@ -31,77 +31,77 @@ class Place(Protocol):
 
 @dataclass(eq=False, kw_only=True)
 class Offer(media.Offer):
-    """A wish to communicate once, of which the value is an expression."""
+    """An offer to communicate once, whose value is an expression."""
 
     place: Place
     source: End
     number: int
-    """Tells the offers of one place apart."""
+    """Distinguishes the offers of one place."""
     span: Span
     target: Target | None = None
 
     @property
     def key(self) -> tuple[object, ...]:
-        """Tells offers apart in a state."""
+        """Identifies the offer in a state."""
         return (self.place.key, self.number)
 
 
-def followed(offer: media.Offer) -> Offer:
-    """All offers are such here."""
+def as_offer(offer: media.Offer) -> Offer:
+    """The offer with its symbolic fields: all offers here have them."""
     assert isinstance(offer, Offer)
     return offer
 
 
 class Records(Protocol):
-    """Writes down what happens."""
+    """Records what the media do."""
 
     def communicate(self, channel: str, value: Expression, offer: Offer) -> None:
-        """A value passes to the target of an offer."""
+        """A value is passed to the target of an offer."""
 
     def keep(self, offer: Offer, slot: int) -> Expression:
-        """The value of a writer enters a buffer; gives what stands for it."""
+        """The value of a writer enters a buffer; returns the expression that then represents it."""
 
     def give(self, offer: Offer, value: Expression) -> None:
-        """A value that was kept comes to the target of an offer; no communication."""
+        """A buffered value is passed to the target of an offer; this is no communication."""
 
     def sample(self, offer: Offer, fresh: bool) -> None:
-        """A sample is taken; ``fresh`` tells that it came at this instant."""
+        """A sample is taken; ``fresh`` if it arrived at this instant."""
 
     def at_once(self, offer: Offer) -> None:
         """A variable is read, or it or an output is written."""
 
     def compute(self, offer: Offer) -> None:
-        """The value of a writer that goes on to wait is computed."""
+        """The value of a writer is computed before it waits."""
 
 
 class Medium(media.Medium):
-    """What processes wait at, and what its future depends on."""
+    """A channel or input at which processes wait."""
 
     def __init__(self, record: Records, world: World, name: str, *arguments: Any) -> None:
         super().__init__(world, name, *arguments)
         self.record = record
 
     def state(self) -> tuple[object, ...]:
-        """What the future depends on."""
-        return tuple(followed(offer).key for offer in self.offers)
+        """The part of the state on which future communications depend."""
+        return tuple(as_offer(offer).key for offer in self.offers)
 
     def park(self, offer: media.Offer) -> None:
-        """A value that waits is computed first."""
+        """Let an offer wait; its value is computed first."""
         if offer.writes:
-            self.record.compute(followed(offer))
+            self.record.compute(as_offer(offer))
         super().park(offer)
 
     def hand(self, writer: media.Offer, reader: media.Offer) -> None:
-        """The value passes."""
-        self.record.communicate(self.name, writer.value, followed(reader))
+        """Pass the value."""
+        self.record.communicate(self.name, writer.value, as_offer(reader))
 
 
 class AtOnce(Medium, media.AtOnce):
-    """What never waits: variables, and outputs to the environment."""
+    """A medium that never waits: a variable, or an output to the environment."""
 
     def arrive(self, offer: media.Offer) -> None:
-        """The variable is read, or it or the output is written."""
-        self.record.at_once(followed(offer))
+        """Read the variable, or write it or the output."""
+        self.record.at_once(as_offer(offer))
         self.complete(offer)
 
 
@@ -110,7 +110,7 @@ class Rendezvous(Medium, media.Rendezvous):
 
 
 class Fifo(Medium, media.Fifo):
-    """A channel of kind ``buffer`` or ``overwrite``: each value is kept in a variable of its own, by its number in
+    """A channel of kind ``buffer`` or ``overwrite``; each value is kept in a variable, whose number is in
     ``values``.
     """
 
@@ -119,48 +119,48 @@ class Fifo(Medium, media.Fifo):
         return (*super().state(), *(slot for slot, _ in self.values))
 
     def park(self, offer: media.Offer) -> None:
-        """A value that enters at once is computed there."""
+        """Let an offer wait; the value of one that enters immediately is computed when it enters."""
         if self.ready(offer):
             self.offers.append(offer)
         else:
             super().park(offer)
 
     def put(self, offer: media.Offer) -> None:
-        """The value enters, in the place of the oldest where there is no room."""
+        """Let the value enter, in place of the oldest if there is no room."""
         if len(self.values) == self.capacity:
             self.values.pop(0)
         slot = min(set(range(self.capacity)) - {slot for slot, _ in self.values})
-        self.values.append((slot, self.record.keep(followed(offer), slot)))
+        self.values.append((slot, self.record.keep(as_offer(offer), slot)))
 
     def take(self, offer: media.Offer) -> None:
-        """The oldest value comes to a reader."""
-        self.record.give(followed(offer), self.values.pop(0)[1])
+        """Pass the oldest value to a reader."""
+        self.record.give(as_offer(offer), self.values.pop(0)[1])
 
 
 class Broadcast(Medium, media.Broadcast):
-    """Every reading end takes every value; the writer goes on when all have."""
+    """A channel of which every reading end takes every value; the writer continues when all have."""
 
     def state(self) -> tuple[object, ...]:
         """See ``Medium.state``."""
-        writing = () if self.writing is None else (followed(self.writing).key, *self.missing)
+        writing = () if self.writing is None else (as_offer(self.writing).key, *self.missing)
         return (*super().state(), writing)
 
     def arrive(self, offer: media.Offer) -> None:
-        """The value of a writer is computed once for all readers."""
+        """Compute the value of a writer once for all readers."""
         if offer.writes:
-            self.record.compute(followed(offer))
+            self.record.compute(as_offer(offer))
         super().arrive(offer)
 
 
 class Input(Medium, SampledInput):
-    """A sampled input. Only programs that miss no sample are followed, so that the sample to be taken is that of the
-    latest tick.
+    """A sampled input. Only programs that miss no sample are followed, so the next sample to take is that of the latest
+    tick.
     """
 
     def __init__(self, record: Records, world: World, name: str, sampling: Sampling) -> None:
         super().__init__(record, world, name, sampling)
         self.since: dict[EndKey, int] = {}
-        """When each end was waited at for the first time."""
+        """The instant at which each end was first waited at."""
 
     def state(self) -> tuple[object, ...]:
         """See ``Medium.state``."""
@@ -169,21 +169,21 @@ class Input(Medium, SampledInput):
         return (*super().state(), frozenset(sessions))
 
     def begin(self, end: EndKey, *, available: bool) -> Session:
-        """A first read."""
+        """The first read at an end."""
         self.since.setdefault(end, self.world.now)
         return super().begin(end, available=available)
 
     def sampled(self, value: object) -> None:
-        """The instant of a sample. Raises NotStaticError where one is missed."""
+        """Take over a sample. Raises NotStaticError if the previous one was missed."""
         super().sampled(value)
         if self.missed:
             raise NotStaticError(f"samples of {self.name} are missed")
 
     def retry(self, offer: media.Offer) -> None:
-        """Take the sample that is there, or wait on."""
+        """Take the sample if there is one, otherwise wait."""
         if self.ready(offer):
             self.take(offer.end)
-            self.record.sample(followed(offer), self.sampling.is_tick(self.world.now))
+            self.record.sample(as_offer(offer), self.sampling.is_tick(self.world.now))
             self.complete(offer)
 
 

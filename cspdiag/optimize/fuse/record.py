@@ -1,4 +1,4 @@
-"""What happens in a program that is followed at compile time, written down as actions of one process."""
+"""What occurs in a symbolic execution, recorded as actions of one process."""
 
 from __future__ import annotations
 
@@ -15,14 +15,12 @@ from cspdiag.optimize.folding import folded_with
 from cspdiag.optimize.fuse.code import NotStaticError
 from cspdiag.optimize.fuse.media import Offer
 
-MOST_INSTRUCTIONS = 30_000
+LARGEST_NUMBER_OF_INSTRUCTIONS = 30_000
 
 
 @record
 class Step:
-    """Something that is done at an instant; ``fresh``: it takes a sample that came at this instant, and so waits for
-    it.
-    """
+    """An action at an instant; with ``fresh`` it takes a sample that arrives at this instant, so it waits for it."""
 
     time: int
     action: ir.Action
@@ -30,25 +28,25 @@ class Step:
 
 
 @record
-class Turn:
-    """A condition that is looked at, with the outcome that is followed."""
+class Decision:
+    """A condition that is evaluated, with the outcome that is followed."""
 
     time: int
     condition: Expression
     holds: bool
 
 
-Happening: TypeAlias = Step | Turn
+Occurrence: TypeAlias = Step | Decision
 
 
 class Recorder:
-    """Writes down what happens, and knows the variables that ``counting`` names as far as they are constant."""
+    """Records occurrences, and tracks the values of the variables in ``counting`` as long as they are constant."""
 
     def __init__(self, entry: ProcessClass, counting: frozenset[str]) -> None:
         self.now = 0
-        self.happenings: list[Happening] = []
+        self.occurrences: list[Occurrence] = []
         self.made: dict[str, Type] = {}
-        """Variables that the recorder needs, by name."""
+        """Additional variables that the record needs, by name."""
         self._names: dict[tuple[str, tuple[int, ...] | None], str] = {}
         self._types = {channel.name: channel.type for channel in entry.channels}
         variables = [channel for channel in entry.channels if channel.kind == "var"]
@@ -59,37 +57,37 @@ class Recorder:
             if channel.name in counting and isinstance(channel.initial, LiteralValue)
         }
         self._written = {channel.name for channel in variables if channel.initial is not None}
-        self._later: dict[object, list[ir.Action]] = {}
+        self._postponed: dict[object, list[ir.Action]] = {}
         self._instructions = 0
 
     def count_instruction(self) -> None:
-        """Raises NotStaticError where following takes too long."""
+        """Raises NotStaticError if the execution takes too long."""
         self._instructions += 1
-        if self._instructions > MOST_INSTRUCTIONS:
+        if self._instructions > LARGEST_NUMBER_OF_INSTRUCTIONS:
             raise NotStaticError("it takes too long until it repeats")
 
     def knowledge(self) -> object:
-        """What the future depends on."""
+        """The part of the state on which the future depends."""
         known = tuple(sorted((name, repr(value.value)) for name, value in self._known.items()))
-        return known, frozenset(self._written), frozenset(self._later)
+        return known, frozenset(self._written), frozenset(self._postponed)
 
     def folded(self, expression: Expression) -> Expression:
-        """The expression, or its value where that is known."""
+        """The expression, or its value if that is known."""
         return folded_with(expression, self._known)
 
     def close(self, process: ir.ProcessScope) -> None:
-        """A process that had ends has ended; without what it did, it closes them."""
+        """A process with ends has ended; its scope, with an empty body, closes them."""
         self._do(process)
 
-    def turn(self, condition: Expression, holds: bool) -> None:
-        """A condition is looked at."""
-        self.happenings.append(Turn(self.now, condition, holds))
+    def decide(self, condition: Expression, holds: bool) -> None:
+        """A condition is evaluated."""
+        self.occurrences.append(Decision(self.now, condition, holds))
 
     def _do(self, action: ir.Action, *, fresh: bool = False) -> None:
-        self.happenings.append(Step(self.now, action, fresh))
+        self.occurrences.append(Step(self.now, action, fresh))
 
     def compute_action(self, action: ir.Action) -> None:
-        """Something is computed, or written to the environment."""
+        """A computation, or a write to the environment."""
         if isinstance(action, ir.AssignValue) and not action.target.indexes:
             value = self.folded(action.value)
             known = isinstance(value, LiteralValue) and action.target.channel in self._counting
@@ -109,7 +107,7 @@ class Recorder:
             self._known.pop(name, None)
 
     def _variable(self, name: str, kind: Type, offer: Offer | None = None) -> str:
-        """A variable besides those of the program; one for each place that offers."""
+        """An additional variable; one for each place that makes offers."""
         key = (name, None if offer is None else (*offer.place.key, offer.place.position, offer.number))
         if key not in self._names:
             number = 1
@@ -126,16 +124,18 @@ class Recorder:
         self._assigned(target.channel, self.folded(value))
 
     def communicate(self, channel: str, value: Expression, offer: Offer) -> None:
-        """A value passes to the target of an offer."""
+        """A value is passed to the target of an offer."""
         stored = self._store(channel, offer, value)
         self._do(ir.ReportCommunication(span=offer.span, channel=channel, value=stored))
 
     def give(self, offer: Offer, value: Expression) -> None:
-        """A value that was kept comes to the target of an offer."""
+        """A buffered value is passed to the target of an offer."""
         self._store(offer.medium.name, offer, value)
 
     def _store(self, channel: str, offer: Offer, value: Expression) -> Expression:
-        """Where an element of an array is read, its index is computed when the reader goes on."""
+        """Store a value in the target of an offer; the index of an array element is computed when the reader
+        continues.
+        """
         target = offer.target
         assert target is not None
         if not target.indexes:
@@ -144,20 +144,22 @@ class Recorder:
         name = self._variable(f"{channel}.taken", self._types[channel], offer)
         self._assign(offer.span, ir.Target(name), value)
         taken = VariableValue(type=self._types[channel], channel=name)
-        self._later.setdefault(offer.place.key, []).append(ir.AssignValue(span=offer.span, target=target, value=taken))
+        self._postponed.setdefault(offer.place.key, []).append(
+            ir.AssignValue(span=offer.span, target=target, value=taken)
+        )
         return taken
 
     def forget(self, task: object) -> None:
         """A task has ended."""
-        self._later.pop(task, None)
+        self._postponed.pop(task, None)
 
     def resumed(self, task: object) -> None:
-        """A task goes on after a communication."""
-        for action in self._later.pop(task, ()):
+        """A task continues after a communication."""
+        for action in self._postponed.pop(task, ()):
             self.compute_action(action)
 
     def keep(self, offer: Offer, slot: int) -> Expression:
-        """The value of a writer enters a buffer; gives what stands for it."""
+        """The value of a writer enters a buffer; returns the expression that then represents it."""
         channel = offer.medium.name
         kind = self._types[channel]
         assert offer.value is not None
@@ -168,7 +170,7 @@ class Recorder:
         return kept
 
     def sample(self, offer: Offer, fresh: bool) -> None:
-        """A sample is taken; ``fresh`` tells that it came at this instant."""
+        """A sample is taken; ``fresh`` if it arrived at this instant."""
         assert offer.target is not None
         self._do(ir.ReadValue(span=offer.span, source=offer.source, target=offer.target), fresh=fresh)
         self._assigned(offer.target.channel, None, surely=not offer.target.indexes)
@@ -186,7 +188,7 @@ class Recorder:
             self._do(ir.WriteValue(span=offer.span, sink=offer.source, value=offer.value))
 
     def compute(self, offer: Offer) -> None:
-        """The value of a writer that goes on to wait is computed, unless it is the same later."""
+        """The value of a writer is computed before it waits, unless it would be the same later."""
         value = offer.value
         assert value is not None
         match value:
@@ -196,10 +198,8 @@ class Recorder:
                 return
         self._compute(offer, value)
 
-    def compute_beside(self, offer: Offer) -> None:
-        """The value of one of several offers is computed before any of them is made, unless computing it
-        cannot fail.
-        """
+    def compute_in_advance(self, offer: Offer) -> None:
+        """The value of one of several offers is computed before any of them is made, unless it cannot fault."""
         value = offer.value
         assert value is not None
         match value:

@@ -1,4 +1,4 @@
-"""Steps that are done several times on end, as a loop that counts."""
+"""Rolls consecutive repetitions of the same steps into loops that count."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralV
 from cspdiag.optimize.changes import in_sequence
 
 LEAST_SAVED = 8
-"""Steps that a loop has to save."""
+"""The least number of steps that a loop must save."""
 
 
 def rolled(steps: Sequence[Action], counter: Callable[[], str]) -> list[Action]:
-    """The steps, with what repeats in loops; ``counter`` gives the name of a variable for each."""
+    """The steps with repetitions rolled into loops; ``counter`` returns the name of a new variable for each."""
     numbers: dict[Action, int] = {}
-    text = [numbers.setdefault(step, len(numbers)) for step in steps]
+    sequence = [numbers.setdefault(step, len(numbers)) for step in steps]
     result: list[Action] = []
     position = 0
     while position < len(steps):
-        length, times = _best_repetition(text, position)
+        length, times = _best_repetition(sequence, position)
         if length * (times - 1) >= LEAST_SAVED:
             result += _loop(steps[position : position + length], times, counter())
             position += length * times
@@ -30,15 +30,15 @@ def rolled(steps: Sequence[Action], counter: Callable[[], str]) -> list[Action]:
     return result
 
 
-def _best_repetition(text: Sequence[int], start: int) -> tuple[int, int]:
-    """The length, and how often it comes on end, of what saves most."""
+def _best_repetition(sequence: Sequence[int], start: int) -> tuple[int, int]:
+    """The length and the number of consecutive repetitions that save the most steps."""
     best = (0, 1)
-    for length in range(1, (len(text) - start) // 2 + 1):
-        if text[start] != text[start + length]:
+    for length in range(1, (len(sequence) - start) // 2 + 1):
+        if sequence[start] != sequence[start + length]:
             continue
-        part = text[start : start + length]
+        part = sequence[start : start + length]
         times = 1
-        while text[start + times * length : start + (times + 1) * length] == part:
+        while sequence[start + times * length : start + (times + 1) * length] == part:
             times += 1
         if length * (times - 1) > best[0] * (best[1] - 1):
             best = (length, times)
@@ -49,13 +49,13 @@ def _loop(body: Sequence[Action], times: int, counter: str) -> list[Action]:
     place = body[0]
     counted = VariableValue(type=INT, channel=counter)
     one_more: Expression = BinaryOperation(type=INT, operator="+", left=counted, right=LiteralValue(type=INT, value=1))
-    enough = BinaryOperation(type=BOOL, operator="==", left=counted, right=LiteralValue(type=INT, value=times))
+    is_last = BinaryOperation(type=BOOL, operator="==", left=counted, right=LiteralValue(type=INT, value=times))
     zero = LiteralValue(type=INT, value=0)
     return [
         AssignValue(span=place.span, target=Target(counter), value=zero),
         Repeat(
             span=place.span,
             body=in_sequence([*body, AssignValue(span=place.span, target=Target(counter), value=one_more)], place),
-            until=enough,
+            until=is_last,
         ),
     ]

@@ -1,7 +1,7 @@
-"""Finds the schedule of a program: what happens first, and what then happens again and again.
+"""Finds the schedule of a program: the occurrences before a loop, and those that the loop repeats.
 
-Where the program continues depending on a value, both paths are followed. At most one of them may continue forever; the
-other is an exit, after which the program ends.
+If control flow depends on a value, both paths are followed. At most one of them may continue forever; the other is an
+exit, after which the program ends.
 """
 
 from __future__ import annotations
@@ -15,30 +15,30 @@ from cspdiag.network.ir.expressions import VariableValue
 from cspdiag.network.ir.network import ExternalPort, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.fuse.code import Code, NotStaticError
-from cspdiag.optimize.fuse.follow import Asks, Ends, Following, Loops
-from cspdiag.optimize.fuse.record import Happening, Step, Turn
+from cspdiag.optimize.fuse.follow import Ends, NeedsDecision, Repeats, SymbolicRun
+from cspdiag.optimize.fuse.record import Decision, Occurrence, Step
 
-MOST_DECISIONS = 60
+LARGEST_NUMBER_OF_DECISIONS = 60
 
 
 @record
 class Path:
-    """What happens from the start. ``exits`` has, by the position of a ``Turn``, what happens there instead, from the
-    turn on.
+    """The occurrences from the start. ``exits`` gives, by the position of a ``Decision``, the path that is taken
+    otherwise.
 
-    It ends (by an exception where ``outcome`` has one), or goes back to what happened first at the position that
-    ``outcome`` has; it is then ``now``.
+    At its end, at the instant ``now``, the program ends (by an exception if ``outcome`` has one), or continues at the
+    position given by ``outcome``.
     """
 
-    happenings: tuple[Happening, ...]
-    outcome: Ends | Loops
+    occurrences: tuple[Occurrence, ...]
+    outcome: Ends | Repeats
     exits: dict[int, Path]
     made: dict[str, Type]
     now: int
     counting: frozenset[str]
     """The variables whose values were known."""
     followed: dict[ir.End, int]
-    """Since when the ends of sampled inputs are read."""
+    """The instants from which the ends of sampled inputs are read."""
 
 
 def schedule_like(entry: ProcessClass, ports: Sequence[ExternalPort], path: Path, made: frozenset[str]) -> Path:
@@ -49,7 +49,7 @@ def schedule_like(entry: ProcessClass, ports: Sequence[ExternalPort], path: Path
 
 
 def _computations(path: Path) -> set[ir.Action]:
-    found = {step.action for step in path.happenings if isinstance(step, Step)}
+    found = {step.action for step in path.occurrences if isinstance(step, Step)}
     return found.union(*map(_computations, path.exits.values()))
 
 
@@ -69,12 +69,12 @@ def schedule(entry: ProcessClass, ports: Sequence[ExternalPort]) -> Path:
 
 
 def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str], decisions: tuple[bool, ...]) -> Path:
-    following = Following(code, ports, counting, decisions)
+    following = SymbolicRun(code, ports, counting, decisions)
     outcome = following.follow()
     record = following.record
-    if not isinstance(outcome, Asks):
+    if not isinstance(outcome, NeedsDecision):
         return Path(
-            tuple(record.happenings),
+            tuple(record.occurrences),
             outcome,
             {},
             record.made,
@@ -82,81 +82,81 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
             counting,
             following.followed_since(),
         )
-    if len(decisions) == MOST_DECISIONS:
+    if len(decisions) == LARGEST_NUMBER_OF_DECISIONS:
         raise NotStaticError("what it does depends on values too often")
-    position = len(record.happenings)
+    position = len(record.occurrences)
     holds = _explored(code, ports, counting, (*decisions, True))
     fails = _explored(code, ports, counting, (*decisions, False))
     main, other = (fails, holds) if isinstance(holds.outcome, Ends) else (holds, fails)
     if not isinstance(other.outcome, Ends):
-        turn = main.happenings[position]
-        assert isinstance(turn, Turn)
-        raise NotStaticError("what it does next depends on a value", turn.condition.span)
+        decision = main.occurrences[position]
+        assert isinstance(decision, Decision)
+        raise NotStaticError("what it does next depends on a value", decision.condition.span)
     main.exits[position] = other
     return replaced(main, made={**main.made, **other.made})
 
 
-def with_loop_early(path: Path) -> Path:
-    """The same schedule, with the loop where it can begin first: what happens before it as it happens at its end is a
+def with_earliest_loop(path: Path) -> Path:
+    """The same schedule with the loop as early as possible: occurrences before it that equal those at its end become
     part of it.
     """
     outcome = path.outcome
-    if not isinstance(outcome, Loops):
+    if not isinstance(outcome, Repeats):
         return path
     period = path.now - outcome.since
-    start, end = outcome.position, len(path.happenings)
+    start, end = outcome.position, len(path.occurrences)
     while start > 0:
-        last = path.happenings[end - 1]
-        if isinstance(last, Turn) or replaced(path.happenings[start - 1], time=last.time) != last:
+        last = path.occurrences[end - 1]
+        if isinstance(last, Decision) or replaced(path.occurrences[start - 1], time=last.time) != last:
             break
-        if last.time != path.happenings[start - 1].time + period:
+        if last.time != path.occurrences[start - 1].time + period:
             break
         start, end = start - 1, end - 1
     if start == outcome.position:
         return path
-    since = path.happenings[start].time
+    since = path.occurrences[start].time
     exits = {position: other for position, other in path.exits.items() if position < end}
-    loops = Loops(start, since)
-    return replaced(path, happenings=path.happenings[:end], outcome=loops, exits=exits, now=since + period)
+    repeats = Repeats(start, since)
+    return replaced(path, occurrences=path.occurrences[:end], outcome=repeats, exits=exits, now=since + period)
 
 
-def with_loop_begun(path: Path) -> Path:
-    """The same schedule, with the first turn of its loop before the loop."""
+def with_first_iteration_before_loop(path: Path) -> Path:
+    """The same schedule, with the first iteration of its loop before the loop."""
     outcome = path.outcome
-    assert isinstance(outcome, Loops)
-    count = len(path.happenings)
+    assert isinstance(outcome, Repeats)
+    count = len(path.occurrences)
     offset, later = count - outcome.position, path.now - outcome.since
-    happenings = (*path.happenings, *_later(path.happenings[outcome.position :], later))
+    occurrences = (*path.occurrences, *_delayed(path.occurrences[outcome.position :], later))
     exits = dict(path.exits)
     for position, other in path.exits.items():
         if position >= outcome.position:
-            exits[position + offset] = _moved(other, position, happenings[: position + offset + 1], later)
-    return replaced(path, happenings=happenings, outcome=Loops(count, path.now), exits=exits, now=path.now + later)
+            exits[position + offset] = _shifted(other, position, occurrences[: position + offset + 1], later)
+    return replaced(path, occurrences=occurrences, outcome=Repeats(count, path.now), exits=exits, now=path.now + later)
 
 
-def _moved(path: Path, turn: int, before: tuple[Happening, ...], later: int) -> Path:
-    """An exit that follows ``before``, the last of which is its turn."""
-    offset = len(before) - turn - 1
-    happenings = (*before, *_later(path.happenings[turn + 1 :], later))
+def _shifted(path: Path, decision: int, before: tuple[Occurrence, ...], later: int) -> Path:
+    """An exit that follows ``before``, the last of which is its decision."""
+    offset = len(before) - decision - 1
+    occurrences = (*before, *_delayed(path.occurrences[decision + 1 :], later))
     exits = {
-        position + offset: _moved(other, position, happenings[: position + offset + 1], later)
+        position + offset: _shifted(other, position, occurrences[: position + offset + 1], later)
         for position, other in path.exits.items()
-        if position > turn
+        if position > decision
     }
-    return replaced(path, happenings=happenings, exits=exits, now=path.now + later)
+    return replaced(path, occurrences=occurrences, exits=exits, now=path.now + later)
 
 
-def _later(happenings: tuple[Happening, ...], time: int) -> tuple[Happening, ...]:
-    return tuple(replaced(happening, time=happening.time + time) for happening in happenings)
+def _delayed(occurrences: tuple[Occurrence, ...], time: int) -> tuple[Occurrence, ...]:
+    return tuple(replaced(occurrence, time=occurrence.time + time) for occurrence in occurrences)
 
 
 def counting_variables(entry: ProcessClass) -> frozenset[str]:
-    """Variables that decide where to go on and depend on nothing but such variables and constants, as those that count
-    turns do.
+    """Variables that affect control flow and depend only on such variables and constants, such as those that count
+    iterations.
     """
     made_from: dict[str, set[str]] = {}
     unknown: set[str] = set()
-    asked: set[str] = set()
+    deciding: set[str] = set()
     for part in parts(entry.body):
         match part:
             case ir.AssignValue(target=target) if target.indexes:
@@ -170,20 +170,20 @@ def counting_variables(entry: ProcessClass) -> frozenset[str]:
             case ir.OutputWrite(sink=ir.ChannelEnd(channel=name)):
                 unknown.add(name)
             case ir.IfElse() | ir.WhileLoop():
-                asked |= _variables(part.condition)
+                deciding |= _variables(part.condition)
             case ir.Repeat():
-                asked |= _variables(part.until)
+                deciding |= _variables(part.until)
             case ir.Choice():
                 for branch in part.branches:
-                    asked |= _variables(branch.condition)
-            case _:  # Nothing else decides; what interrupts is not fused.
+                    deciding |= _variables(branch.condition)
+            case _:  # No other action decides; interrupts are not fused.
                 pass
-    pending = set(asked)
+    pending = set(deciding)
     while pending:
-        needed = set().union(*(made_from.get(name, set()) for name in pending)) - asked
-        asked |= needed
+        needed = set().union(*(made_from.get(name, set()) for name in pending)) - deciding
+        deciding |= needed
         pending = needed
-    return frozenset(asked - unknown)
+    return frozenset(deciding - unknown)
 
 
 def _variables(item: object) -> set[str]:

@@ -1,5 +1,5 @@
-"""A task that is followed: it goes through the instructions, and asks for what the meaning of the language lets tasks
-ask for.
+"""A task in symbolic execution: it proceeds through the instructions and makes the requests that the
+semantics defines.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from cspdiag.network.flow.code import (
 )
 from cspdiag.network.ir.actions import CatchException, ProcessScope, SkipStep
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.optimize.fuse.begin import Surroundings, delay, exchange, selection
 from cspdiag.optimize.fuse.code import Code, Failure
 from cspdiag.optimize.fuse.record import Recorder
+from cspdiag.optimize.fuse.requests import RequestContext, delay, exchange, selection
 from cspdiag.semantics.choice import Choose
 from cspdiag.semantics.requests import CancelledError, Parallel, Request, Steps, Task, Wait
 from cspdiag.semantics.requests import Communicate as Exchange
@@ -43,31 +43,31 @@ from cspdiag.semantics.values import RaisedError
 
 
 class FailureError(RaisedError):
-    """An exception of the program, with where it was raised."""
+    """An exception of the program, with the place where it was raised."""
 
     def __init__(self, failure: Failure) -> None:
         super().__init__(failure.action.exception)
         self.failure = failure
 
 
-class FollowedProgram(Surroundings, Protocol):
-    """What tasks ask of the program that is followed."""
+class FollowedProgram(RequestContext, Protocol):
+    """What tasks need from the program that is executed."""
 
     code: Code
     record: Recorder
 
     def holds(self, condition: Expression) -> bool:
-        """Whether a condition holds, as far as it is known, or decided."""
+        """Whether a condition holds, by its value if it is known, otherwise by the next decision."""
 
     def remember(self) -> None:
-        """Stop where the program is in a state for the second time."""
+        """Stop if the program has been in this state before."""
 
     def close(self, process: ProcessScope) -> None:
         """A process has ended."""
 
 
 class Walker:
-    """A branch of a parallel, or the program; ``position`` is the instruction that it is at."""
+    """The outermost process, or a branch of a parallel; ``position`` is its current instruction."""
 
     task: Task
 
@@ -86,7 +86,7 @@ class Walker:
         return self._steps.throw(error)
 
     def state(self, now: int) -> tuple[object, ...]:
-        """What its future depends on."""
+        """The part of the state on which its future depends."""
         request = self.task.request
         return (self.key, self.position, self.task.cancelled, None if request is None else request_state(request, now))
 
@@ -110,7 +110,7 @@ class Walker:
             self._program.record.forget(self.key)
 
     def _end_if_cancelled(self) -> None:
-        """What a task that is cancelled would still compute until its next communication, nobody sees."""
+        """End a cancelled task immediately: what it would compute until its next communication cannot be observed."""
         if self.task.cancelled:
             raise CancelledError
 
@@ -119,7 +119,7 @@ class Walker:
             raise failure
 
     def _leave(self, exception: str | None) -> bool:
-        """Close the processes around, up to what catches an exception; tells whether something does."""
+        """Close the processes around, up to the handler of an exception; whether there is such a handler."""
         code = self._program.code
         for place in code.around[self.position]:
             match code.instructions[place]:
@@ -145,26 +145,26 @@ class Walker:
             self._go(after)
             return
         instruction = self._instruction
-        way = 0
+        successor = 0
         match instruction:
             case Compute(step=step):
                 if not isinstance(step, SkipStep):
                     program.record.compute_action(step)
             case Communicate(step=step):
-                if code.is_over_at_once(step):
+                if code.is_done_at_once(step):
                     program.record.compute_action(step)
                 else:
-                    yield from self._asked(exchange(program, self, step))
+                    yield from self._answer_to(exchange(program, self, step))
             case Delay(step=step):
-                yield from self._asked(delay(program, step.duration))
+                yield from self._answer_to(delay(program, step.duration))
             case Stop():
-                yield from self._asked(delay(program, None))
+                yield from self._answer_to(delay(program, None))
             case Select(step=step):
-                way, _ = yield from self._asked(selection(program, self, step))
+                successor, _ = yield from self._answer_to(selection(program, self, step))
             case Test():
-                way = 0 if program.holds(instruction.condition) else 1
+                successor = 0 if program.holds(instruction.condition) else 1
             case Fork(step=step):
-                yield from self._asked(Parallel(self._branches(), step.prioritized))
+                yield from self._answer_to(Parallel(self._branches(), step.prioritized))
                 self._go(code.after[code.joins[self.position]][0])
                 return
             case Raise():
@@ -177,9 +177,9 @@ class Walker:
                 raise AssertionError(instruction)
             case _:
                 assert_never(instruction)
-        self._go(code.after[self.position][way])
+        self._go(code.after[self.position][successor])
 
-    def _asked(self, request: Request) -> Steps:
+    def _answer_to(self, request: Request) -> Steps:
         answer = yield request
         self._end_if_cancelled()
         self._program.record.resumed(self.key)
@@ -199,7 +199,7 @@ class Walker:
 
 
 def request_state(request: Request, now: int) -> tuple[object, ...]:
-    """What the future depends on of what a task waits for."""
+    """The part of a request on which the future depends."""
     match request:
         case Exchange(offers=offers):
             return (request.done, *(offer.done for offer in offers))

@@ -1,4 +1,4 @@
-"""What tasks ask for, made from the instructions."""
+"""The requests that tasks make to the scheduler, built from the instructions."""
 
 from __future__ import annotations
 
@@ -16,36 +16,38 @@ from cspdiag.semantics.media import EndKey
 from cspdiag.semantics.requests import Communicate, Wait
 
 
-class Surroundings(Protocol):
-    """What is asked of the program that is followed, where an instruction is begun."""
+class RequestContext(Protocol):
+    """What an instruction needs from the program to build its request."""
 
     now: int
 
     def medium_of(self, end: ir.End) -> Medium:
-        """What an end belongs to. Raises NotStaticError where that is an input without a period."""
+        """The medium of an end. Raises NotStaticError if that is an input without a period."""
 
     def key_of(self, end: ir.End) -> EndKey:
         """The end as one of the process that it belongs to."""
 
     def alternative(self, name: str, *, prioritized: bool) -> Choose:
-        """An alternative that has no guards yet."""
+        """An alternative without guards."""
 
     def folded(self, expression: Expression) -> Expression:
-        """The expression, or its value where that is known."""
+        """The expression, or its value if that is known."""
 
-    def compute_beside(self, offer: Offer) -> None:
-        """The value of one of several offers is computed before any of them is made."""
+    def compute_in_advance(self, offer: Offer) -> None:
+        """Compute the value of one of several offers before any of them is made."""
 
 
-def exchange(world: Surroundings, place: Place, step: Communication) -> Communicate:
-    """Readers and writers; of several values, each is computed before any is offered."""
+def exchange(program: RequestContext, place: Place, step: Communication) -> Communicate:
+    """The offers of all readers and writers in a step; if there are several, each value is computed before any is
+    offered.
+    """
     request = Communicate()
     ends = list(_ends(step))
     for number, (end, target, value) in enumerate(ends):
         offer = Offer(
             request=request,
-            medium=world.medium_of(end),
-            end=world.key_of(end),
+            medium=program.medium_of(end),
+            end=program.key_of(end),
             writes=value is not None,
             value=value,
             place=place,
@@ -56,7 +58,7 @@ def exchange(world: Surroundings, place: Place, step: Communication) -> Communic
         )
         request.offers.append(offer)
         if offer.writes and len(ends) > 1:
-            world.compute_beside(offer)
+            program.compute_in_advance(offer)
     return request
 
 
@@ -74,24 +76,24 @@ def _ends(step: Communication) -> Iterator[tuple[ir.End, ir.Target | None, Expre
             assert_never(step)
 
 
-def delay(world: Surroundings, duration: Expression | None) -> Wait:
-    """A delay; None: forever. Raises NotStaticError where its length is not known."""
-    return Wait(None if duration is None else _time(world, duration))
+def delay(program: RequestContext, duration: Expression | None) -> Wait:
+    """A delay; None: forever. Raises NotStaticError if its length is not known."""
+    return Wait(None if duration is None else _time(program, duration))
 
 
-def _time(world: Surroundings, duration: Expression) -> int:
-    value = world.folded(duration)
+def _time(program: RequestContext, duration: Expression) -> int:
+    value = program.folded(duration)
     if not isinstance(value, LiteralValue) or not isinstance(value.value, int):
         raise NotStaticError("the length of a delay is not known", duration.span)
     return value.value
 
 
-def selection(world: Surroundings, place: Place, choice: ir.Choice) -> Choose:
-    """The guards that are enabled. Raises NotStaticError where that is not known."""
-    request = world.alternative(choice.name, prioritized=choice.prioritized)
+def selection(program: RequestContext, place: Place, choice: ir.Choice) -> Choose:
+    """The guards that are enabled. Raises NotStaticError if that is not known."""
+    request = program.alternative(choice.name, prioritized=choice.prioritized)
     for index, branch in enumerate(choice.branches):
         if branch.condition is not None:
-            condition = world.folded(branch.condition)
+            condition = program.folded(branch.condition)
             if is_literal(condition, False):
                 continue
             if not is_literal(condition, True):
@@ -101,14 +103,14 @@ def selection(world: Surroundings, place: Place, choice: ir.Choice) -> Choose:
             case ir.SkipEvent():
                 request.always.add(index)
             case ir.AfterEvent():
-                request.timeouts[index] = world.now + _time(world, event.duration)
+                request.timeouts[index] = program.now + _time(program, event.duration)
             case ir.OutputEvent() | ir.InputEvent() | ir.ReadyEvent():
-                request.offers[index] = _guard(world, place, request, index, event)
+                request.offers[index] = _guard(program, place, request, index, event)
     return request
 
 
 def _guard(
-    world: Surroundings,
+    program: RequestContext,
     place: Place,
     request: Choose,
     index: int,
@@ -117,8 +119,8 @@ def _guard(
     end = event.sink if isinstance(event, ir.OutputEvent) else event.source
     offer = Offer(
         request=request,
-        medium=world.medium_of(end),
-        end=world.key_of(end),
+        medium=program.medium_of(end),
+        end=program.key_of(end),
         writes=isinstance(event, ir.OutputEvent),
         value=event.value if isinstance(event, ir.OutputEvent) else None,
         guard=index,
@@ -130,5 +132,5 @@ def _guard(
         target=event.target if isinstance(event, ir.InputEvent) else None,
     )
     if offer.writes:
-        world.compute_beside(offer)
+        program.compute_in_advance(offer)
     return offer

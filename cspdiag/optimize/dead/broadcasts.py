@@ -1,4 +1,4 @@
-"""Reading ends that matter although nobody reads there: a writer waits for them."""
+"""Reading ends that matter although they are never read: the writer of a broadcast waits for each of them."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import parts
 
 
-def places_waited_for(entry: ProcessClass) -> frozenset[str]:
-    """Ports and channels whose writer waits for every reading end, read or not; where media are not known, that may be
-    any port.
+def possible_broadcasts(entry: ProcessClass) -> frozenset[str]:
+    """The ports and channels that are, or may be, of kind ``broadcast``; where media are not known yet, any port may
+    be.
     """
     ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
     return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
 
 
-def ends_of(item: Any, places: frozenset[str]) -> frozenset[Any]:
+def ends_at(item: Any, places: frozenset[str]) -> frozenset[Any]:
     """The ends of these ports and channels in an action."""
     if not places:
         return frozenset()

@@ -1,4 +1,4 @@
-"""An instance of a process taken into the class around it."""
+"""An instance of a process, inlined into the class around it."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from cspdiag.network.ir.network import (
 )
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import with_parts
-from cspdiag.optimize.creation import OF_A_READER
+from cspdiag.optimize.creation import MEDIA_WITH_READER_STATE
 from cspdiag.optimize.flatten.naming import parameter_constants, renamed, renamed_equation, renamed_part
 
 T = TypeVar("T")
 
 
 class EndNumbers:
-    """Numbers for ends that a class gets besides its own."""
+    """Numbers for ends that are added to a class."""
 
     def __init__(self, entry: ProcessClass) -> None:
         self._used: dict[ir.End, int] = {}
@@ -48,11 +48,11 @@ class EndNumbers:
         return replaced(place, end=number)
 
 
-class MovedUp:
-    """What an instance of ``inner`` becomes in the class ``outer``: all its names get the prefix of the instance's
-    name.
+class InlinedProcess:
+    """The parts of an instance of ``inner`` in terms of the class ``outer``: all names get the name of the instance as
+    a prefix.
 
-    A port stands for what it is connected to. One that is left to its default, or discarded, becomes a variable.
+    A port is replaced by what it is connected to. One without a connection, or discarded, becomes a variable.
     """
 
     def __init__(
@@ -81,17 +81,17 @@ class MovedUp:
                 self._ends[part] = numbers.new(place)
         self.constants = (*given, *map(self._equation, inner.constants))
         self.states = tuple(
-            replaced(state, name=self._name(state.name), initial=self._moved(state.initial)) for state in inner.states
+            replaced(state, name=self._name(state.name), initial=self._inlined(state.initial)) for state in inner.states
         )
         self.channels = (*self._unconnected(), *map(self._channel, inner.channels))
         self.instances = tuple(map(self._instance, inner.instances))
         self.creation = tuple(map(self._created, inner.creation))
         self._body = inner.body
         self.size = sum(1 for _ in parts((self.channels, self.instances, self.constants)))
-        """Records besides the body, in which expressions may have grown."""
+        """The number of records except for the body, because arguments may have made expressions larger."""
 
     def scope(self, action: ir.RunInstance) -> ir.ProcessScope:
-        """What stands where the instance was run."""
+        """The action that replaces the run of the instance."""
         inside = {end for part in parts(self._body) if isinstance(part, ir.ProcessScope) for end in part.ends}
         own = [end for end in self._ends if self._medium(end) == "sampled" and end not in inside]
         return ir.ProcessScope(
@@ -99,7 +99,7 @@ class MovedUp:
             instance=self.prefix,
             class_name=self.inner.definition,
             ends=tuple(self._ends[end] for end in own),
-            body=self._moved(self._body),
+            body=self._inlined(self._body),
             doc=self.inner.doc,
         )
 
@@ -110,7 +110,7 @@ class MovedUp:
         return self._media[end.port][end.index or 0].kind if isinstance(end, ir.PortEnd) else None
 
     def _keeps(self, end: ir.PortEnd) -> bool:
-        return end.port in self._inputs and self._medium(end) in OF_A_READER
+        return end.port in self._inputs and self._medium(end) in MEDIA_WITH_READER_STATE
 
     def _end(self, end: ir.End) -> ir.End:
         """The end in terms of the outer class."""
@@ -148,7 +148,7 @@ class MovedUp:
         return replaced(channel, name=self._name(channel.name), initial=initial)
 
     def _at_creation(self, value: Expression) -> Expression:
-        """An expression of parameters in terms of the parameters of the outer class alone."""
+        """An expression over parameters, in terms of the parameters of the outer class only."""
         return renamed(value, self.prefix, self._arguments)
 
     def _instance(self, instance: InstanceOf) -> InstanceOf:
@@ -183,17 +183,17 @@ class MovedUp:
                 return self._end(part)
 
     def _equation(self, equation: SubmodelEquation) -> SubmodelEquation:
-        moved = renamed_equation(equation, self.prefix, self._values)
-        assert isinstance(moved, SubmodelEquation)
-        return moved
+        inlined = renamed_equation(equation, self.prefix, self._values)
+        assert isinstance(inlined, SubmodelEquation)
+        return inlined
 
     def _any_equation(self, equation: SubmodelEquation | ExternalCall) -> SubmodelEquation | ExternalCall:
         return renamed_equation(equation, self.prefix, self._values)
 
     def _by_name(self, values: tuple[tuple[str, Expression], ...]) -> tuple[tuple[str, Expression], ...]:
-        return tuple((self._name(name), self._moved(value)) for name, value in values)
+        return tuple((self._name(name), self._inlined(value)) for name, value in values)
 
-    def _moved(self, item: T) -> T:
+    def _inlined(self, item: T) -> T:
         """An action or expression in terms of the outer class."""
         return with_parts(item, self._replacement)
 
@@ -202,27 +202,27 @@ class MovedUp:
             case ir.PortEnd() | ir.ChannelEnd():
                 return self._end(part)
             case ir.Target(channel=channel, indexes=indexes):
-                return ir.Target(self._name(channel), self._moved(indexes))
+                return ir.Target(self._name(channel), self._inlined(indexes))
             case ir.RunInstance(instance=name) | ir.ResetInstance(instance=name):
                 return replaced(part, instance=self._name(name))
             case ir.ResetStates(states=states):
                 return replaced(part, states=tuple(map(self._name, states)))
             case ir.Choice(name=name, branches=branches):
-                return replaced(part, name=self._name(name), branches=self._moved(branches))
+                return replaced(part, name=self._name(name), branches=self._inlined(branches))
             case ir.ReportCommunication(channel=channel, value=value):
-                return replaced(part, channel=self._name(channel), value=self._moved(value))
+                return replaced(part, channel=self._name(channel), value=self._inlined(value))
             case ir.ProcessScope():
-                ends, body = self._moved(part.ends), self._moved(part.body)
+                ends, body = self._inlined(part.ends), self._inlined(part.body)
                 return replaced(part, instance=self._name(part.instance), ends=ends, body=body)
             case ir.ReadInputs(law=law, reads=reads):
-                return replaced(part, law=self._name(law), reads=self._moved(reads))
+                return replaced(part, law=self._name(law), reads=self._inlined(reads))
             case ir.InputRead(source=source, name=name):
                 return replaced(part, source=self._end(source), name=self._name(name))
             case ir.WriteOutputs(law=law, writes=writes):
-                return replaced(part, law=self._name(law), writes=self._moved(writes))
+                return replaced(part, law=self._name(law), writes=self._inlined(writes))
             case ir.RunLaw():
                 return self._law(part)
-            case _:  # Any other part has at most the names of values.
+            case _:  # Any other part names values at most.
                 return renamed_part(part, self.prefix, self._values)
 
     def _law(self, law: ir.RunLaw) -> ir.RunLaw:
@@ -233,7 +233,7 @@ class MovedUp:
             next_values=self._by_name(law.next_values),
             derivative_equations=tuple(map(self._equation, law.derivative_equations)),
             derivatives=self._by_name(law.derivatives),
-            sample=None if law.sample is None else self._moved(law.sample),
+            sample=None if law.sample is None else self._inlined(law.sample),
         )
 
 

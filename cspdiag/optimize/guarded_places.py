@@ -1,4 +1,4 @@
-"""Which ports and channels some alternative or interrupt guards, by class."""
+"""Which ports and channels are guarded by an alternative or an interrupt, by class."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
-Place: TypeAlias = "tuple[str, int | None] | str"
+PortOrChannel: TypeAlias = "tuple[str, int | None] | str"
 """A port with its index in an array, or the name of a channel."""
 
 
 @record
 class Guards:
-    """The places of a class that are guarded, by the class itself or by an instance inside."""
+    """The ports and channels of a class that are guarded, by the class itself or by an instance inside."""
 
-    reads: frozenset[Place]
-    writes: frozenset[Place]
+    reads: frozenset[PortOrChannel]
+    writes: frozenset[PortOrChannel]
 
 
-def place_of(end: ir.End) -> Place:
+def port_or_channel(end: ir.End) -> PortOrChannel:
     """The port or channel of an end."""
     return (end.port, end.index) if isinstance(end, ir.PortEnd) else end.channel
 
 
 def guards_by_class(network: Network) -> dict[str, Guards]:
-    """The guarded places of every process class; every port of a process written by hand counts as guarded."""
+    """The guarded ports and channels of every process class; for a process written by hand that is every port."""
     found: dict[str, Guards] = {}
     for entry in network.classes:
         if isinstance(entry, SubmodelClass):
@@ -40,7 +40,7 @@ def guards_by_class(network: Network) -> dict[str, Guards]:
 
 
 def _all_ports(entry: ProcessClass) -> Guards:
-    places: dict[str, set[Place]] = {"in": set(), "out": set()}
+    places: dict[str, set[PortOrChannel]] = {"in": set(), "out": set()}
     for port in entry.ports:
         indexes = [None] if port.size is None else range(port.size)
         places[port.direction].update((port.name, index) for index in indexes)
@@ -48,16 +48,16 @@ def _all_ports(entry: ProcessClass) -> Guards:
 
 
 def _guards(entry: ProcessClass, known: dict[str, Guards]) -> Guards:
-    reads: set[Place] = set()
-    writes: set[Place] = set()
+    reads: set[PortOrChannel] = set()
+    writes: set[PortOrChannel] = set()
     for part in parts(entry.body):
         if isinstance(part, ir.Choice | ir.InterruptOn):
             for branch in part.branches if isinstance(part, ir.Choice) else (part.branch,):
                 match branch.event:
                     case ir.InputEvent(source=source) | ir.ReadyEvent(source=source):
-                        reads.add(place_of(source))
+                        reads.add(port_or_channel(source))
                     case ir.OutputEvent(sink=sink):
-                        writes.add(place_of(sink))
+                        writes.add(port_or_channel(sink))
                     case ir.AfterEvent() | ir.SkipEvent():
                         pass
                     case _:
@@ -69,7 +69,7 @@ def _guards(entry: ProcessClass, known: dict[str, Guards]) -> Guards:
                 if not isinstance(connection.attachment, ConstantEnd | DiscardEnd):
                     port = (connection.port, connection.index)
                     if port in inside.reads:
-                        reads.add(place_of(connection.attachment))
+                        reads.add(port_or_channel(connection.attachment))
                     if port in inside.writes:
-                        writes.add(place_of(connection.attachment))
+                        writes.add(port_or_channel(connection.attachment))
     return Guards(frozenset(reads), frozenset(writes))
