@@ -1,1 +1,1 @@
-"""The Python target: the package at ``-O0`` (``plain``) and at ``-O1`` (``fast``)."""
+"""The Python target: packages at ``-O0`` (``plain``) and at ``-O1`` (``fast``)."""

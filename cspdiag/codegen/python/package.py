@@ -1,7 +1,8 @@
 """The Python target: a package that is as readable as one written by hand from the diagram.
 
-The mapping is the paper's (section 3): a class a process with its ports as arguments of the constructor, its ``run``
-the composition; the 20-process of a submodel; and a network-building module, the only one that knows the drivers.
+The mapping is that of the paper (section 3): a class for each process with its ports as arguments of the constructor
+and the composition as ``run``; the 20-process of a submodel; and a module that builds the network, the only one that
+knows the drivers.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ def generate(
 ) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
-    ``modules`` are the texts of external bodies by the paths that ``external_modules`` names; bodies that are missing
-    from it are imported as installed modules. ``templates`` take the places of those of the target, by name.
+    ``modules`` are the texts of external bodies, by the paths that ``external_paths`` returns; missing bodies are
+    imported as installed modules. ``templates`` replace those of the target, by name.
     """
     render = renderer("python", templates)
     names = PackageNames(network)
@@ -64,9 +65,9 @@ def frame(
     *,
     optimized: bool = False,
 ) -> dict[str, str]:
-    """The files that are not the classes and the network: entry points, definitions, environments and the runtime.
+    """The files except for the classes and the network: entry points, definitions, environments and the runtime.
 
-    In ``optimized`` packages the linter lets pass what the optimizer leaves.
+    In ``optimized`` packages the linter accepts what the optimizer leaves.
     """
     package = names.package
     files: dict[str, str] = {}

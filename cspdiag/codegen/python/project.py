@@ -1,4 +1,4 @@
-"""The frame of a package: project file, README, entry points."""
+"""The files around the code of a package: project file, README, entry points."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class PortRow:
 
 @record
 class Project:
-    """What the templates of the frame lay out."""
+    """The values for the templates of these files."""
 
     package: str
     distribution: str
@@ -46,7 +46,7 @@ class Project:
 
 
 def project_view(network: Network, names: PackageNames, modules: ExternalModules) -> Project:
-    """The frame of the package of a network."""
+    """The values for the package of a network."""
     top = network.class_named(network.top)
     doc = sentence(top.doc or network.doc or f"The process {network.top}, generated from its CSP diagram.")
     summary = doc.split("\n\n")[0].replace("\n", " ")

@@ -31,7 +31,7 @@ from cspdiag.codegen.python.text.code import (
     tuple_of,
 )
 from cspdiag.codegen.python.text.layout import LINE_LENGTH
-from cspdiag.codegen.python.text.statements import PASS, Statement, Unpack, assign, give, if_, lines, run
+from cspdiag.codegen.python.text.statements import PASS, Statement, Unpack, assign, if_, lines, return_, run
 
 NAMES = (
     *map(Name, ("x", "pan_angle", "joystick_horizontal", "k1_pan_motor_speed", "h")),
@@ -83,7 +83,7 @@ def a_statement(random: random.Random) -> Statement:
     code = expression(random, random.randint(1, 4))
     match random.randrange(9):
         case 0:
-            return give(code)
+            return return_(code)
         case 1:
             return if_(code, PASS)
         case 2:
@@ -94,7 +94,7 @@ def a_statement(random: random.Random) -> Statement:
         case 4:
             return assign(own("made"), Items("[]", (code, expression(random, 2))))
         case 5:
-            return give(code, expression(random, 2))
+            return return_(code, expression(random, 2))
         case 6:
             return assign("sample", delegated(own("control").call("read", code)))
     return assign(own("pan_torque"), code)

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 
 from cspdiag.codegen.python.text import rolling as python_rolling
-from cspdiag.codegen.python.text.code import SUM, Code, Constant, Name, Whole, awaited, infix
+from cspdiag.codegen.python.text.code import SUM, Code, Constant, Name, WholeNumber, awaited, infix
 from cspdiag.codegen.python.text.statements import lines, run
 from tests.support.counting import calls
 
@@ -47,7 +47,7 @@ def test_equal_statements_need_no_index() -> None:
 
 
 def test_a_number_that_counts_beside_an_operator_is_a_sum_in_parentheses() -> None:
-    codes = [called("c", n, "f", infix("-", SUM, Name("x"), Whole(n + 1))) for n in range(3)]
+    codes = [called("c", n, "f", infix("-", SUM, Name("x"), WholeNumber(n + 1))) for n in range(3)]
     assert rolled(codes) == ["for i in range(3):", "    await c[i].f(x - (i + 1))"]
 
 

@@ -19,7 +19,7 @@ from cspdiag.codegen.python.text.code import (
     Constant,
     Name,
     Starred,
-    Whole,
+    WholeNumber,
     call,
     counted_to,
     delegated,
@@ -65,10 +65,10 @@ class Composition(Alternatives, LawSteps):
 
     functions: list[Function] = field(default_factory=list)
     prepared: list[Statement] = field(default_factory=list)
-    """What the code makes once of its functions."""
+    """Statements that prepare these functions once."""
     _loops: int = 0
     _nested: int = 0
-    """In how many loops, and in how many functions within the code, this place is."""
+    """The number of loops, and of nested functions, around the present action."""
 
     def statements(self, action: ir.Action) -> Statements:
         """An action as statements."""
@@ -98,7 +98,7 @@ class Composition(Alternatives, LawSteps):
                     return (self._repeat(action, until),)
             case ir.WhileLoop(condition=condition, body=body):
                 with self._loop():
-                    return (self._governed("while", condition, action, self.statements(body)),)
+                    return (self._conditional_block("while", condition, action, self.statements(body)),)
             case ir.CountedLoop(turns=turns, body=body):
                 with self._loop():
                     inside = self.statements(body)
@@ -110,13 +110,17 @@ class Composition(Alternatives, LawSteps):
             case ir.WaitStep(duration=duration):
                 return (self.comment(action), *self._delay(duration))
             case ir.StopStep():
-                return (self.comment(action), *self.known(), run(delegated(call(self.imports.runtime("stop")))))
+                return (
+                    self.comment(action),
+                    *self.set_current_task(),
+                    run(delegated(call(self.imports.runtime("stop")))),
+                )
             case ir.ParallelSteps(steps=steps, prioritized=False) if self._are_functions(steps):
                 return (self.comment(action), *self._rounds(steps))
             case ir.ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
                 branches = call(name, *self._branches(steps))
-                return (self.comment(action), *self.known(), run(delegated(branches)))
+                return (self.comment(action), *self.set_current_task(), run(delegated(branches)))
             case ir.Choice():
                 return self._choice(action)
             case ir.InterruptOn(body=body, branch=branch):
@@ -146,7 +150,7 @@ class Composition(Alternatives, LawSteps):
     def _repeat(self, action: ir.Repeat, until: Expression | None) -> Block:
         statements = self.statements(action.body)
         if until is not None:
-            statements += (self._governed("if", until, action, (BREAK,)),)
+            statements += (self._conditional_block("if", until, action, (BREAK,)),)
         return Block("while", TRUE, statements)
 
     def _if(self, action: ir.IfElse) -> Statements:
@@ -154,15 +158,15 @@ class Composition(Alternatives, LawSteps):
         blocks: list[Statement] = []
         rest: ir.Action = action
         while isinstance(rest, ir.IfElse):
-            blocks.append(self._governed(keyword, rest.condition, rest, self.statements(rest.then)))
+            blocks.append(self._conditional_block(keyword, rest.condition, rest, self.statements(rest.then)))
             keyword, rest = "elif", rest.otherwise
         otherwise = self.statements(rest)
         return (*blocks, else_(*otherwise)) if otherwise else tuple(blocks)
 
-    def _governed(
+    def _conditional_block(
         self, keyword: Literal["if", "elif", "while"], condition: Expression, action: ir.Step, body: Statements
     ) -> Block:
-        """A block with a condition, with its place if that can fault."""
+        """A block with a condition, with a comment of its place if it can fault."""
         span = condition.span or action.span
         place = self.imports.names.place(span.file, span.line) if may_fault(condition) else None
         return Block(keyword, self.printer.print(condition), body, place)
@@ -187,7 +191,7 @@ class Composition(Alternatives, LawSteps):
         waits: Statements = (begin, YIELD)
         known = self.printer.value(duration)
         if known is None:
-            waits = (if_(infix(">", COMPARISON, simple, Whole(0)), *waits),)
+            waits = (if_(infix(">", COMPARISON, simple, WholeNumber(0)), *waits),)
         elif not isinstance(known, int) or known <= 0:
             waits = ()
         return (*before, *self.communications.check(), *waits)
@@ -195,7 +199,7 @@ class Composition(Alternatives, LawSteps):
     # Processes
 
     def _are_functions(self, steps: Sequence[ir.Action]) -> bool:
-        """Whether a parallel in a loop consists of code of this process only, so that its tasks can be kept."""
+        """Whether a parallel in a loop consists only of code of this process, so its tasks can be reused."""
         plain = self._loops > 0 and self._nested == 0
         return plain and len(steps) < LEAST and not any(isinstance(step, ir.RunInstance) for step in steps)
 
@@ -218,7 +222,7 @@ class Composition(Alternatives, LawSteps):
         return self.spelling.network.class_named(instance.class_name)
 
     def run_here(self, name: str) -> Statements:
-        """Runs an instance in sequence."""
+        """Run an instance in sequence."""
         class_, instance = self._class_of(name), self._instance(name)
         if isinstance(class_, ProcessClass) and class_.external is None:
             return (run(delegated(instance.call("steps", self.spelling["me"]))),)
@@ -254,7 +258,7 @@ class Composition(Alternatives, LawSteps):
             position += 1
 
     def branch(self, step: ir.Action) -> Code:
-        """A process to run beside others."""
+        """A process to run in parallel with others."""
         if isinstance(step, ir.RunInstance):
             return self._instance(step.instance)
         return self._function(step)
@@ -270,7 +274,7 @@ class Composition(Alternatives, LawSteps):
         return self.spelling.bind(array.name), len(array.elements)
 
     def _function(self, action: ir.Action, rounds: Code | None = None) -> Code:
-        """A generator function for what runs beside others, again and again if it belongs to ``rounds``."""
+        """A generator function for a parallel branch, which runs repeatedly if it belongs to ``rounds``."""
         name = self.spelling.names.fresh(f"_{branch_name(action)}")
         position = len(self.functions)
         self.functions.append(self._generator(name, ()))
@@ -319,7 +323,7 @@ class Composition(Alternatives, LawSteps):
 
 
 def _is_plain(action: ir.Action) -> bool:
-    """Whether an action needs no alternative and no function of its own."""
+    """Whether an action contains no alternative and needs no function of its own."""
     return not any(
         isinstance(p, ir.Choice | ir.ParallelSteps | ir.InterruptOn | ir.Group | ir.RunInstance | ir.RunLaw)
         for p in parts(action)

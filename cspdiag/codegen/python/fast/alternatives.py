@@ -1,6 +1,7 @@
 """Alternatives and interrupts as the code of a generator function.
 
-A selection is arithmetic on the bits of the guards that are ready: it takes as long for ten guards as for a hundred.
+A selection is arithmetic on the bits of the guards that are ready, so it takes equally long for ten guards and for a
+hundred.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from cspdiag.codegen.python.text.code import (
     Code,
     Name,
     Parenthesized,
-    Whole,
+    WholeNumber,
     call,
     delegated,
     infix,
@@ -46,22 +47,22 @@ class Alternatives(Values):
     """Writes the selections of one process class."""
 
     choices: dict[str, Code] = field(default_factory=dict)
-    """How the alternatives are made, by name."""
+    """The constructor calls of the alternatives, by name."""
     choice_names: dict[str, str] = field(default_factory=dict)
     selectors: dict[str, Code] = field(default_factory=dict)
     """Local variables for the selectors of alternatives."""
     memories: dict[str, str] = field(default_factory=dict)
-    """Local variables that remember what fair alternatives chose last."""
+    """Local variables for the last choices of fair alternatives."""
 
     def __post_init__(self) -> None:
         self.guard_names = GuardNames(self.spelling.names.fresh)
 
     def branch(self, step: ir.Action) -> Code:
-        """A process to run beside others."""
+        """A process to run in parallel with others."""
         raise NotImplementedError
 
     def run_here(self, name: str) -> Statements:
-        """Runs an instance in sequence."""
+        """Run an instance in sequence."""
         raise NotImplementedError
 
     def _choice(self, choice: ir.Choice) -> Statements:
@@ -110,16 +111,16 @@ class Alternatives(Values):
         if len(branches) > 1 and not choice.prioritized:
             yield from self._next_in_turn(self._memory(attribute, local))
         elif len(branches) > 1:
-            yield assign(k, infix("-", SUM, _position(ready), Whole(1)))
+            yield assign(k, infix("-", SUM, _position(ready), WholeNumber(1)))
         yield from self._chosen(branches, lambda event, bit: self._taken(event, guards, bit))
 
     def _next_in_turn(self, after: Code) -> Iterator[Statement]:
-        """Chooses the first guard that is ready from ``after`` on."""
+        """Choose the first ready guard from ``after`` on."""
         ready, k, first = (self.spelling[name] for name in ("ready", "k", "first"))
         yield assign(first, infix(">>", SHIFT, ready, after))
-        yield if_(negated(first), assign(first, ready), assign(after, Whole(0)))
-        yield assign(k, infix("-", SUM, infix("+", SUM, after, _position(first)), Whole(1)))
-        yield assign(after, infix("+", SUM, k, Whole(1)))
+        yield if_(negated(first), assign(first, ready), assign(after, WholeNumber(0)))
+        yield assign(k, infix("-", SUM, infix("+", SUM, after, _position(first)), WholeNumber(1)))
+        yield assign(after, infix("+", SUM, k, WholeNumber(1)))
 
     def _ready(self, guards: Code, mask: Code | None) -> Statement:
         """The guards that are ready now."""
@@ -127,14 +128,14 @@ class Alternatives(Values):
         return assign(self.spelling["ready"], infix("&", BITS_AND, ready, mask) if mask else ready)
 
     def _guards(self, attribute: str, local: Code) -> Code:
-        """A local variable for the selector of an alternative."""
+        """The local variable for the selector of an alternative."""
         if attribute not in self.selectors:
             self.selectors[attribute] = Name(self.spelling.names.fresh(f"{attribute}_guards"))
             self.prologue.append(assign(self.selectors[attribute], local.field("selector")))
         return self.selectors[attribute]
 
     def _parked(self, choice: ir.Choice, local: Code, guards: Code, mask: Code | None) -> Iterator[Statement]:
-        """Waits while no guard is ready."""
+        """Wait until a guard is ready."""
         me, ready, wanted = self.spelling["me"], self.spelling["ready"], mask or integer(-1)
         if all(self._only_wakes(branch.event) for branch in choice.branches):
             waits = (
@@ -147,16 +148,16 @@ class Alternatives(Values):
             yield Block("while", negated(ready), waits)
         else:
             waiting = delegated(local.call("wait", wanted))
-            yield if_(negated(ready), *self.known(), assign(ready, waiting))
+            yield if_(negated(ready), *self.set_current_task(), assign(ready, waiting))
 
     def _only_wakes(self, event: ir.Event) -> bool:
-        """Whether the end of a guard need not be notified that an alternative waits."""
+        """Whether the end of a guard need not know that an alternative waits."""
         if isinstance(event, ir.InputEvent | ir.ReadyEvent):
             return self.spelling.medium(event.source).kind in ("sync", "event", "buffer", "overwrite", "any")
         return isinstance(event, ir.SkipEvent)
 
     def _memory(self, attribute: str, local: Code) -> Code:
-        if self.spelling.again:
+        if self.spelling.runs_again:
             return local.field("after")
         if attribute not in self.memories:
             self.memories[attribute] = self.spelling.names.fresh(f"{attribute}_after")
@@ -165,13 +166,13 @@ class Alternatives(Values):
     def _mask(self, conditions: Sequence[Code | None]) -> Code:
         fixed = sum(1 << index for index, code in enumerate(conditions) if code is None)
         parts = [
-            infix("<<", SHIFT, Parenthesized(code), Whole(index)) if index else code
+            infix("<<", SHIFT, Parenthesized(code), WholeNumber(index)) if index else code
             for index, code in enumerate(conditions)
             if code is not None
         ]
         if len(parts) == 1 and not fixed:
             return parts[0]
-        parts = [*map(Parenthesized, parts), *([Whole(fixed)] if fixed else [])]
+        parts = [*map(Parenthesized, parts), *([WholeNumber(fixed)] if fixed else [])]
         return infix_all("|", BITS_OR, parts)
 
     def _chosen(
@@ -189,7 +190,7 @@ class Alternatives(Values):
         for index, (branch, body) in enumerate(zip(branches, bodies, strict=True)):
             comment = one_line(branch.event.span) or None
             if index < len(bodies) - 1:
-                test = infix("==", COMPARISON, k, Whole(index))
+                test = infix("==", COMPARISON, k, WholeNumber(index))
                 yield Block("elif" if index else "if", test, body, comment)
             else:
                 yield Block("else", None, body, comment)
@@ -203,7 +204,7 @@ class Alternatives(Values):
     def _slow_selection(self, choice: ir.Choice, local: Code) -> Iterator[Statement]:
         needs = self._needs(choice.branches)
         selected = delegated(Call(local.field("select"), tuple(select_arguments(choice.branches, needs))))
-        yield from self.known()
+        yield from self.set_current_task()
         yield from needs.lines
         yield run(selected) if len(choice.branches) == 1 else assign(self.spelling["k"], selected)
 
@@ -215,7 +216,7 @@ class Alternatives(Values):
         yield from self._chosen(choice.branches, taken)
 
     def _needs(self, branches: Sequence[ir.Branch], *, always: bool = False) -> Guards:
-        """What guards need, evaluated where they begin."""
+        """The values that guards need, evaluated when the alternative begins."""
         return guards_of(branches, self.printer.print, may_fault, self.imports.names, self.guard_names, always=always)
 
     def _guard(self, event: ir.Event, printer: FastPrinter, *, made: bool, needed: Code | None = None) -> Code:
@@ -234,7 +235,7 @@ class Alternatives(Values):
                 return call(self.imports.runtime("Output"), end if made else self.spelling.local(end), *given)
             case ir.AfterEvent(duration=duration):
                 later = made and not is_known_at_start(duration)
-                delay = Whole(0) if later else needed or printer.print(duration)
+                delay = WholeNumber(0) if later else needed or printer.print(duration)
                 return call(self.imports.runtime("After"), delay)
             case ir.SkipEvent():
                 return call(self.imports.runtime("Skip"))
@@ -252,7 +253,7 @@ class Alternatives(Values):
         interrupted = delegated(call(self.imports.runtime("interrupted"), function, guard))
         yield from needs.lines
         guarded: Statements = (
-            *self.known(),
+            *self.set_current_task(),
             assign(guard, self._guard(branch.event, self.printer, made=False, needed=needs.needed.get(0))),
             if_(Parenthesized(interrupted), *handler) if handler else run(interrupted),
         )
@@ -268,5 +269,5 @@ class Alternatives(Values):
 
 
 def _position(bits: Code) -> Code:
-    """Which bit is the lowest that is set, counted from one."""
+    """The position of the lowest bit that is set, counted from one."""
     return Parenthesized(infix("&", BITS_AND, bits, minus(bits))).call("bit_length")

@@ -1,7 +1,7 @@
-"""Which processes have to notice themselves that they were cancelled.
+"""Which processes have to check themselves whether they were cancelled.
 
-A process that is cancelled while it is ready goes on to its next communication. In most programs nothing of that can be
-seen, and it is abandoned where it stands; its code then has no test before each communication.
+A process that is cancelled while it is ready continues to its next communication. In most programs this cannot be
+observed, so it is abandoned immediately, and its code needs no test before each communication.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 from cspdiag.base.graphs import reached
-from cspdiag.codegen.python.fast.storage import run_again
+from cspdiag.codegen.python.fast.storage import rerun_classes
 from cspdiag.network.ir.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import InstanceOf, Network, ProcessClass
 from cspdiag.network.ir.walk import instances_run, parts
@@ -18,13 +18,14 @@ from cspdiag.network.ir.walk import instances_run, parts
 
 @lru_cache(maxsize=1)
 def checked_classes(network: Network) -> frozenset[str]:
-    """The process classes whose code asks before each communication if it was cancelled.
+    """The process classes whose code checks before each communication whether it was cancelled.
 
-    Those that may be interrupted, because how the body ends decides what comes then. Those with branches below a
-    handler, where what they did to variables that live on is seen after it. And all that these run.
+    These are the classes that may be interrupted, because the end of the body determines what follows; those with
+    branches inside a handled body, where their effect on variables that remain can be observed afterwards; and all
+    classes that these run.
     """
     classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
-    again = run_again(network)
+    again = rerun_classes(network)
     found: set[str] = set()
     for process in classes.values():
         for part in parts(process.body):
@@ -44,7 +45,7 @@ def checked_classes(network: Network) -> frozenset[str]:
 
 
 def _below(process: ProcessClass, instances: Iterable[str], classes: dict[str, ProcessClass]) -> set[str]:
-    """The process classes of instances of a process, and of theirs."""
+    """The process classes of some instances of a process, and of all instances inside them."""
 
     def inside(process: ProcessClass) -> Iterator[InstanceOf]:
         return (instance for instance in process.instances if instance.class_name in classes)

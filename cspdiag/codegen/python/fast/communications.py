@@ -1,11 +1,11 @@
-"""Communications in place: a rendezvous touches two slots of the channel, everything else is a call of the runtime."""
+"""Inlined communications: a rendezvous uses two slots of the channel, everything else calls the runtime."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.python.fast.places import Spelling, at_once, is_alternated, is_inline
+from cspdiag.codegen.python.fast.spelling import Spelling, is_alternated, is_inline, is_plain_access
 from cspdiag.codegen.python.text.code import (
     AND,
     BITS_AND,
@@ -18,7 +18,7 @@ from cspdiag.codegen.python.text.code import (
     Constant,
     Element,
     Name,
-    Whole,
+    WholeNumber,
     call,
     delegated,
     infix,
@@ -46,13 +46,13 @@ from cspdiag.network.ir.actions import End
 from cspdiag.network.ir.network import Medium
 
 
-def is_there(item: Code) -> Code:
+def is_not_none(item: Code) -> Code:
     """``x is not None``."""
     return infix("is not", COMPARISON, item, NONE)
 
 
 def is_finite(value: Code) -> Code:
-    """Whether a real in a local variable is a finite number: only then it does not differ from itself."""
+    """Whether a real in a local variable is finite: only then its difference from itself is zero."""
     return infix("==", COMPARISON, infix("-", SUM, value, value), Constant("0.0"))
 
 
@@ -60,8 +60,8 @@ def is_finite(value: Code) -> Code:
 class Communications:
     """Writes the communications of one process class.
 
-    ``checked``: whether the code asks before each communication if it was cancelled. ``traced``: whether channels
-    inside are reported.
+    ``checked``: whether the code checks before each communication whether it was cancelled. ``traced``: whether
+    communications over internal channels are reported.
     """
 
     spelling: Spelling
@@ -69,7 +69,7 @@ class Communications:
     checked: bool
     traced: bool
     tracked: bool
-    """Whether the scheduler notes who runs."""
+    """Whether the scheduler itself keeps track of the running task."""
     levels: bool
     """Whether the program has prioritized parallels, and so a ready queue for each level."""
 
@@ -83,35 +83,35 @@ class Communications:
             return ()
         return (if_(self.spelling["me"].field("cancelled"), Plain("raise", self.runtime("Cancelled"))),)
 
-    def known(self) -> Statements:
-        """Says who runs, before something of the runtime is called that may ask."""
+    def set_current_task(self) -> Statements:
+        """Tell the scheduler which task runs, before a call of the runtime that may need it."""
         if self.tracked:
             return ()
         return (assign(self.spelling.of_run("scheduler").field("current"), self.spelling["me"]),)
 
     def push(self, party: Code) -> Statement:
-        """Readies a party."""
+        """Make a task ready."""
         if self.levels:
             return run(party.field("ready_queue").call("append", party))
         return run(call(self.spelling.of_run("push"), party))
 
     def report(self, channel: Code, value: Code, writer: Code, reader: Code) -> Statements:
-        """Tells the observer."""
+        """Report a communication to the observer, if communications are traced."""
         if not self.traced:
             return ()
         return (self.observed(channel.field("name"), value, writer, reader),)
 
     def observed(self, name: Code, value: Code, writer: Code, reader: Code) -> Statement:
-        """Tells the observer, if there is one."""
+        """Report a communication to the observer, if there is one."""
         observe = self.spelling.of_run("scheduler").field("observe")
-        return if_(is_there(observe), run(call(observe, name, value, writer, reader)))
+        return if_(is_not_none(observe), run(call(observe, name, value, writer, reader)))
 
     # One communication
 
     def read(self, source: End, into: Code) -> Statements:
-        """Reads into a local variable or attribute."""
+        """Read into a local variable or attribute."""
         medium = self.spelling.medium(source)
-        if at_once(source, medium):
+        if is_plain_access(source, medium):
             return (assign(into, self.spelling.value_at(source)),)
         end = self.spelling.source(source)
         if is_inline(medium):
@@ -119,7 +119,7 @@ class Communications:
             return (*self.check(), *before, *self._rendezvous_read(channel, into, is_alternated(medium)))
         if medium.kind == "sampled":
             return (*self.check(), *self._sampled_read(end, into, medium))
-        return (*self.known(), assign(into, delegated(end.call("read"))))
+        return (*self.set_current_task(), assign(into, delegated(end.call("read"))))
 
     def _channel(self, end: Code) -> tuple[Statements, Code]:
         if not isinstance(end, Element):
@@ -137,20 +137,20 @@ class Communications:
             *self.report(channel, into, writer, me),
         )
         waits = (assign(channel.field("reading"), me), YIELD, assign(into, channel.field("value")))
-        return (assign(writer, channel.field("writing")), if_(is_there(writer), *there), else_(*waits))
+        return (assign(writer, channel.field("writing")), if_(is_not_none(writer), *there), else_(*waits))
 
     @staticmethod
     def _lowered(channel: Code, alternated: bool) -> Statements:
-        """Tells alternatives that the writer of a channel is no longer there."""
+        """Tell alternatives that the writer of a channel no longer waits."""
         return (run(channel.call("lower")),) if alternated else ()
 
     def _sampled_read(self, end: Code, into: Code, medium: Medium) -> Statements:
-        """Waits for a sample, and takes it."""
+        """Wait for a sample, and take it."""
         wait = (run(end.call("wait", self.spelling["me"])), YIELD, *self.check())
         return (if_(negated(end.field("fresh")), *wait), *self._sample_taken(end, into, medium))
 
     def _sample_taken(self, end: Code, into: Code, medium: Medium) -> Statements:
-        """Takes a sample that is there: in place where it is the next of a session."""
+        """Take a sample that is there; inlined if it is the next of a session."""
         me, inputs = self.spelling["me"], end.field("inputs")
         lowered = if_(inputs, run(call(self.runtime("lower_bits"), inputs))) if medium.guarded_reads else None
         in_place: Statements = (
@@ -163,7 +163,7 @@ class Communications:
         return (if_(usual, *in_place), else_(assign(into, end.call("taken", me))))
 
     def write(self, sink: End, value: Code) -> Statements:
-        """Writes a value that is simple enough to be evaluated twice."""
+        """Write a value that is simple enough to be evaluated twice."""
         medium = self.spelling.medium(sink)
         if medium.kind == "discard":
             return ()
@@ -176,12 +176,12 @@ class Communications:
         if medium.kind == "latched" and (isinstance(value, Name) or value in (TRUE, FALSE)):
             return (*self.check(), *self._latched(sink, end, value))
         if medium.kind in WRITTEN_AT_ONCE:
-            known = () if medium.kind in ("latched", "direct") else self.known()
+            known = () if medium.kind in ("latched", "direct") else self.set_current_task()
             return (*self.check(), *known, run(end.call("offer", self.spelling["me"], value)))
-        return (*self.known(), run(delegated(end.call("write", value))))
+        return (*self.set_current_task(), run(delegated(end.call("write", value))))
 
     def _latched(self, sink: End, end: Code, value: Code) -> Statements:
-        """Keeps a finite value for the next tick."""
+        """Keep a finite value for the next tick."""
         me = self.spelling["me"]
         latch = (
             assign(end.field("latched"), value),
@@ -201,7 +201,7 @@ class Communications:
         return self._met_reader(channel, value, waits)
 
     def _met_reader(self, channel: Code, value: Code, otherwise: Statements) -> Statements:
-        """Gives a value to the reader that waits for it; if none does, something else."""
+        """Pass a value to the reader that waits for it; ``otherwise`` if none does."""
         me, reader = self.spelling["me"], self.spelling["reader"]
         there = (
             assign(channel.field("reading"), NONE),
@@ -209,7 +209,7 @@ class Communications:
             self.push(reader),
             *self.report(channel, value, me, reader),
         )
-        return (assign(reader, channel.field("reading")), if_(is_there(reader), *there), else_(*otherwise))
+        return (assign(reader, channel.field("reading")), if_(is_not_none(reader), *there), else_(*otherwise))
 
     def _offered(self, channel: Code, value: Code, alternated: bool) -> Statements:
         parked = (
@@ -223,16 +223,18 @@ class Communications:
             *parked,
             assign(guards, channel.field("selector")),
             change(guards.field("ready"), "|=", bit),
-            if_(infix("&", BITS_AND, guards.field("armed"), bit), *self.known(), run(guards.call("wake"))),
+            if_(infix("&", BITS_AND, guards.field("armed"), bit), *self.set_current_task(), run(guards.call("wake"))),
         )
 
     # Several at once
 
     def read_all(self, reads: Sequence[tuple[End, Code]]) -> Statements:
-        """Begins all reads in order, then waits for all."""
+        """Begin all reads in order, then wait for all."""
         spelling = self.spelling
-        slow = [(end, into) for end, into in reads if not at_once(end, spelling.medium(end))]
-        here = tuple(assign(into, spelling.value_at(end)) for end, into in reads if at_once(end, spelling.medium(end)))
+        slow = [(end, into) for end, into in reads if not is_plain_access(end, spelling.medium(end))]
+        here = tuple(
+            assign(into, spelling.value_at(end)) for end, into in reads if is_plain_access(end, spelling.medium(end))
+        )
         if not slow:
             return (*self.check(), *here)
         if len(slow) == 1:
@@ -242,7 +244,7 @@ class Communications:
             return (*self.check(), *here, *self._rendezvous_reads(slow))
         ends = [spelling.source(end) for end, _ in slow]
         waiting = delegated(call(self.runtime("read_all"), *ends))
-        wait = (*self.known(), unpack([into for _, into in slow], waiting))
+        wait = (*self.set_current_task(), unpack([into for _, into in slow], waiting))
         media = [spelling.medium(end) for end, _ in slow]
         if any(medium.kind != "sampled" for medium in media):
             return (*self.check_early(1), *here, *wait)
@@ -255,12 +257,12 @@ class Communications:
         return (*self.check(), *here, if_(there, *taken), else_(*wait))
 
     def check_early(self, before: int) -> Statements:
-        """A point of cancellation before accesses that are none."""
+        """A point of cancellation, if there are accesses before that are not communications."""
         return self.check() if before else ()
 
     def _rendezvous_reads(self, reads: Sequence[tuple[End, Code]]) -> Statements:
         me, writer, waiting = (self.spelling[name] for name in ("me", "writer", "waiting"))
-        begun: list[Statement] = [assign(waiting, Whole(0))]
+        begun: list[Statement] = [assign(waiting, WholeNumber(0))]
         for source, _ in reads:
             alternated = is_alternated(self.spelling.medium(source))
             before, channel = self._channel(self.spelling.source(source))
@@ -275,37 +277,40 @@ class Communications:
             begun += [
                 *before,
                 assign(writer, channel.field("writing")),
-                if_(is_there(writer), *there),
-                else_(assign(channel.field("reading"), me), change(waiting, "+=", Whole(1))),
+                if_(is_not_none(writer), *there),
+                else_(assign(channel.field("reading"), me), change(waiting, "+=", WholeNumber(1))),
             ]
         taken = [assign(into, self.spelling.source(source).field("value")) for source, into in reads]
         return (*begun, self._all_done(), *taken)
 
     def _all_done(self) -> Statement:
         waiting = self.spelling["waiting"]
-        return Block("while", waiting, (YIELD, change(waiting, "-=", Whole(1))))
+        return Block("while", waiting, (YIELD, change(waiting, "-=", WholeNumber(1))))
 
     def write_all(self, writes: Sequence[tuple[End, Code]]) -> Statements:
-        """Offers all values in order, then waits until all were taken."""
+        """Offer all values in order, then wait until all have been taken."""
         spelling = self.spelling
         media = [spelling.medium(sink) for sink, _ in writes]
         waiting = [position for position, medium in enumerate(media) if medium.kind not in WRITTEN_AT_ONCE]
         one_last = len(waiting) == 1 and all(
-            at_once(sink, medium) for (sink, _), medium in list(zip(writes, media, strict=True))[waiting[0] :][1:]
+            is_plain_access(sink, medium)
+            for (sink, _), medium in list(zip(writes, media, strict=True))[waiting[0] :][1:]
         )
         if not waiting or (one_last and waiting[0] == len(writes) - 1):
             statements: list[Statement] = [*self.check()]
             for sink, value in writes:
                 statements += self._unchecked(self.write(sink, value))
             return tuple(statements)
-        if all(is_inline(medium) or at_once(sink, medium) for (sink, _), medium in zip(writes, media, strict=True)):
+        if all(
+            is_inline(medium) or is_plain_access(sink, medium) for (sink, _), medium in zip(writes, media, strict=True)
+        ):
             return (*self.check(), *self._rendezvous_writes(writes))
         pairs = [
             tuple_of((spelling.sink(sink), value))
             for (sink, value), medium in zip(writes, media, strict=True)
             if medium.kind != "discard"
         ]
-        return (*self.known(), run(delegated(call(self.runtime("write_all"), *pairs))))
+        return (*self.set_current_task(), run(delegated(call(self.runtime("write_all"), *pairs))))
 
     def _unchecked(self, statements: Statements) -> Statements:
         check = self.check()
@@ -313,22 +318,22 @@ class Communications:
 
     def _rendezvous_writes(self, writes: Sequence[tuple[End, Code]]) -> Statements:
         waiting = self.spelling["waiting"]
-        begun: list[Statement] = [assign(waiting, Whole(0))]
+        begun: list[Statement] = [assign(waiting, WholeNumber(0))]
         for sink, value in writes:
             medium = self.spelling.medium(sink)
-            if at_once(sink, medium):
+            if is_plain_access(sink, medium):
                 begun += self.write(sink, value)
                 continue
             before, channel = self._channel(self.spelling.sink(sink))
-            offered = (*self._offered(channel, value, is_alternated(medium)), change(waiting, "+=", Whole(1)))
+            offered = (*self._offered(channel, value, is_alternated(medium)), change(waiting, "+=", WholeNumber(1)))
             begun += [*before, *self._met_reader(channel, value, offered)]
         return (*begun, self._all_done())
 
     def take(self, source: End, into: Code, guards: Code, index: int) -> Statements:
-        """The communication of an input guard that was chosen, which is number ``index`` of ``guards``."""
+        """The communication of the input guard that was chosen, number ``index`` of ``guards``."""
         end = self.spelling.source(source)
         if not is_alternated(self.spelling.medium(source)):
-            return (*self.known(), assign(into, end.call("take")))
+            return (*self.set_current_task(), assign(into, end.call("take")))
         me, writer = self.spelling["me"], self.spelling["writer"]
         before, channel = self._channel(end)
         bit = channel.field("bit") if before else Constant(str(1 << index))

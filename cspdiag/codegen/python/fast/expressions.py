@@ -1,7 +1,7 @@
-"""Expressions as fast Python: what the runtime has functions for stands in place, constants are values.
+"""Expressions as fast Python: functions of the runtime are inlined, constants are replaced by their values.
 
-The results are those of the functions, bit for bit, faults included: every rewriting here says why. What is not
-rewritten, or cannot be because an operand would be evaluated twice or out of turn, is a call of the runtime as at
+The results are those of the functions, bit for bit, including faults: every rewriting here says why. What is not
+rewritten, or cannot be because an operand would be evaluated twice or out of order, is a call of the runtime as at
 ``-O0``.
 """
 
@@ -26,7 +26,7 @@ from cspdiag.codegen.python.text.code import (
     Named,
     Parenthesized,
     Prefix,
-    Whole,
+    WholeNumber,
     call,
     infix,
     integer,
@@ -72,20 +72,20 @@ from cspdiag.network.ir.faults import index_fits, may_fault
 from cspdiag.network.ir.ranges import exceeds, needs_check, value_range
 
 NANOSECONDS = Constant("1_000_000_000")
-"""In a second."""
+"""The number in a second."""
 
 SCALAR = RealType | IntType | TimeType | BoolType
-"""The types of values that are printed in the place of a name."""
+"""The types of values that are printed in place of a name."""
 
 _ZERO, _ONE, _MINUS_ONE = Constant("0.0"), Constant("1.0"), number("-1.0")
 _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _UNFOLDED = frozenset({"floor", "ceil"})
-"""Of constants the compiler makes these without the sign of a zero."""
+"""For constant operands the compiler computes these without the sign of a zero."""
 
 
 @dataclass(frozen=True)
 class FastPrinter(Printer):
-    """As ``Printer``; expressions use local variables of their own, named by ``temporaries``.
+    """As ``Printer``; expressions use additional local variables, named by ``temporaries``.
 
     ``known`` has the values of signals that are constants.
     """
@@ -102,11 +102,11 @@ class FastPrinter(Printer):
             match expression:
                 case ElementValue(operand=operand, index=index) if not index_fits(expression):
                     return self._element(operand, index)
-                case _:  # The others are as in the readable Python.
+                case _:  # The others are as in readable Python.
                     return super().print(expression)
 
     def value(self, expression: Expression) -> Value | None:
-        """The value of an expression that is constant; None where it is not, or has a fault."""
+        """The value of a constant expression; None if it is not constant, or faults."""
         if isinstance(expression, LiteralValue):
             return expression.value
         if not self._constant(expression):
@@ -141,7 +141,7 @@ class FastPrinter(Printer):
                 assert_never(expression)
 
     def _sound(self, part: Expression) -> bool:
-        """Whether a part of a constant expression is one without a fault."""
+        """Whether a part of an expression is constant and does not fault."""
         return self.value(part) is not None
 
     def _literal(self, value: Value, type_: Type, expression: Expression) -> Code:
@@ -164,16 +164,16 @@ class FastPrinter(Printer):
     def _math(self, name: str) -> Code:
         return Name(self.imports.standard("math", name))
 
-    # Operands that are wanted more than once
+    # Operands that are used more than once
 
     def _reused(self, code: Code, type_: Type) -> tuple[Code, Code]:
-        """An operand where it is evaluated, and where it is wanted again."""
+        """An operand where it is first evaluated, and where it is used again."""
         if _is_simple(code):
             return code, code
         name = self.temporaries.fresh(type_)
         return Parenthesized(Named(name, code)), Name(name)
 
-    # Whole numbers
+    # WholeNumber numbers
 
     def _checked(self, expression: Expression, code: Code) -> Code:
         if not isinstance(expression.type, IntType | TimeType) or not needs_check(expression):
@@ -181,7 +181,7 @@ class FastPrinter(Printer):
         return self._in_range(code, expression.type, exceeds(expression))
 
     def _in_range(self, code: Code, type_: IntType | TimeType, exceeded: tuple[bool, bool]) -> Code:
-        """The runtime's function is called only for a number outside, to say so."""
+        """The function of the runtime is called only for a number outside the range, to raise the fault."""
         word = type_ if isinstance(type_, IntType) else IntType()
         low, high = integer(word.minimum), integer(word.maximum)
         first, again = self._reused(code, type_)
@@ -219,14 +219,14 @@ class FastPrinter(Printer):
         return super()._operation(expression)
 
     def _ordinal(self, expression: Expression) -> Code:
-        """A literal of an enum is compared as the number that it is."""
+        """A literal of an enum is compared as its number."""
         if isinstance(expression, LiteralValue):
             assert isinstance(expression.value, int)
             return integer(expression.value)
         return self.print(expression)
 
     def _divided(self, expression: BinaryOperation) -> Code:
-        """Python rounds down, the language toward zero: for a positive divisor they differ below 0 only."""
+        """Python rounds down, the language toward zero: for a positive divisor they differ only below 0."""
         operator = "//" if expression.operator == "/" else "%"
         divisor = self.print(expression.right)
         dividend = self.print(expression.left)
@@ -235,7 +235,9 @@ class FastPrinter(Printer):
         first, again = self._reused(dividend, expression.type)
         mirrored = Parenthesized(infix(operator, PRODUCT, minus(again), divisor))
         return Conditional(
-            infix(operator, PRODUCT, again, divisor), infix(">=", COMPARISON, first, Whole(0)), Prefix("-", mirrored)
+            infix(operator, PRODUCT, again, divisor),
+            infix(">=", COMPARISON, first, WholeNumber(0)),
+            Prefix("-", mirrored),
         )
 
     def _conversion(self, type_: Type, operand: Expression) -> Code:
@@ -246,7 +248,7 @@ class FastPrinter(Printer):
                 exceeded = low < word.minimum, high > word.maximum
                 code = self.print(operand)
                 return self._in_range(code, word, exceeded) if any(exceeded) else code
-            case _:  # The others are as in the readable Python.
+            case _:  # The others are as in readable Python.
                 return super()._conversion(type_, operand)
 
     def _element(self, operand: Expression, index: Expression) -> Code:
@@ -256,7 +258,7 @@ class FastPrinter(Printer):
             return call(self.imports.runtime("element"), array, self.print(index))
         first, again = self._reused(self.print(index), index.type)
         above, below = (
-            infix(">=", COMPARISON, first, Whole(0)),
+            infix(">=", COMPARISON, first, WholeNumber(0)),
             infix("<", COMPARISON, again, Constant(str(operand.type.size))),
         )
         inside = infix("and", AND, above, below)
@@ -327,7 +329,7 @@ class FastPrinter(Printer):
                 assert_never(expression.function)
 
     def _limit(self, value: Expression, low: Expression, high: Expression) -> Code | None:
-        """The bounds are evaluated when they are asked for: the upper one must have no fault that would be missed."""
+        """The bounds are evaluated only when they are needed, so a fault of the upper one could be missed."""
         highest = self.print(high)
         if may_fault(high) and not _is_simple(highest):
             return None
@@ -338,7 +340,7 @@ class FastPrinter(Printer):
         return Conditional(low_again, infix("<", COMPARISON, first, first_low), rest)
 
     def _extreme(self, function: str, left: Expression, right: Expression) -> Code:
-        """``max`` keeps the first unless the second is greater: that decides about zeros and NaNs."""
+        """``max`` keeps the first operand unless the second is greater, which matters for zeros and NaNs."""
         first, first_again = self._reused(self.print(left), left.type)
         second, second_again = self._reused(self.print(right), right.type)
         operator = "<" if function == "max" else ">"
@@ -346,7 +348,7 @@ class FastPrinter(Printer):
 
     def _sign(self, operand: Expression, is_real: bool) -> Code:
         first, again = self._reused(self.print(operand), operand.type)
-        zero, one, minus_one = (_ZERO, _ONE, _MINUS_ONE) if is_real else (Whole(0), Whole(1), integer(-1))
+        zero, one, minus_one = (_ZERO, _ONE, _MINUS_ONE) if is_real else (WholeNumber(0), WholeNumber(1), integer(-1))
         rest = Conditional(minus_one, infix("<", COMPARISON, again, zero), again if is_real else zero)
         return Conditional(one, infix(">", COMPARISON, first, zero), rest)
 
@@ -360,7 +362,7 @@ class FastPrinter(Printer):
         return Conditional(infix("-", SUM, x, code), infix(">", COMPARISON, first, code), below)
 
     def _trigonometric(self, function: str, operand: Expression) -> Code:
-        """Python's functions refuse an infinity; a NaN gives a NaN in both branches."""
+        """Python's functions do not accept infinities; a NaN gives a NaN in both branches."""
         first, again = self._reused(self.print(operand), operand.type)
         finite = infix("==", COMPARISON, infix("-", SUM, first, again), _ZERO)
         return Conditional(call(self._math(function), again), finite, self._math("nan"))
@@ -376,13 +378,13 @@ def _is_in(value: Value | None, type_: IntType) -> bool:
 
 
 def _is_simple(code: Code) -> bool:
-    """Whether an operand may be evaluated again: a name or a number, or the opposite of one."""
+    """Whether an operand may be evaluated again: a name or a number, or its negative."""
     match code:
-        case Name() | Constant() | Whole():
+        case Name() | Constant() | WholeNumber():
             return True
         case Prefix(text="-", operand=operand):
             return _is_simple(operand)
-        case _:  # Whatever else would be computed twice.
+        case _:  # Anything else would be computed twice.
             return False
 
 

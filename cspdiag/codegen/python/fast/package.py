@@ -1,4 +1,4 @@
-"""The package of ``-O1``: outside as that of ``-O0``."""
+"""The package of ``-O1``: from outside the same as that of ``-O0``."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from cspdiag.codegen.shared.render import renderer
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.optimize import PASSES, optimize
 
-_OF_PROCESSES = ("fuse",)
-"""Passes after which nobody can tell any more when each process starts and ends."""
+_PASSES_HIDING_PROCESSES = ("fuse",)
+"""Passes after which the start and the end of each process are no longer known."""
 
-_OF_VARIABLES = ("constants", "dead", "fuse")
-"""Passes after which variables that are there to be watched may be gone."""
+_PASSES_HIDING_VARIABLES = ("constants", "dead", "fuse")
+"""Passes that may remove variables which are to be recorded."""
 
 
 def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder; see ``python.generate``."""
-    left_out = _OF_PROCESSES * options.observed + _OF_VARIABLES * options.probed
+    left_out = _PASSES_HIDING_PROCESSES * options.observed + _PASSES_HIDING_VARIABLES * options.probed
     optimized = optimize(network, [entry for entry in PASSES if entry.name not in left_out])
     render = renderer("python", options.templates)
     names = PackageNames(optimized)

@@ -1,4 +1,4 @@
-"""Process classes as Python modules: the constructor makes what the process owns, ``steps`` is its code."""
+"""Process classes as Python modules: the constructor makes what the process owns, ``steps`` contains its code."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from cspdiag.codegen.python.fast.cancellation import checked_classes
 from cspdiag.codegen.python.fast.communications import Communications
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.laws.in_place import external_calls
-from cspdiag.codegen.python.fast.places import Spelling, is_alternated, is_inline
+from cspdiag.codegen.python.fast.spelling import Spelling, is_alternated, is_inline
 from cspdiag.codegen.python.fast.statements import assigned
-from cspdiag.codegen.python.fast.storage import run_again
+from cspdiag.codegen.python.fast.storage import rerun_classes
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.constructors import ConstructorWriter
 from cspdiag.codegen.python.plain.docs import class_doc
@@ -30,7 +30,7 @@ from cspdiag.codegen.python.text.code import (
     Items,
     Name,
     Prefix,
-    Whole,
+    WholeNumber,
     attributes_of_self,
     call,
     own,
@@ -79,7 +79,7 @@ from cspdiag.network.ir.walk import parts
 
 _EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
 _DECLARED = LINE_LENGTH - 12
-"""Room for a declaration in a function inside a method."""
+"""The room for a declaration in a function inside a method."""
 
 
 def process_module(
@@ -91,7 +91,7 @@ def process_module(
 
 @lru_cache(maxsize=1)
 def has_parts_by_hand(network: Network) -> bool:
-    """Whether the program has processes or laws in Python that communicate by themselves."""
+    """Whether the program has processes or laws in Python that communicate themselves."""
     return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
 
 
@@ -103,7 +103,7 @@ def has_levels(network: Network) -> bool:
 
 
 def _nonlocal(names: Sequence[str]) -> Iterator[Statement]:
-    """Declares variables of the function around, as many as there is room for in a line."""
+    """Declarations of variables of the enclosing function, with as many on a line as fit."""
     row: list[str] = []
     for name in names:
         if row and len(f"nonlocal {', '.join([*row, name])}") > _DECLARED:
@@ -128,7 +128,7 @@ class _ProcessWriter(ConstructorWriter):
         self.network = network
         self.names = names
         self.modules = modules
-        self.spelling = Spelling(process, network, process.name in run_again(network), options.probed)
+        self.spelling = Spelling(process, network, process.name in rerun_classes(network), options.probed)
         self.members = self.spelling.members
         self._name_everything()
         self.imports = Imports(names, taken=self.spelling.taken())
@@ -154,7 +154,7 @@ class _ProcessWriter(ConstructorWriter):
         self.instances = Instances(network, self.members, self.initial, self.imports, modules)
 
     def _name_everything(self) -> None:
-        """Gives every signal its name before imports are named."""
+        """Name every signal before the imports are named."""
         for item in (*self.process.constants, *self.process.states):
             self.spelling.signal(item.name)
         self.spelling.bound.clear()
@@ -184,9 +184,9 @@ class _ProcessWriter(ConstructorWriter):
     def _steps(self, body: Statements) -> Function:
         spelling, process = self.spelling, self.process
         me, error = spelling["me"], spelling["error"]
-        states = tuple(self._initial_states()) if not spelling.again else ()
+        states = tuple(self._initial_states()) if not spelling.runs_again else ()
         declared = tuple(self._declared_variables())
-        memories = tuple(assign(name, Whole(0)) for name in self.composition.memories.values())
+        memories = tuple(assign(name, WholeNumber(0)) for name in self.composition.memories.values())
         for item in external_calls(process.body):
             spelling.bind(spelling.signal_name(item.name))
         bound = tuple(assign(name, own(name)) for name in spelling.bound)
@@ -207,7 +207,7 @@ class _ProcessWriter(ConstructorWriter):
         return Function("steps", ("self", f"{me.text}: {task}"), code, steps)
 
     def _of_run(self) -> Iterator[Statement]:
-        """What the code uses of the run of its task."""
+        """The local variables for the scheduler of the run, if the code uses them."""
         spelling = self.spelling
         scheduler: Code = spelling["me"].field("scheduler")
         if "scheduler" in spelling.run:
@@ -218,12 +218,12 @@ class _ProcessWriter(ConstructorWriter):
 
     @staticmethod
     def _generator(body: Statements) -> Statements:
-        """A body that waits nowhere is made a generator all the same."""
+        """The body as that of a generator, even if it never waits."""
         waits = any(node == YIELD or (isinstance(node, Prefix) and node.text == "yield from ") for node in nodes(body))
         return body if waits else (*body, if_(FALSE, YIELD))
 
     def _set_in(self, body: Statements) -> list[str]:
-        """Local variables of ``steps`` that the statements of a nested function set."""
+        """Local variables of ``steps`` that the statements of a nested function assign."""
         candidates = self.spelling.shared() | set(self.composition.memories.values())
         return sorted(candidates.intersection(bound_in(body)))
 
@@ -239,7 +239,7 @@ class _ProcessWriter(ConstructorWriter):
         for name, local in self.spelling.local_declarations():
             channel = channels[name]
             type_ = annotation(channel.type, self.imports)
-            if channel.initial is None or self.spelling.again:
+            if channel.initial is None or self.spelling.runs_again:
                 yield Declare(Name(local), type_)
             else:
                 yield Assign(Name(local), self.composition.printer.print(channel.initial), annotation=type_)
@@ -277,7 +277,7 @@ class _ProcessWriter(ConstructorWriter):
         return "In" if direction == "in" else "Out"
 
     def _stored_arguments(self) -> Iterator[Statement]:
-        """Parameters and ports that the code uses, or that guards are made of."""
+        """Parameters and ports that the code or its guards use."""
         guards = set(attributes_of_self(tuple(self.composition.choices.values())))
         read = {end.port for end in self.members.reading_ends if isinstance(end, PortEnd)}
         for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
@@ -302,7 +302,7 @@ class _ProcessWriter(ConstructorWriter):
         for item in self.process.constants:
             target = self.spelling.constant_made(item.name)
             yield from assigned(target, self.initial, item.value, self.composition.place_of(item))
-        if self.spelling.again:
+        if self.spelling.runs_again:
             for state in self.process.states:
                 target, place = self.spelling.signal(state.name), self.composition.place_of(state)
                 yield from assigned(target, self.initial, state.initial, place, annotation(state.type, self.imports))
@@ -335,7 +335,7 @@ class _ProcessWriter(ConstructorWriter):
         return self._end_class(medium, "in") if is_inline(medium) else super()._channel_class(channel)
 
     def _created(self) -> Iterator[Statement]:
-        """Reading ends, instances and alternatives in the order in which they have to come to be."""
+        """Reading ends, instances and alternatives, in the required order of creation."""
         instances = {item.name: item for item in self.process.instances}
         made_ends: set[str] = set()
         made_arrays: set[str] = set()
@@ -387,7 +387,7 @@ class _ProcessWriter(ConstructorWriter):
         yield assign(own(name), readers)
 
     def _owner(self, end: End) -> Code:
-        """The process that an end belongs to: one that was flattened, or this one."""
+        """The process that an end belongs to: an inlined one, or this one."""
         for scope in self.spelling.scopes:
             if end in scope.ends:
                 return own(self.spelling.parts[scope.instance])

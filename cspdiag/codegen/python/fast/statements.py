@@ -26,8 +26,8 @@ from cspdiag.network.ir.expressions import BinaryOperation, Expression, Function
 def assigned(
     target: Code, printer: FastPrinter, expression: Expression, place: str | None, annotation: str | None = None
 ) -> Iterable[Statement]:
-    """``target = expression``, with what has to be computed before it; ``place`` is noted as a comment, an
-    ``annotation`` declares the target.
+    """``target = expression``, after what has to be computed before; ``place`` becomes a comment, ``annotation``
+    declares the target.
     """
     match expression:
         case FunctionCall(function="round", arguments=(operand,)):
@@ -35,7 +35,7 @@ def assigned(
         case FunctionCall(function="quantize", arguments=(operand, step)) if printer.value(step):
             ratio = BinaryOperation(type=expression.type, operator="/", left=operand, right=step)
             before, value = _rounded(printer, ratio, printer.print(step), place)
-        case _:  # Every other value is one expression.
+        case _:  # Any other value is a single expression.
             yield Assign(target, printer.print(expression), place, annotation=annotation)
             return
     yield before
@@ -43,13 +43,15 @@ def assigned(
 
 
 def refused_unless_finite(value: Code, imports: Imports) -> Statement:
-    """Raises a fault for a real in a local variable that is infinite or no number: only then it differs from itself."""
+    """Raise a fault if a real in a local variable is infinite or NaN: only then its difference from itself is
+    not zero.
+    """
     difference = infix("!=", COMPARISON, infix("-", SUM, value, value), Constant("0.0"))
     return if_(difference, run(call(imports.runtime("finite"), value)))
 
 
 def _rounded(printer: FastPrinter, operand: Expression, step: Code | None, place: str | None) -> tuple[Statement, Code]:
-    """To the nearest whole number, halves away from zero: ``modf`` is exact and keeps the sign of a zero."""
+    """Round to the nearest whole number, halves away from zero: ``modf`` is exact and keeps the sign of a zero."""
     with printer.temporaries.whole_expression():
         code = printer.print(operand)
         fraction, whole = (Name(printer.temporaries.fresh(operand.type)) for _ in range(2))

@@ -1,4 +1,4 @@
-"""Where the variables of a process live: as local variables of its code where that can be, as objects where not."""
+"""Where the variables of a process are stored: as local variables of its code if possible, otherwise as objects."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from cspdiag.network.ir.network import Network, ProcessClass, channels_of
 from cspdiag.network.ir.walk import parts
 
 
-def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozenset[str]:
-    """The variables that can be local: no instance has them, no guard, and every read surely comes after a write.
+def local_variables(process: ProcessClass, runs_again: bool, probed: bool) -> frozenset[str]:
+    """The variables that can be local: no instance and no guard uses them, and every read certainly comes after a
+    write.
 
-    ``again`` tells that the process may be run more than once, with its variables as they were left; ``probed`` that
-    those with a unit are watched from outside.
+    With ``runs_again`` the process may run more than once, and its variables keep their values; with ``probed`` those
+    with a unit are recorded.
     """
     variables = {channel.name: channel for channel in process.channels if channel.kind == "var"}
     shared = set(channels_of(process.instances))
@@ -28,13 +29,13 @@ def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozens
                 shared.add(name)
             case _:  # Any other part shares no variable.
                 pass
-    written = frozenset(name for name, channel in variables.items() if channel.initial is not None and not again)
+    written = frozenset(name for name, channel in variables.items() if channel.initial is not None and not runs_again)
     early = frozenset() if process.body is None else read_before_written(process.body, variables, written)
     watched = {name for name, channel in variables.items() if probed and has_unit(channel.type)}
     return frozenset(variables) - shared - early - watched
 
 
 @lru_cache(maxsize=1)
-def run_again(network: Network) -> frozenset[str]:
-    """The process classes of which an instance may be run more than once; every class of a package asks."""
+def rerun_classes(network: Network) -> frozenset[str]:
+    """The process classes of which an instance may run more than once; cached for all classes of a package."""
     return classes_run_again(network)

@@ -1,4 +1,4 @@
-"""Names for values that an expression wants again."""
+"""Names for values that an expression uses more than once."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from cspdiag.model.types import RealType, Type
 
 @dataclass
 class Temporaries:
-    """Gives out names of local variables, of a kind for each kind of type, anew in each whole expression."""
+    """Names of local variables, separate for reals and others, which are reused for each whole expression."""
 
     names: Names
-    """The names of the function in which the expressions stand."""
+    """The names of the function that contains the expressions."""
     _made: dict[str, list[str]] = field(default_factory=dict)
     _used: dict[str, int] = field(default_factory=dict)
     _depth: int = 0
 
     @contextmanager
     def whole_expression(self) -> Iterator[None]:
-        """While the outermost of these is open, every name is given out once."""
+        """Within the outermost of these contexts every name is given only once."""
         if self._depth == 0:
             self._used.clear()
         self._depth += 1
@@ -32,7 +32,7 @@ class Temporaries:
             self._depth -= 1
 
     def fresh(self, type_: Type) -> str:
-        """A name that nothing else in the present expression has: ``x1``, ``x2`` for reals, ``n1`` for others."""
+        """A name that is not used otherwise in the present expression: ``x1``, ``x2`` for reals, ``n1`` for others."""
         kind = "x" if isinstance(type_, RealType) else "n"
         used = self._used.get(kind, 0)
         self._used[kind] = used + 1

@@ -1,4 +1,4 @@
-"""What all statements of one optimized process are written with: places, values, variables."""
+"""The common part of all statements of one optimized process: source places, values, variables."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from cspdiag.base import Span
 from cspdiag.codegen.python.fast.communications import Communications
 from cspdiag.codegen.python.fast.expressions import FastPrinter
-from cspdiag.codegen.python.fast.places import Spelling
+from cspdiag.codegen.python.fast.spelling import Spelling
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.text.code import SELF, Code, call
@@ -36,22 +36,22 @@ class Values:
     prologue: list[Statement] = field(default_factory=list)
     """What is computed once, before the process begins."""
     process: Code = SELF
-    """The process or law that is executed at this place."""
+    """The process or law that is executed here."""
 
     def statements(self, action: Action) -> Statements:
         """An action as statements."""
         raise NotImplementedError
 
-    def known(self) -> Statements:
-        """Says who runs, before something of the runtime is called that may ask."""
-        return self.communications.known()
+    def set_current_task(self) -> Statements:
+        """Tell the scheduler which task runs, before a call of the runtime that may need it."""
+        return self.communications.set_current_task()
 
     def place(self, action: Step) -> str:
-        """Where an action stands in the text."""
+        """The place of an action in the text."""
         return self.imports.names.place(action.span.file, action.span.line)
 
     def place_of(self, item: Declared) -> str:
-        """Where something stands in the text."""
+        """The place of a declaration in the text."""
         return self.imports.names.place(item.span.file, item.span.line)
 
     def comment(self, action: Step, what: str | None = None) -> Statement:
@@ -59,7 +59,7 @@ class Values:
         return Remark(f"{self.place(action)}  {one_line(action.span) if what is None else what}".rstrip())
 
     def set(self, target: Target, value: Expression, place: str) -> Iterable[Statement]:
-        """Sets a variable, or an element of it."""
+        """Assign a variable, or an element of it."""
         name = self.spelling.variable(target.channel)
         if not target.indexes:
             yield from assigned(name, self.printer, value, place)
@@ -67,20 +67,20 @@ class Values:
             yield self.replaced(target, self.printer.print(value), place)
 
     def replaced(self, target: Target, value: Code, place: str | None = None) -> Statement:
-        """Sets an element of a variable."""
+        """Assign an element of a variable."""
         variable = self.spelling.variable(target.channel)
         indexes = [self.printer.print(index) for index in target.indexes]
         return assign(variable, call(self.imports.runtime("replaced"), variable, value, *indexes), place)
 
     def read_into(self, target: Target, read: Callable[[Code], Statements]) -> Statements:
-        """What ``read`` reads, into a variable or an element of it."""
+        """Read into a variable or an element of it; ``read`` gives the statements for a target."""
         if not target.indexes:
             return read(self.spelling.variable(target.channel))
         value = self.spelling["value"]
         return (*read(value), self.replaced(target, value))
 
     def simple(self, value: Expression) -> tuple[Statements, Code]:
-        """A value as a name or a literal, and what has to be computed before."""
+        """A value as a name or a literal, and the statements that have to compute it before."""
         if isinstance(value, LiteralValue | ParameterValue | SignalValue) or (
             isinstance(value, VariableValue) and self.spelling.is_local(value.channel)
         ):
@@ -92,6 +92,6 @@ class Values:
 
 
 def one_line(span: Span) -> str:
-    """The text at a place on one line, cut where it is long."""
+    """The text at a place on one line, truncated if it is long."""
     joined = " ".join(span.text.split())
     return joined if len(joined) <= _LONGEST_COMMENT else f"{joined[:_LONGEST_COMMENT]}..."

@@ -1,1 +1,1 @@
-"""Python that reads as if written by hand from the diagram."""
+"""Python that reads as if it were written by hand from the diagram."""

@@ -1,4 +1,4 @@
-"""What the constructors of process classes have in common, readable and optimized."""
+"""The common part of the constructors of readable and optimized process classes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.instances import path
 from cspdiag.codegen.python.plain.members import Members
-from cspdiag.codegen.python.text.code import NONE, Argument, Call, Code, Name, Whole, own, typed
+from cspdiag.codegen.python.text.code import NONE, Argument, Call, Code, Name, WholeNumber, own, typed
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.modules import port_annotation
 from cspdiag.codegen.python.text.rolling import rolled_list
@@ -27,7 +27,7 @@ CHANNEL_CLASSES = {
 
 
 class ConstructorWriter:
-    """Writes parts of the constructor of one class; ``initial`` prints expressions over its parameters there."""
+    """Writes parts of the constructor of one class; ``initial`` prints expressions of its parameters."""
 
     process: ProcessClass
     members: Members
@@ -51,7 +51,7 @@ class ConstructorWriter:
         if channel.initial is not None:
             arguments.append(Argument(self.initial.print(channel.initial)))
         if channel.capacity is not None:
-            arguments.append(Argument(Whole(channel.capacity), "capacity"))
+            arguments.append(Argument(WholeNumber(channel.capacity), "capacity"))
         class_ = self.imports.runtime(self._channel_class(channel))
         return Call(typed(class_, annotation(channel.type, self.imports)), tuple(arguments))
 
@@ -61,7 +61,9 @@ class ConstructorWriter:
     def _attributes(
         self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: Mapping[str, Code]
     ) -> Iterator[Statement]:
-        """Sets the attributes of channels or instances; an element of an array that is not made is ``None`` there."""
+        """Assign the attributes of channels or instances; elements of an array that are missing in ``made`` become
+        ``None``.
+        """
         done: set[str] = set()
         for item in items:
             array = self.members.array_of(item.name)

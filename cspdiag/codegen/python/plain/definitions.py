@@ -13,7 +13,7 @@ from cspdiag.network.ir.network import Network
 
 @record
 class Definition:
-    """A class with rows for a body."""
+    """A class with the rows of its body."""
 
     name: str
     doc: str
@@ -21,7 +21,7 @@ class Definition:
 
 
 def constant_lines(network: Network, names: PackageNames) -> tuple[list[str], list[str]]:
-    """Imports and assignments of the constants; the doc comment of each is a comment before it."""
+    """Imports and assignments of the constants, each after its doc comment."""
     imports = Imports(names)
     rows: list[str] = []
     for constant in network.constants:
@@ -64,7 +64,7 @@ def struct_views(network: Network, names: PackageNames) -> tuple[list[str], list
 
 
 class _OwnTypes(Imports):
-    """Inside ``types.py`` the types need no import."""
+    """The imports of ``types.py``, where types need no import."""
 
     def type_(self, name: str) -> str:
         return self.names.types[name]

@@ -11,7 +11,7 @@ from cspdiag.network.ir.network import ClassParameter, Port, ProcessClass, Submo
 
 
 def class_doc(class_: ProcessClass | SubmodelClass, place: str, kind: str) -> str:
-    """The doc comment, the place in the text, the parameters and the ports."""
+    """The doc comment, the place in the text, the parameters and the ports of a class."""
     rows = [sentence(class_.doc) if class_.doc else f"The {kind} {class_.definition}.", "", f"Source: {place}"]
     if class_.parameters:
         rows += ["", "Parameters:", *(f"    {_parameter(item)}" for item in class_.parameters)]
@@ -21,7 +21,7 @@ def class_doc(class_: ProcessClass | SubmodelClass, place: str, kind: str) -> st
 
 
 def sentence(doc: str) -> str:
-    """A doc comment in paragraphs that fit the line, the first on lines of its own and ending in a full stop."""
+    """A doc comment in paragraphs that fit the line length; the first ends in a full stop."""
     paragraphs = [" ".join(part.split()) for part in doc.strip().split("\n\n")]
     if paragraphs[0][-1:] not in ".!?:":
         paragraphs[0] += "."

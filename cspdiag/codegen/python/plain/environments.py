@@ -20,7 +20,7 @@ from cspdiag.codegen.python.text.code import (
     Entry,
     Items,
     Name,
-    Whole,
+    WholeNumber,
     call,
     infix,
     own,
@@ -50,14 +50,14 @@ from cspdiag.network.ir.network import Environment, Network, SubmodelClass
 from cspdiag.network.ir.zero import zero
 
 ELAPSED = infix("-", SUM, Name("now"), own("now"))
-"""The time from the last instant to the present one."""
+"""The time from the previous instant to the present one."""
 
 MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
 
 @record
 class EnvironmentModule:
-    """What the template lays out."""
+    """The values for the template."""
 
     summary: str
     imports: list[str]
@@ -76,7 +76,7 @@ def environment_module(
 
 
 class EnvironmentWriter:
-    """Writes the module of one environment; the optimized target overrides how it computes."""
+    """Writes the module of one environment; the optimized target overrides its computations."""
 
     members: ClassVar[frozenset[str]] = MEMBERS
     """Names that the class and its methods use themselves."""
@@ -100,7 +100,7 @@ class EnvironmentWriter:
         self.constants = constants_needed(self.system) if self.system is not None else []
 
     def module(self) -> EnvironmentModule:
-        """The module as the template lays it out."""
+        """The values for the template."""
         environment = self.environment
         name = self.package.environments[environment.name]
         place = self.package.place(environment.span.file, environment.span.line)
@@ -149,7 +149,7 @@ class EnvironmentWriter:
         return [equation for equation in equations if isinstance(equation, ExternalCall)]
 
     def _constructor(self) -> Function:
-        statements: list[Statement] = [assign(own("now"), Whole(0))]
+        statements: list[Statement] = [assign(own("now"), WholeNumber(0))]
         entries: list[Code] = []
         devices = {
             external: (device, port) for device in self.environment.drivers for port, external in device.connections
@@ -184,7 +184,7 @@ class EnvironmentWriter:
         return Function("__init__", ("self",), tuple(statements))
 
     def _start(self) -> Function:
-        statements: list[Statement] = [assign(own("now"), Whole(0)), *self._start_statements()]
+        statements: list[Statement] = [assign(own("now"), WholeNumber(0)), *self._start_statements()]
         if self.system is not None:
             printer = self._printer((), Constant("0.0"))
             statements += [
@@ -200,7 +200,7 @@ class EnvironmentWriter:
         return Function("start", ("self",), tuple(statements), doc="Go to time 0 and evaluate the outputs.")
 
     def _start_statements(self) -> Iterable[Statement]:
-        """What else there is to do at time 0."""
+        """Additional statements at time 0."""
         return ()
 
     def _result_equations(self) -> list[Equation]:
@@ -218,7 +218,9 @@ class EnvironmentWriter:
         return Function("advance", ("self", "now: int"), tuple(statements), doc=doc)
 
     def _moved(self, system: SubmodelClass) -> Iterable[Statement]:
-        """From the last instant to ``now``: next values and slopes come from the inputs as they are."""
+        """From the previous instant to ``now``: next values and slopes are computed from the inputs at the previous
+        instant.
+        """
         integration = Integration(system, self.names, self._place)
         roots = {*signals((system.next_values,)), *(integration.held if system.derivatives else ())}
         had = {local for item in self._calls() for _, local, _ in item.outputs}
@@ -247,7 +249,7 @@ class EnvironmentWriter:
             updates = tuple(
                 assign(own(self.names[name]), printer.print(value), places[name]) for name, value in system.next_values
             )
-            due = infix("==", COMPARISON, infix("%", PRODUCT, Name("now"), own("step")), Whole(0))
+            due = infix("==", COMPARISON, infix("%", PRODUCT, Name("now"), own("step")), WholeNumber(0))
             yield if_(due, *updates)
         if system.derivatives:
             yield from self._integrated(system, integration)
@@ -271,16 +273,14 @@ class EnvironmentWriter:
         return infix("/", PRODUCT, nanoseconds, Name(self.imports.runtime("s")))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
-        """At the end of ``advance``: gives the outputs their values."""
+        """At the end of ``advance``: evaluate the outputs."""
         return [run(own("_evaluate").called())]
 
     def _evaluate(self, system: SubmodelClass) -> Function:
         return Function("_evaluate", ("self",), tuple(self._evaluation(system, own("now"), ())))
 
     def _evaluation(self, system: SubmodelClass, now: Code, present: Iterable[str]) -> list[Statement]:
-        """Gives the outputs their values at the instant ``now``; local variables have those of the
-        states ``present``.
-        """
+        """Evaluate the outputs at the instant ``now``; the states in ``present`` are already in local variables."""
         equations = self._result_equations()
         results = outputs(system)
         read = signals(tuple(part for equation in equations for part in values(equation)))
@@ -313,7 +313,7 @@ class EnvironmentWriter:
         return statements
 
     def _derivatives(self, system: SubmodelClass) -> list[Function]:
-        """Further methods that the integration calls."""
+        """Additional methods that the integration calls."""
         integration = Integration(system, self.names, self._place)
         moving = [state.name for state in system.states if state.continuous]
         moving += [equation.name for equation in system.derivative_equations]
@@ -330,5 +330,5 @@ def _type_of(value: object) -> Type:
             return INT
         case float():
             return DOUBLE
-        case _:  # Settings are of these types; what is left are texts.
+        case _:  # Settings have these types; the rest are texts.
             return TEXT

@@ -1,4 +1,4 @@
-"""Expressions of the network as Python expressions: least parentheses, checked integers, IEEE reals."""
+"""Expressions of the network as Python expressions: few parentheses, checked integers, IEEE reals."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ _BUILTIN_FUNCTIONS = frozenset({"abs", "min", "max"})
 ROUNDED_FUNCTIONS = frozenset(
     {"sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "quantize", "deadzone"}
 )
-"""Those whose result may need more digits than a binary32 argument has."""
+"""Functions whose result may need more digits than a binary32 argument has."""
 
 
 def _unexpected(name: str) -> Code:
@@ -79,7 +79,9 @@ def _unexpected(name: str) -> Code:
 
 @dataclass(frozen=True)
 class Printer:
-    """Prints the expressions of one class; the functions say how its names are spelled where the expression stands."""
+    """Prints the expressions of one class; the functions give the spelling of its names in the context of the
+    expression.
+    """
 
     imports: Imports
     parameter: Callable[[str], Code] = _unexpected
@@ -164,7 +166,7 @@ class Printer:
         return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
 
     def _checked(self, expression: Expression, code: Code) -> Code:
-        """``code``, with a check that the result is in the range of its type where it may not be."""
+        """``code``, with a check of the range of its type where it may be exceeded."""
         match expression.type:
             case RealType(bits=32):
                 return call(self.imports.runtime("float32"), code)
@@ -182,7 +184,7 @@ class Printer:
         if function == "seconds":
             return infix("/", PRODUCT, arguments[0], Name(self.imports.runtime("s")))
         if function == "until":
-            # Of an instant that is past it is negative, and so over at once; it does not overflow.
+            # For a past instant it is negative, so the wait is over immediately; it does not overflow.
             return infix("-", SUM, *arguments)
         if function in _BUILTIN_FUNCTIONS:
             return self._checked(expression, call(function, *arguments))

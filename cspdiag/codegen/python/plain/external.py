@@ -22,7 +22,7 @@ from cspdiag.network.ir.walk import parts
 
 @record
 class Body:
-    """What is known of an external class: where it is imported from, and which optional parts it has."""
+    """The known facts of an external class: where it is imported from, and which optional parts it has."""
 
     module: str
     name: str
@@ -32,16 +32,19 @@ class Body:
 
 
 class ExternalModules:
-    """The texts of the modules that a program names, by the path they were read from."""
+    """The texts of the modules that a program names, by the paths they were read from."""
 
     def __init__(self, texts: Mapping[str, str]) -> None:
         self._texts = texts
         names = Names({"__init__"})
         self._modules = {path: names.fresh(posixpath.basename(path).removesuffix(".py")) for path in texts}
-        """What each file is called in the folder ``external``: two of one name in different folders stay apart."""
+        """The module name of each file in the folder ``external``: files of the same name in different folders get
+        different ones.
+        """
 
     def describe(self, body: ExternalBody) -> Body:
-        """What the text of its module says about a class; an installed module is taken to have the required parts only.
+        """The facts that the text of its module gives about a class; a class of an installed module is assumed to have
+        only the required parts.
 
         Raises TargetError for a body in another language, or a class that its module does not have.
         """
@@ -65,7 +68,7 @@ class ExternalModules:
         )
 
     def construct(self, body: ExternalBody, given: Mapping[str, Code], imports: Imports) -> Code:
-        """An object of the class, with its parameters by keyword."""
+        """A call of the constructor, with the parameters as keywords."""
         arguments = tuple(Argument(value, identifier(name)) for name, value in given.items())
         return Call(Name(self.imported(body, imports)), arguments)
 
@@ -97,13 +100,13 @@ def external_call(
 
 @lru_cache(maxsize=1)
 def bodies(network: Network) -> tuple[ExternalBody, ...]:
-    """Every body in Python that a network names, each once; what becomes of a package asks several times."""
+    """All bodies in Python that a network names, each once; cached because several parts of a package need them."""
     found = (part for part in parts((network.classes, network.environments)) if isinstance(part, ExternalBody))
     return tuple(dict.fromkeys(found))
 
 
 def source_path(body: ExternalBody) -> str | None:
-    """The path of the module's file, as the file that names it is called; None for an installed module."""
+    """The path of the module's file, relative to the file that names it; None for an installed module."""
     file = body.target.rpartition(":")[0]
     if body.language != "python" or not file.endswith(".py"):
         return None
@@ -127,7 +130,7 @@ def _methods(text: str, name: str) -> dict[str, list[str]] | None:
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError):
-        return {}  # Python will say what is wrong with it, and where.
+        return {}  # Python reports the error and its place.
     for node in tree.body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             functions = [item for item in node.body if isinstance(item, ast.FunctionDef)]

@@ -1,5 +1,5 @@
-"""How an instance inside a process is made: the call of its constructor, with arguments and what its ports are attached
-to.
+"""The creation of an instance inside a process: the call of its constructor, with its arguments and the ends for its
+ports.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.members import Members
 from cspdiag.codegen.python.plain.submodels import signal_names
-from cspdiag.codegen.python.text.code import Argument, Call, Code, Element, Formatted, Name, Whole, call
+from cspdiag.codegen.python.text.code import Argument, Call, Code, Element, Formatted, Name, WholeNumber, call
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
 from cspdiag.codegen.python.text.rolling import rolled_list
@@ -33,8 +33,8 @@ _INDEXES = re.compile(r"(?<=\[)(\d+)(?=\])")
 
 
 class Instances:
-    """Makes the instances of one process class; ``initial`` prints expressions over its parameters in
-    the constructor.
+    """Creates the instances of one process class; ``initial`` prints expressions of its parameters in the
+    constructor.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Instances:
         self._keywords: dict[str, Mapping[str, str]] = {}
 
     def made(self, instance: InstanceOf) -> Code:
-        """The call that makes it."""
+        """The call that creates it."""
         class_ = self.network.class_named(instance.class_name)
         if class_.name not in self._keywords:
             self._keywords[class_.name] = keywords_of(class_)
@@ -71,7 +71,7 @@ class Instances:
         return self._whole(values) or rolled_list(values, self.members.index)
 
     def _whole(self, values: Sequence[Code]) -> Code | None:
-        """The list of which these are all elements in order."""
+        """The list that has exactly these elements in this order; None if there is none."""
         first = values[0]
         if not isinstance(first, Element) or self.members.list_sizes.get(first.operand) != len(values):
             return None
@@ -87,13 +87,13 @@ class Instances:
             case PortEnd() | ChannelEnd():
                 if by_submodel and port.direction == "in":
                     return self.members.source(attachment)
-                return self.members.handed_on(attachment)
+                return self.members.passed_to_instance(attachment)
             case _:
                 assert_never(attachment)
 
 
 def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
-    """The keywords of a class's constructor by parameter and port."""
+    """The keywords of a class's constructor, by parameter and port."""
     if isinstance(class_, ProcessClass):
         names = Names(MEMBERS if class_.external is not None else PROCESS_MEMBERS)
     else:
@@ -102,7 +102,7 @@ def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
 
 
 def path(name: str, owner: Code | None = None) -> Code:
-    """The hierarchical name of something inside, from the ``name`` of the process."""
+    """The hierarchical name of a part, as an extension of the ``name`` of the process."""
     parts = _INDEXES.split(name)
-    counted = [Whole(int(part)) if position % 2 else part for position, part in enumerate(parts)]
+    counted = [WholeNumber(int(part)) if position % 2 else part for position, part in enumerate(parts)]
     return Formatted((owner or _NAME, ".", *counted))

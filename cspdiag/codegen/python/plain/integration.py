@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
-from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Name, Whole, call, code, counted_to, infix, own
+from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Name, WholeNumber, call, code, counted_to, infix, own
 from cspdiag.codegen.python.text.names import Names
-from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, give, unpack
+from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, return_, unpack
 from cspdiag.codegen.shared.equations import held, needed, signals, uses_time
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.network import SubmodelClass
@@ -16,9 +16,9 @@ from cspdiag.network.ir.network import SubmodelClass
 
 @record
 class Integration:
-    """Writes the derivatives of a class as a method and the Runge-Kutta (or Euler) step that calls it.
+    """Writes the derivatives of a class as a method, and the Runge-Kutta (or Euler) step that calls it.
 
-    ``names`` gives the Python name of every signal; ``place`` says where something stands in the text.
+    ``names`` gives the Python name of every signal; ``place`` the source place of an equation.
     """
 
     class_: SubmodelClass
@@ -32,7 +32,7 @@ class Integration:
 
     @property
     def held(self) -> list[str]:
-        """The signals that the derivatives get besides the states."""
+        """The signals that are passed to the derivatives in addition to the states."""
         return held(self.class_)
 
     @property
@@ -59,10 +59,12 @@ class Integration:
             if isinstance(equation, SubmodelEquation)
         ]
         returns = "float" if len(results) == 1 else f"tuple[{', '.join('float' for _ in results)}]"
-        return Function(self.method, ("self", *parameters), (*body, give(*results)), returns)
+        return Function(self.method, ("self", *parameters), (*body, return_(*results)), returns)
 
     def loop(self, steps: Code | None) -> Statements:
-        """The statements that move the states, which are local variables, over ``steps`` sub-steps of ``h`` seconds."""
+        """The statements that integrate the states, which are local variables, over ``steps`` sub-steps of ``h``
+        seconds.
+        """
         body = self._euler() if self.class_.method == "euler" else self._runge_kutta()
         fractions = () if self.class_.method == "euler" else (assign("half", _part(2)), assign("sixth", _part(6)))
         if steps is None:
@@ -92,8 +94,8 @@ class Integration:
                 statements.append(self._evaluated(slopes, [Name(state) for state in states], Name("t")))
         for position, state in enumerate(states):
             k1, k2, k3, k4 = (slopes[position] for slopes in stages)
-            total = infix("+", SUM, Name(k1), _times(Whole(2), k2))
-            total = infix("+", SUM, infix("+", SUM, total, _times(Whole(2), k3)), Name(k4))
+            total = infix("+", SUM, Name(k1), _times(WholeNumber(2), k2))
+            total = infix("+", SUM, infix("+", SUM, total, _times(WholeNumber(2), k3)), Name(k4))
             statements.append(change(state, "+=", infix("*", PRODUCT, Name("sixth"), total)))
         return tuple(statements)
 
@@ -113,7 +115,7 @@ def begin_of_step() -> Code:
 
 
 def _part(count: int) -> Code:
-    return infix("/", PRODUCT, Name("h"), Whole(count))
+    return infix("/", PRODUCT, Name("h"), WholeNumber(count))
 
 
 def _times(factor: Code | str, name: str) -> Code:

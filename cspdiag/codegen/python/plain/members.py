@@ -17,7 +17,7 @@ from cspdiag.network.ir.walk import parts
 
 @record
 class Array:
-    """Instances or channels that stand in one list: the attribute, and their names in order."""
+    """Instances or channels that are kept in one list: its attribute, and their names in order."""
 
     name: str
     elements: tuple[str, ...]
@@ -30,7 +30,7 @@ class Array:
 
 
 class Members:
-    """Says under which attribute of ``self`` everything in a process class is found."""
+    """The attributes of ``self`` for everything in a process class."""
 
     def __init__(self, process: ProcessClass, network: Network) -> None:
         self.process = process
@@ -53,7 +53,7 @@ class Members:
         self._indexes = [self.index]
 
     def index_around(self, groups: Iterable[Iterable[Statement]]) -> str:
-        """The variable of a loop over what becomes of these statements, in which loops of their own count already."""
+        """The variable of a loop around these statements, which may contain loops with variables of their own."""
         bound = {name for group in groups for name in bound_in(group)}
         for name in self._indexes:
             if name not in bound:
@@ -63,7 +63,7 @@ class Members:
 
     @property
     def list_sizes(self) -> dict[Code, int]:
-        """The lists by the expression that they are reached by, with their lengths."""
+        """The lengths of the lists, by the expressions for them."""
         sizes: dict[Code, int] = {own(array.name): len(array.elements) for array in self._arrays.values()}
         for port in self.process.ports:
             if port.size is not None:
@@ -96,7 +96,7 @@ class Members:
         return names
 
     def array_of(self, name: str) -> Array | None:
-        """The list that an instance or channel stands in."""
+        """The list that contains an instance or channel."""
         return self._arrays.get(name)
 
     def attribute(self, name: str) -> Code:
@@ -112,19 +112,21 @@ class Members:
         return self._ends[_whole(end)]
 
     def source(self, end: End) -> Code:
-        """What a reading end of this process is called."""
+        """The expression for a reading end of this process."""
         if end not in self.reading_ends:
             return self.sink(end)
         return _indexed(own(self.end_name(end)), end)
 
     def sink(self, end: End) -> Code:
-        """What is written to at an end."""
+        """The expression for an end to write to."""
         if isinstance(end, ChannelEnd):
             return self.attribute(end.channel)
         return _indexed(own(self.arguments[end.port]), end)
 
-    def handed_on(self, end: End) -> Code:
-        """What an instance of a process gets: the port or channel itself, of which it makes ends of its own."""
+    def passed_to_instance(self, end: End) -> Code:
+        """The expression that is passed to an instance of a process: the port or channel itself, of which it makes its
+        own ends.
+        """
         if isinstance(end, ChannelEnd):
             return self.attribute(end.channel)
         return _indexed(Name(self.arguments[end.port]), end)

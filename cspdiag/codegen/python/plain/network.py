@@ -11,14 +11,14 @@ from cspdiag.codegen.python.text.code import TRUE, Argument, Call, Code, Constan
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
-from cspdiag.codegen.python.text.statements import Assign, Statement, assign, give, lines
+from cspdiag.codegen.python.text.statements import Assign, Statement, assign, lines, return_
 from cspdiag.codegen.python.text.types import accepted, annotation, duration, literal
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 
 
 @record
 class NetworkModule:
-    """What the template lays out."""
+    """The values for its template."""
 
     imports: list[str]
     port_names: list[str]
@@ -48,7 +48,7 @@ def network_view(network: Network, names: PackageNames, modules: ExternalModules
     made = Call(Name(class_), tuple(arguments))
     ends = tuple_of(Name(name) for name in by_port.values())
     built = Call(Name(imports.runtime("Network")), (Argument(made), *([Argument(ends, "ports")] if by_port else ())))
-    statements.append(give(built))
+    statements.append(return_(built))
     keys = tuple_of(Constant(quoted(key)) for key in by_port)
     mapping, driver = imports.standard("collections.abc", "Mapping"), imports.runtime("Driver")
     return NetworkModule(

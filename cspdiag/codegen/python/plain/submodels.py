@@ -25,7 +25,7 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
 from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
-from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, give, lines, run, unpack
+from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, lines, return_, run, unpack
 from cspdiag.codegen.python.text.types import annotation, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
@@ -46,11 +46,11 @@ from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEqu
 from cspdiag.network.ir.network import SubmodelClass
 
 INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
-"""Names that an integration uses itself."""
+"""Names that the integration uses itself."""
 
 
 def signal_names(class_: SubmodelClass) -> Names:
-    """Python names of everything in a submodel: keywords of its constructor, attributes and local variables alike."""
+    """Python names of everything in a submodel, for keywords of its constructor, attributes and local variables."""
     names = Names({*MEMBERS, "_body", *(INTEGRATION if class_.derivatives else ())})
     for item in (*class_.parameters, *class_.ports, *class_.states):
         names[item.name]
@@ -110,14 +110,14 @@ class _SubmodelWriter:
         return [equation for equation in self.class_.equations if isinstance(equation, ExternalCall)]
 
     def _attributes(self) -> set[str]:
-        """Parameters and constants that are wanted after construction."""
+        """Parameters and constants that are needed after construction."""
         class_ = self.class_
         late = evaluated_in_runs(class_)
         period = {"sample"} if class_.derivatives and class_.step is None else set()
         return {*signals(late), *parameters(late), *period}
 
     def _printer(self, *, local: Iterable[str] = (), constructing: bool = False) -> Printer:
-        """Names in ``local`` are local variables, the others attributes."""
+        """A printer for which names in ``local`` are local variables and the others attributes."""
         known = set(local)
 
         def parameter(name: str) -> Code:
@@ -146,7 +146,7 @@ class _SubmodelWriter:
         return Function("__init__", ("self", "name: str", *(["*", *keywords] if keywords else [])), statements)
 
     def _made(self) -> Iterable[Statement]:
-        """What the constructor does after it has the ports."""
+        """The statements of the constructor after it has stored the ports."""
         yield from self._kept_parameters()
         yield from self._constants()
         yield from self._sub_steps()
@@ -198,7 +198,7 @@ class _SubmodelWriter:
         return statements
 
     def _run(self) -> Function:
-        """All inputs are read at once, and then all outputs are written at once."""
+        """All inputs are read together, and then all outputs are written together."""
         given = [self.names[name] for name in inputs(self.class_)]
         results = [self.names[name] for name in outputs(self.class_)]
         statements: list[Statement] = []
@@ -254,7 +254,9 @@ class _SubmodelWriter:
         return assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
 
     def _hoisted(self, expressions: Sequence[object]) -> list[str]:
-        """Attributes that are read more than once, or after they have changed, and so become local variables first."""
+        """Attributes that are read several times, or after they have changed, and so are first copied to local
+        variables.
+        """
         class_ = self.class_
         read = signals(expressions) + parameters(expressions)
         discrete = [state.name for state in class_.states if not state.continuous]
@@ -283,7 +285,7 @@ class _SubmodelWriter:
 
     @property
     def _moved(self) -> list[str]:
-        """Continuous states, which take their values with the discrete ones."""
+        """Continuous states, which are assigned at the same time as the discrete ones."""
         return self.integration.states if self.class_.derivatives else []
 
     def _returned(self, before: list[Statement], results: list[str], printer: Printer) -> Iterable[Statement]:
@@ -291,13 +293,13 @@ class _SubmodelWriter:
             last = before[-1] if before else None
             if isinstance(last, Assign) and last.target == Name(self.names[results[0]]):
                 before.pop()
-                return [give(last.value, comment=last.comment)]
-            return [give(printer.signal(results[0]))]
-        return [give(*(Name(self.names[name]) for name in results))] if results else []
+                return [return_(last.value, comment=last.comment)]
+            return [return_(printer.signal(results[0]))]
+        return [return_(*(Name(self.names[name]) for name in results))] if results else []
 
 
 class _BodyWriter(_SubmodelWriter):
-    """A law written by hand: the class around it has its ports, and hands on what it calculates."""
+    """A law written by hand: the class around it has its ports, and passes on what it calculates."""
 
     def __init__(
         self, class_: SubmodelClass, names: PackageNames, modules: ExternalModules, body: ExternalBody
@@ -321,7 +323,7 @@ class _BodyWriter(_SubmodelWriter):
         types = self._annotations()
         returned = _return_annotation([types[name] for name in results])
         target = Name(self.names[results[0]] if len(results) == 1 else "calculated")
-        return self._calculation([Assign(target, calculated, self.place, annotation=returned), give(target)])
+        return self._calculation([Assign(target, calculated, self.place, annotation=returned), return_(target)])
 
 
 def _return_annotation(types: Sequence[str]) -> str:

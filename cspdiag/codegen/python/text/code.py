@@ -1,6 +1,6 @@
 """Python expressions as trees that know their precedence and their text on one line.
 
-The generator builds these; ``layout`` breaks them over lines where a line is too short.
+The generators build these trees; ``layout`` breaks them over lines if a line is too short.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from cspdiag.codegen.shared.trees import Closed, Counted, nodes
 
 
 class _Node:
-    """An expression: what the nodes have in common."""
+    """The common part of all expression nodes."""
 
     _PRECEDENCE: ClassVar[int]
 
@@ -42,7 +42,7 @@ class _Node:
 
     def at(self, index: Code | int) -> Element:
         """``x[index]``."""
-        return Element(at_least(cast("Code", self), PRIMARY), Whole(index) if isinstance(index, int) else index)
+        return Element(at_least(cast("Code", self), PRIMARY), WholeNumber(index) if isinstance(index, int) else index)
 
     def called(self, *arguments: Code) -> Call:
         """``x(arguments)``."""
@@ -54,7 +54,7 @@ class _Node:
 
 
 class Primary(_Node):
-    """What shows no operator outside brackets."""
+    """An expression without operators outside brackets."""
 
     _PRECEDENCE = PRIMARY
 
@@ -71,7 +71,7 @@ class Name(Primary):
 
 @record
 class Constant(Primary):
-    """A literal that does not count: a real, a string, ``True``, ``None``, and also a type."""
+    """A literal that is not counted with: a real, a string, ``True``, ``None``, and also a type."""
 
     text: str
 
@@ -80,8 +80,8 @@ class Constant(Primary):
 
 
 @record
-class Whole(Primary, Counted):
-    """A whole number that may count in a row of like statements; it has no sign."""
+class WholeNumber(Primary, Counted):
+    """A whole number without a sign, which may become a count in similar statements."""
 
     value: int
 
@@ -91,13 +91,13 @@ class Whole(Primary, Counted):
 
 @record
 class Formatted(Primary):
-    """A string with values in it, numbers as text: ``f"{name}.cell[3]"``."""
+    """An f-string with values: ``f"{name}.cell[3]"``; numbers in it are text."""
 
     parts: tuple[str | Code, ...]
 
     def _flat(self) -> str:
         texts = (
-            part if isinstance(part, str) else part.flat if isinstance(part, Whole) else f"{{{part.flat}}}"
+            part if isinstance(part, str) else part.flat if isinstance(part, WholeNumber) else f"{{{part.flat}}}"
             for part in self.parts
         )
         return f'f"{"".join(texts)}"'
@@ -113,7 +113,7 @@ class Argument:
 
     @property
     def prefix(self) -> str:
-        """What stands before the value."""
+        """The text before the value."""
         return f"{self.name}=" if self.name else "*" if self.starred else ""
 
     @property
@@ -157,7 +157,7 @@ class Element(Primary):
 
 @record
 class Prefix(_Node):
-    """``-x``, ``not x``, ``await x``: the text before the operand, blank included."""
+    """``-x``, ``not x``, ``await x``: the text before the operand, including the blank."""
 
     text: Literal["-", "not ", "await ", "yield from "]
     operand: Code
@@ -181,7 +181,7 @@ class Chain(_Node):
 
     @property
     def precedence(self) -> int:
-        """That of the operators."""
+        """The precedence of the operators."""
         return self.level
 
     def _flat(self) -> str:
@@ -204,7 +204,7 @@ class Conditional(_Node):
 
 @record
 class Parenthesized(Primary):
-    """An expression in the parentheses that its surroundings ask for."""
+    """An expression in the parentheses that its context needs."""
 
     operand: Code
 
@@ -247,7 +247,7 @@ class Comprehension(Primary, Closed):
 
     @property
     def clause(self) -> str:
-        """What stands behind the element."""
+        """The text after the element."""
         return f"for {self.variable} in {self.items.flat}"
 
     def _flat(self) -> str:
@@ -266,7 +266,7 @@ class Starred(Primary, Closed):
 
 @record
 class Named(_Node, Closed):
-    """``name := value``: a value that is wanted again in the same expression; always in parentheses."""
+    """``name := value``: a value that is used again in the same expression; always in parentheses."""
 
     name: str
     value: Code
@@ -280,7 +280,7 @@ class Named(_Node, Closed):
 Code: TypeAlias = (
     Name
     | Constant
-    | Whole
+    | WholeNumber
     | Formatted
     | Call
     | Attribute
@@ -341,8 +341,8 @@ def number(text: str) -> Code:
 
 
 def integer(value: int) -> Code:
-    """A whole number; one with a sign does not count."""
-    return Whole(value) if value >= 0 else Prefix("-", Constant(str(-value)))
+    """A whole number; a negative one is not counted with."""
+    return WholeNumber(value) if value >= 0 else Prefix("-", Constant(str(-value)))
 
 
 def awaited(item: Code) -> Prefix:

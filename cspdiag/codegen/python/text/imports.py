@@ -1,4 +1,4 @@
-"""What a generated module imports, collected while its text is made."""
+"""The imports of a generated module, collected while its text is made."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from cspdiag.codegen.python.text.names import PackageNames
 
 
 class Imports:
-    """The imports of one module; asking for a name imports it and says how to spell it here."""
+    """The imports of one module; each method imports a name and returns how it is spelled in the module."""
 
     def __init__(self, names: PackageNames, *, taken: Iterable[str] = (), dots: str = ".") -> None:
-        """``taken`` are the names that mean something else in the module; ``dots`` lead to the package."""
+        """``taken`` are the names that have another meaning in the module; ``dots`` lead to the package."""
         self.names = names
         self._taken = frozenset(taken) | names.globals
         self._dots = dots
@@ -24,7 +24,7 @@ class Imports:
         self._installed: dict[str, set[str]] = defaultdict(set)
 
     def runtime(self, name: str) -> str:
-        """A name of the runtime, qualified where the module has the plain name for something of its own."""
+        """A name of the runtime, qualified if the module uses the plain name for something else."""
         if name in self._taken:
             self._relative[""].add("runtime")
             return f"runtime.{name}"
@@ -32,8 +32,8 @@ class Imports:
         return name
 
     def standard(self, module: str, name: str | None = None) -> str:
-        """A name of the standard library, qualified where the module has it for something of its own, or a module of
-        it.
+        """A name of the standard library, or a module of it; qualified if the module uses the plain name for something
+        else.
         """
         if name is None or name in self._taken:
             self._modules.add(module)
@@ -56,23 +56,23 @@ class Imports:
         return self.runtime(name)
 
     def caught(self, name: str) -> list[str]:
-        """What a handler of an exception of the text catches: a ``Fault`` is also what Python raises for a division by
-        zero.
+        """The classes that a handler of an exception of the text catches: for ``Fault`` also what Python raises for a
+        division by zero.
         """
         of_python = ["ArithmeticError"] if name == "Fault" and name not in self.names.exceptions else []
         return [self.exception(name), *of_python]
 
     def constant(self, name: str) -> str | None:
-        """A ``const`` of the text, or None where a name of the module hides it."""
+        """A ``const`` of the text; None if a name of the module hides it."""
         python = self.names.constants.get(name)
         if python is None or python in self._taken - self.names.globals:
             return None
         return self._from("constants", python)
 
     def body(self, module: str, name: str, *, copied: bool) -> str:
-        """A class written by hand, of a module that was copied into the package or of an installed one.
+        """A class written by hand, from a module that was copied into the package or from an installed one.
 
-        It is called ``<name>Body`` where the package has something of that name.
+        It is imported as ``<name>Body`` if the package already uses its name.
         """
         wanted = self._relative[f"external.{module}"] if copied else self._installed[module]
         taken = name in self._taken or name in self.names.environments.values()
@@ -94,7 +94,7 @@ class Imports:
 
 
 def import_lines(wanted: Mapping[str, set[str]], dots: str) -> list[str]:
-    """`from` statements for the names wanted of each module."""
+    """`from` statements for the names that are wanted from each module."""
     lines: list[str] = []
     for module in sorted(wanted):
         if wanted[module]:
@@ -116,5 +116,5 @@ def member_order(name: str) -> tuple[int, list[str | int], str]:
 
 
 def _natural(text: str) -> list[str | int]:
-    """Text with its numbers as numbers, so that ``int8`` comes before ``int64``."""
+    """A key that compares the numbers in a text as numbers: ``int8`` comes before ``int64``."""
     return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", text)]

@@ -1,7 +1,7 @@
 """Breaks Python statements over lines the way ``ruff format`` does.
 
-Only the constructs that the generator uses are known here; the tests compare every generated file, and random
-statements, with the real formatter.
+Only the constructs that the generator uses are handled; the tests compare every generated file, and random statements,
+with the formatter itself.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from cspdiag.codegen.python.text.code import (
     Prefix,
     Primary,
     Starred,
-    Whole,
+    WholeNumber,
 )
 from cspdiag.codegen.python.text.literals import remark
 from cspdiag.codegen.shared.document import LINE, SOFT, Document, FirstThatFits, Flat, Group, Nest, joined, render
 
 LINE_LENGTH = 100
-"""Of generated code; its pyproject.toml says the same."""
+"""The line length of generated code, as in its pyproject.toml."""
 
 INDENT = " " * 4
 
@@ -42,7 +42,7 @@ INDENT = " " * 4
 def statement(before: str, code: Code, after: str = "", indent: str = "", comment: str | None = None) -> list[str]:
     """The lines of ``before code after``, such as ``x = `` or ``if `` ... ``:``.
 
-    ``comment`` stands at the end of the line, or on a line of its own before a statement that does not fit with it.
+    ``comment`` is put at the end of the line, or on a line of its own before a statement that leaves no room for it.
     """
     comment = comment and remark(comment)
     line = f"{indent}{before}{code.flat}{after}"
@@ -55,13 +55,13 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
 
 
 def comment_line(indent: str, comment: str) -> str:
-    """A comment by itself, cut where it is too long."""
+    """A comment on its own line, truncated if it is too long."""
     line = f"{indent}# {remark(comment)}".rstrip()
     return line if len(line) <= LINE_LENGTH else f"{line[: LINE_LENGTH - 3].rstrip()}..."
 
 
 def _statement(code: Code) -> Document:
-    """An expression that stands behind the beginning of a statement, and does not fit on its line."""
+    """An expression in a statement that does not fit on its line."""
     if isinstance(code, Chain | Conditional | Prefix):
         at_brackets = (_at_brackets(code),) if _splits_at_brackets(code) else ()
         in_parentheses = () if _is_call_behind_keyword(code) else (_surrounded("(", _inside(code), ")"),)
@@ -78,15 +78,15 @@ def _is_call_behind_keyword(code: Code) -> bool:
 
 
 def _is_atom(code: Code) -> bool:
-    """Whether an expression can be broken nowhere."""
+    """Whether an expression cannot be broken anywhere."""
     if isinstance(code, Attribute | Element):
         return _is_atom(code.operand)
-    return isinstance(code, Name | Constant | Whole | Formatted)
+    return isinstance(code, Name | Constant | WholeNumber | Formatted)
 
 
 def _splits_at_brackets(code: Code) -> bool:
-    """Whether at most one loosest operator leaves it to the brackets at the ends to break, without
-    parentheses around.
+    """Whether an expression with at most one operator of the lowest precedence is broken at its outer brackets, without
+    parentheses around it.
     """
     operators = list(_operators(code))
     if not operators:
@@ -142,7 +142,7 @@ def _has_brackets_first(code: Code) -> bool:
 
 
 def _inside(code: Code) -> Document:
-    """An expression that stands between brackets already."""
+    """An expression that is already between brackets."""
     match code:
         case Chain():
             rest = [(f"{operator} ", _inside(operand)) for operator, operand in code.rest]
@@ -160,7 +160,7 @@ def _inside(code: Code) -> Document:
 
 
 def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:
-    """The parts of a conditional; those that follow ``else`` without parentheses stand on the same level."""
+    """The parts of a conditional; those after ``else`` without parentheses are on the same level."""
     start = ""
     rest: Code = code
     while isinstance(rest, Conditional):
@@ -173,7 +173,7 @@ def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:
 def _at_brackets(code: Code) -> Document:
     """An expression that is broken at its own brackets."""
     match code:
-        case Name() | Constant() | Whole() | Formatted() | Entry() | Call(arguments=()) | Items(items=()):
+        case Name() | Constant() | WholeNumber() | Formatted() | Entry() | Call(arguments=()) | Items(items=()):
             return code.flat
         case Call():
             return _bracketed(code, f"{code.function.flat}(", _arguments(code), ")")
@@ -211,7 +211,7 @@ def _surrounded(opening: str, inner: Document, closing: str) -> Document:
 
 
 def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
-    """What an expression has outside brackets: operands, each with the operators before it."""
+    """The operands of an expression outside brackets, each with the operators before it."""
     match code:
         case Chain():
             yield from _leaves(code.first, before)
@@ -220,7 +220,7 @@ def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
         case Prefix():
             yield from _leaves(code.operand, before + code.text)
         case (
-            Name() | Constant() | Whole() | Formatted() | Attribute() | Element() | Call() | Conditional()
+            Name() | Constant() | WholeNumber() | Formatted() | Attribute() | Element() | Call() | Conditional()
             | Parenthesized() | Items() | Entry() | Comprehension() | Starred() | Named()
         ):  # fmt: skip
             yield before, code
@@ -237,7 +237,7 @@ def _item(item: Code) -> Document:
 
 
 def _arguments(code: Call) -> Document:
-    """On one line of their own, or on a line each."""
+    """The arguments together on one line, or each on its own line."""
     together = Flat(", ".join(argument.flat for argument in code.arguments))
     return FirstThatFits((together, joined(LINE, [(a.prefix, _inside(a.value), ",") for a in code.arguments])))
 

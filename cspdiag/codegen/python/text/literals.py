@@ -1,4 +1,4 @@
-"""Text from outside in generated Python: it is data there, and reads back as what it was."""
+"""Text of the user in generated Python: it is quoted so that it has no effect and keeps its meaning."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ def quoted(text: str) -> str:
 
 
 def remark(text: str) -> str:
-    """What stands behind ``#``: Python ends a comment at a carriage return, too."""
+    """The text of a comment: Python ends a comment at a carriage return, too."""
     return one_line(text)
 
 
 def docstring(text: str, indent: str) -> list[str]:
-    """The lines of a docstring; its quotes stand alone at the end when there is more than one line."""
+    """The lines of a docstring; if there is more than one, the closing quotes are on a line of their own."""
     opening, written = _docstring(text.strip())
     rows = [row.rstrip() for row in written.split("\n")]
     if len(rows) == 1:
@@ -28,7 +28,7 @@ def docstring(text: str, indent: str) -> list[str]:
 
 
 def _docstring(text: str) -> tuple[str, str]:
-    """What opens a docstring, and its text with as few escapes as may be."""
+    """The opening quotes of a docstring, and its text with as few escapes as possible."""
     is_visible = all(row.isprintable() for row in text.split("\n"))
     if is_visible and '"""' not in text and not text.endswith(('"', "\\")):
         return ('r"""' if "\\" in text else '"""'), text
@@ -40,6 +40,6 @@ def _escaped(character: str) -> str:
     if character == "\n" or character.isprintable():
         return character
     if "\ud800" <= character <= "\udfff":
-        # A string may hold half a character, the docstring of a class may not.
+        # A string may contain a lone surrogate, the docstring of a class may not.
         return "\N{REPLACEMENT CHARACTER}"
     return character.encode("unicode_escape").decode("ascii")

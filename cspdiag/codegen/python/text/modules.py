@@ -1,4 +1,4 @@
-"""What the template of a module with one class lays out."""
+"""The values for the template of a module with one class."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ClassModule:
 
 
 def port_annotation(port: Port, imports: Imports) -> str:
-    """``In[float]``, or a sequence of them for an array of ports."""
+    """``In[float]``, or a sequence of these for an array of ports."""
     end = imports.runtime("In" if port.direction == "in" else "Out")
     one = f"{end}[{annotation(port.type, imports)}]"
     if port.size is None:

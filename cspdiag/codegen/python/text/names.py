@@ -1,6 +1,6 @@
 """Python names for the names of the text.
 
-A name keeps its spelling unless Python or the runtime has it already; then it gets an underscore at the end.
+A name keeps its spelling unless Python or the runtime already uses it; then an underscore is appended.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ BUILTINS = words(
 MEMBERS = words(
     "self name source run runs_now execute enclosing started ended owns calculate reset ends is_law has_computed _place"
 )
-"""What the base classes ``Process`` and ``Submodel`` define themselves."""
+"""The names that the base classes ``Process`` and ``Submodel`` define."""
 
 PROCESS_MEMBERS = MEMBERS | words("kind steps start end fail blame checked tracked _enclosing")
-"""The same with what ``Routine`` defines: a generated process has the same names at every level of optimization."""
+"""The same with those of ``Routine``: a generated process has the same names at every level of optimization."""
 
 MODULES = words("network constants types exceptions runtime environments external")
-"""Modules of a generated package that no class may be stored in."""
+"""Modules of a generated package, which no class may be stored in."""
 
 
 def identifier(text: str) -> str:
@@ -49,12 +49,12 @@ def identifier(text: str) -> str:
 
 
 def snake_case(name: str) -> str:
-    """``PositionController`` as a module is called: ``position_controller``; ``PIDLoop``: ``pid_loop``."""
+    """The module name for ``PositionController`` is ``position_controller``, for ``PIDLoop`` it is ``pid_loop``."""
     return identifier(with_underscores(name))
 
 
 class Names(GivenNames):
-    """Gives out Python names, each once."""
+    """Python names, each given only once."""
 
     _identifier = staticmethod(identifier)
 
@@ -65,8 +65,8 @@ class Names(GivenNames):
 
 @cache
 def member_names(texts: tuple[str, ...], taken: frozenset[str]) -> Mapping[str, str]:
-    """Names of the members of one class, none of which begins with an underscore: a tuple with names refuses such, an
-    enumeration has its own.
+    """Names for the members of one class. None begins with an underscore: named tuples do not allow that, and
+    enumerations reserve such names.
     """
     names = Names(taken)
     plain = {text: text.lstrip("_") or "unnamed" for text in texts}

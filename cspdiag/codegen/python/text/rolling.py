@@ -1,7 +1,7 @@
-"""Finds the loop behind code that was unrolled: parts that differ only in numbers that count.
+"""Rolls repeated code into loops: elements that differ only in consecutive numbers.
 
-``Cell(f"{name}.cell[0]", ...)`` and its 999 brothers become one comprehension. The loop is found in the trees that the
-generator made, so that it says what its elements said, by construction.
+``Cell(f"{name}.cell[0]", ...)`` and 999 similar calls become one comprehension. The repetition is found in the trees
+that the generator has built, so the loop means the same as its elements by construction.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from cspdiag.codegen.python.text.code import (
     Name,
     Prefix,
     Starred,
-    Whole,
+    WholeNumber,
     at_least,
     call,
     counted_to,
@@ -36,7 +36,9 @@ T = TypeVar("T")
 
 
 def rolled_list(elements: Sequence[Code], variable: str) -> Code:
-    """A list of the elements: a comprehension, or single elements around starred ones where only a part counts."""
+    """A list of the elements: a comprehension, or single elements and starred comprehensions if only a part of them
+    repeats.
+    """
     if len(elements) >= LEAST:
         whole = template(elements, variable)
         if whole is not None:
@@ -58,8 +60,8 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
 
 
 def template(elements: Sequence[T], variable: str, start: int = 0) -> T | None:
-    """What gives the elements, expressions or statements, as ``variable`` counts from ``start``; None if there is
-    none.
+    """An expression or statement that equals the elements in turn as ``variable`` counts from ``start``; None if there
+    is none.
     """
     rows: list[list[int]] = []
     for element in elements:
@@ -77,7 +79,7 @@ def template(elements: Sequence[T], variable: str, start: int = 0) -> T | None:
 
 
 def rolled_steps(groups: Sequence[Statements], variable: str) -> Statements:
-    """Statements one behind the other, where at least three times the same but for an index as a loop."""
+    """Consecutive groups of statements; at least three that are equal except for an index become a loop."""
     outlines = [outline(group) for group in groups]
     result: list[Statement] = []
     start = 0
@@ -86,7 +88,7 @@ def rolled_steps(groups: Sequence[Statements], variable: str) -> Statements:
         if turns >= LEAST:
             first = tuple(statement for group in groups[start : start + period] for statement in group)
             numbers = [number for part in outlines[start : start + period] for number in part.numbers]
-            body = _refilled(first, [_moved(variable, n) if s else None for n, s in zip(numbers, steps, strict=True)])
+            body = _refilled(first, [_shifted(variable, n) if s else None for n, s in zip(numbers, steps, strict=True)])
             result += [repeat(turns, body, variable if any(steps) else "_")] if first else []
             start += period * turns
         else:
@@ -100,26 +102,26 @@ def _counts(steps: Sequence[int]) -> bool:
 
 
 def _counted(values: Sequence[int], variable: str, start: int) -> Code | None:
-    """An expression whose values are these; they may go round."""
+    """An expression with these values, which may wrap around."""
     offset, size = values[0] - start, len(values)
     if all(value == start + position + offset for position, value in enumerate(values)):
-        return _moved(variable, offset)
+        return _shifted(variable, offset)
     if start == 0 and all(value == (position + offset) % size for position, value in enumerate(values)):
-        return infix("%", PRODUCT, _moved(variable, offset), Constant(str(size)))
+        return infix("%", PRODUCT, _shifted(variable, offset), Constant(str(size)))
     return None
 
 
-def _moved(variable: str, offset: int) -> Code:
+def _shifted(variable: str, offset: int) -> Code:
     if offset == 0:
         return Name(variable)
     return infix("+" if offset > 0 else "-", SUM, Name(variable), Constant(str(abs(offset))))
 
 
 def _refilled(item: T, counted: Sequence[Code | None]) -> T:
-    """The same with what counts in the places of numbers; a sum needs parentheses beside an operator."""
+    """The tree with the counted expressions in place of its numbers; a sum next to an operator gets parentheses."""
     codes = iter(counted)
 
-    def made(number: Whole, around: object) -> Code:
+    def made(number: WholeNumber, around: object) -> Code:
         code = next(codes)
         if code is None:
             return number

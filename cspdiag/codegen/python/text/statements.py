@@ -71,7 +71,7 @@ class Unpack(Closed):
 
 @record
 class Block:
-    """A keyword that governs a body, with ``code`` behind it, and perhaps what that is called there; an empty body is
+    """A keyword that begins a block, with ``code`` after it, and the name that ``as`` binds; an empty body becomes
     ``pass``.
     """
 
@@ -93,7 +93,7 @@ class For:
 
 @record
 class Function(Closed):
-    """A function or method; among other statements it stands between blank lines."""
+    """A function or method; it is separated from other statements by blank lines."""
 
     name: str
     parameters: tuple[str, ...]
@@ -124,7 +124,7 @@ def change(target: Code | str, operator: str, value: Code) -> Assign:
 
 
 def unpack(targets: Sequence[Code], value: Code, comment: str | None = None) -> Statement:
-    """``a, b = value``; what has one value is assigned, what has none is done."""
+    """``a, b = value``; an assignment for one target, an expression statement for none."""
     match targets:
         case []:
             return run(value, comment)
@@ -135,12 +135,12 @@ def unpack(targets: Sequence[Code], value: Code, comment: str | None = None) -> 
 
 
 def run(code: Code, comment: str | None = None) -> Plain:
-    """An expression as a statement."""
+    """An expression statement."""
     return Plain("", code, comment)
 
 
-def give(*values: Code, comment: str | None = None) -> Plain:
-    """``return value``; of several as a tuple."""
+def return_(*values: Code, comment: str | None = None) -> Plain:
+    """``return value``; several values as a tuple."""
     return Plain("return", values[0] if len(values) == 1 else Items("", values), comment)
 
 
@@ -165,7 +165,7 @@ def repeat(count: int, body: Statements, variable: str = "_") -> For:
 
 
 def bound_in(statements: object) -> Iterator[str]:
-    """The local variables that statements set or count with."""
+    """The local variables that statements assign or use as loop variables."""
     for item in nodes(statements):
         if isinstance(item, For):
             yield item.variable
@@ -240,7 +240,7 @@ def _unpacking(item: Unpack, indent: str) -> list[str]:
 
 
 def _opening(value: Code) -> str:
-    """The text of a call, which may be waited for, up to its first bracket."""
+    """The text of a call, which may be awaited, up to its opening bracket."""
     match value:
         case Prefix(text=text, operand=operand):
             return text + _opening(operand)

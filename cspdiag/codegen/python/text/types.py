@@ -1,4 +1,4 @@
-"""Python types, zeros and literals for the types and values of the network representation."""
+"""Python types, zeros and literals for the types and values of the network."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cspdiag.codegen.python.text.code import (
     Code,
     Constant,
     Name,
-    Whole,
+    WholeNumber,
     call,
     infix,
     integer,
@@ -82,7 +82,7 @@ def annotation(type_: Type, imports: Imports) -> str:
 
 
 def accepted(type_: Type, imports: Imports) -> Code:
-    """What makes a value of ``type_`` of one that a driver returns."""
+    """The converter that turns what a driver returns into a value of ``type_``."""
 
     def runtime(name: str) -> Code:
         return Name(imports.runtime(name))
@@ -104,14 +104,14 @@ def accepted(type_: Type, imports: Imports) -> Code:
             fields = [accepted(field, imports) for _, field in type_.fields]
             return call(runtime("record"), Name(imports.type_(type_.name)), *fields)
         case ArrayType():
-            return call(runtime("array"), accepted(type_.element, imports), Whole(type_.size or 0))
+            return call(runtime("array"), accepted(type_.element, imports), WholeNumber(type_.size or 0))
         case UnknownType():
             raise ValueError("a type that was reported cannot be generated")
     assert_never(type_)
 
 
 def literal(value: Value, type_: Type, imports: Imports, span: Span | None = None) -> Code:
-    """A value as an expert would write it; numbers keep the spelling that they have at ``span``."""
+    """A value as an expert would write it; numbers keep their spelling at ``span``."""
     match type_:
         case BoolType():
             return TRUE if value else FALSE
@@ -139,7 +139,7 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
             assert isinstance(value, tuple)
             if len(value) > 8 and len(set(value)) == 1:
                 element = tuple_of([literal(value[0], type_.element, imports)])
-                return infix("*", PRODUCT, element, Whole(len(value)))
+                return infix("*", PRODUCT, element, WholeNumber(len(value)))
             return tuple_of(literal(part, type_.element, imports) for part in value)
         case UnknownType():
             raise ValueError("a type that was reported cannot be generated")
@@ -147,7 +147,7 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
 
 
 def real(value: float, span: Span | None = None) -> Code:
-    """A float, in the spelling of the text if that says the same in Python."""
+    """A float, in the spelling of the text if that has the same value in Python."""
     if span is not None:
         written = re.match(r"-?\d+\.\d*(e[+-]?\d+)?|-?\d+e[+-]?\d+", span.text)
         if written and float(written[0]) == value and not written[0].endswith("."):
@@ -160,9 +160,9 @@ def real(value: float, span: Span | None = None) -> Code:
 
 
 def duration(nanoseconds: int, imports: Imports) -> Code:
-    """A duration in its greatest unit: ``2 * ms``."""
+    """A duration in its largest unit: ``2 * ms``."""
     if nanoseconds == 0:
-        return Whole(0)
+        return WholeNumber(0)
     unit, size = next(((unit, size) for unit, size in _UNITS if nanoseconds % size == 0), ("ns", 1))
     return infix("*", PRODUCT, integer(nanoseconds // size), Name(imports.runtime(unit)))
 

@@ -8,7 +8,7 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
 from cspdiag.codegen.python.fast.cancellation import checked_classes
-from cspdiag.codegen.python.fast.storage import local_variables, run_again
+from cspdiag.codegen.python.fast.storage import local_variables, rerun_classes
 from cspdiag.codegen.python.text.statements import Remark, lines, try_
 from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.optimize import lower_for_targets
@@ -57,7 +57,7 @@ process Top {
     ],
 )
 def test_variables_are_local_where_every_read_comes_after_a_write(initial: str, composition: str, local: bool) -> None:
-    assert ("x" in local_variables(process(PROCESS % (initial, composition)), again=False, probed=False)) == local
+    assert ("x" in local_variables(process(PROCESS % (initial, composition)), runs_again=False, probed=False)) == local
 
 
 def test_what_is_run_again_finds_its_variables_as_they_were() -> None:
@@ -72,8 +72,8 @@ def test_what_is_run_again_finds_its_variables_as_they_were() -> None:
     }
     """
     lowered = network(program)
-    assert run_again(lowered) == {"Counter"}
-    assert local_variables(process(program, "Counter"), again=True, probed=False) == {"fresh"}
+    assert rerun_classes(lowered) == {"Counter"}
+    assert local_variables(process(program, "Counter"), runs_again=True, probed=False) == {"fresh"}
 
 
 RACE = """

@@ -1,1 +1,1 @@
-"""Control laws and environments in place: assignments within the code of the process that runs them."""
+"""Inlined control laws and environments: assignments within the code of the process that runs them."""

@@ -1,5 +1,5 @@
-"""Environments at ``-O1``: the plant as flat code, its states in local variables while they are integrated, its
-constants as values.
+"""Environments at ``-O1``: the plant as flat code, with states in local variables during integration and constants as
+values.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from cspdiag.codegen.python.text.code import (
     Code,
     Constant,
     Name,
-    Whole,
+    WholeNumber,
     call,
     counted_to,
     infix,
@@ -48,7 +48,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
 
     @cached_property
     def _known(self) -> dict[str, Value]:
-        """Constants of which the value is known; those with a fault keep it for the running program."""
+        """Constants with a known value; one that faults is computed in the running program."""
         known: dict[str, Value] = {}
         for item in self.constants:
             value = constant_value(item.value, lambda part: known.get(part.name))
@@ -78,7 +78,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
 
     def _start_statements(self) -> Iterable[Statement]:
         if self.system is not None and self.system.derivatives:
-            yield assign(own("_elapsed"), Whole(0))
+            yield assign(own("_elapsed"), WholeNumber(0))
 
     def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
         printer = self._printer([*integration.held, *(state.name for state in system.states if state.continuous)])
@@ -115,7 +115,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
         return self._evaluation(system, Name("now"), present)
 
     def _derivatives(self, system: SubmodelClass) -> list[Function]:
-        """Further methods: how long a sub-step is depends on the time between instants, which seldom changes."""
+        """Additional methods: the length of a sub-step depends on the time between instants, which rarely changes."""
         elapsed = Name("elapsed")
         statements = [assign(own("_elapsed"), elapsed)]
         interval = self._seconds(elapsed)
@@ -129,6 +129,6 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             statements.append(assign(own("_steps"), counted_to(call(ceil, count))))
             statements.append(assign(own("_h"), infix("/", PRODUCT, interval, call("len", own("_steps")))))
         if system.method == "rk4":
-            statements.append(assign(own("_half"), infix("/", PRODUCT, own("_h"), Whole(2))))
-            statements.append(assign(own("_sixth"), infix("/", PRODUCT, own("_h"), Whole(6))))
+            statements.append(assign(own("_half"), infix("/", PRODUCT, own("_h"), WholeNumber(2))))
+            statements.append(assign(own("_sixth"), infix("/", PRODUCT, own("_h"), WholeNumber(6))))
         return [Function("_divide", ("self", "elapsed: int"), tuple(statements), doc=doc)]

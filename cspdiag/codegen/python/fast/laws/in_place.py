@@ -1,4 +1,4 @@
-"""Control laws in place: one run as assignments in the function of the process that runs it."""
+"""Inlined control laws: one run as assignments in the function of the process that runs it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cspdiag.codegen.python.text.code import (
     Code,
     Constant,
     Name,
-    Whole,
+    WholeNumber,
     call,
     counted_to,
     infix,
@@ -42,9 +42,9 @@ _SECOND = 1_000_000_000
 class InlineLaw:
     """Writes one inlined control law.
 
-    ``printer.signal`` spells the signals, constants and states of the class, and the objects of external bodies: what
-    is assigned to is spelled the same. ``names`` makes the further local variables that are needed; ``place`` says
-    where something stands in the text.
+    ``printer.signal`` gives the names of signals, constants, states and objects of external bodies, both to read and to
+    assign. ``names`` makes the further local variables that are needed; ``place`` gives the source place of a
+    declaration.
     """
 
     law: RunLaw
@@ -55,8 +55,8 @@ class InlineLaw:
     modules: ExternalModules
 
     def prologue(self) -> Iterable[Statement]:
-        """What is computed once, before the first run and after the constants of the class: the sub-step, where it is
-        not known.
+        """What is computed once, before the first run and after the constants of the class: the sub-step, if it is not
+        known.
         """
         if not self._continuous or isinstance(self._sample, float):
             return
@@ -70,11 +70,13 @@ class InlineLaw:
             sample = infix("/", PRODUCT, sample, self._steps)
         yield assign(step.whole, sample)
         if self.law.method == "rk4":
-            yield assign(step.half, infix("/", PRODUCT, step.whole, Whole(2)))
-            yield assign(step.sixth, infix("/", PRODUCT, step.whole, Whole(6)))
+            yield assign(step.half, infix("/", PRODUCT, step.whole, WholeNumber(2)))
+            yield assign(step.sixth, infix("/", PRODUCT, step.whole, WholeNumber(6)))
 
     def statements(self) -> Iterable[Statement]:
-        """One run: the equations, then the next values, then the integration with everything else as it was before."""
+        """One run: the equations, then the integration, then the next values, each computed from the states before the
+        run.
+        """
         for equation in self.law.equations:
             yield from self._equation(equation)
         moved: list[Statement] = []
@@ -120,20 +122,20 @@ class InlineLaw:
 
     @cached_property
     def _sample(self) -> float | None:
-        """The sample period in seconds where it is known."""
+        """The sample period in seconds, if it is known."""
         value = None if self.law.sample is None else self.printer.value(self.law.sample)
         return value if isinstance(value, float) else None
 
     @cached_property
     def _known_steps(self) -> int | None:
-        """How many sub-steps a sample takes, where that is known."""
+        """The number of sub-steps in a sample, if it is known."""
         if self._sample is None or self.law.step is None:
             return None if self._sample is None else 1
         return ceil(round(self._sample * _SECOND) / self.law.step)
 
     @cached_property
     def _steps(self) -> Code:
-        """How many sub-steps a sample takes."""
+        """The number of sub-steps in a sample."""
         known = self._known_steps
         return Name(self.names.fresh(f"{self.law.law}_steps")) if known is None else Constant(str(known))
 
@@ -146,12 +148,12 @@ class InlineLaw:
         return SubStep(real(h), real(h / 2), real(h / 6))
 
     def _integrated(self, moved: list[Statement]) -> Iterable[Statement]:
-        """States are moved beside what they are; ``moved`` is given what lets them take their values, once nothing can
-        fault any more.
+        """Integrate in copies of the states; ``moved`` gets the assignments to the states themselves, once no more
+        faults are possible.
         """
         local = {name: self.names.fresh(f"{name}_moved") for name in self._continuous}
-        for name, beside in local.items():
-            yield assign(beside, self.printer.signal(name))
+        for name, copy in local.items():
+            yield assign(copy, self.printer.signal(name))
         inline = InlineIntegration(
             states=self._continuous,
             equations=self.law.derivative_equations,
@@ -167,15 +169,15 @@ class InlineLaw:
             yield from inline.statements()
         else:
             yield For("_", counted_to(self._steps), tuple(inline.statements()))
-        for name, beside in local.items():
-            yield refused_unless_finite(Name(beside), self.printer.imports)
-            moved.append(assign(self.printer.signal(name), Name(beside)))
+        for name, copy in local.items():
+            yield refused_unless_finite(Name(copy), self.printer.imports)
+            moved.append(assign(self.printer.signal(name), Name(copy)))
 
 
 def reset_statements(
     names: Iterable[str], class_: ProcessClass, printer: FastPrinter, place: Callable[[Declared], str]
 ) -> Iterable[Statement]:
-    """Puts states of a class back to their initial values."""
+    """Reset states of a class to their initial values."""
     states = {state.name: state for state in class_.states}
     for name in names:
         state = states.get(name)
@@ -190,5 +192,5 @@ def external_calls(action: object) -> list[ExternalCall]:
 
 
 def signals_of(law: RunLaw) -> set[str]:
-    """What the equations of a law give values to."""
+    """The signals that the equations of a law define."""
     return {name for equation in law.equations for name in defined(equation)}

@@ -1,6 +1,6 @@
-"""The integration of continuous states with the derivatives in place: one sub-step as plain assignments.
+"""The inlined integration of continuous states: one sub-step as plain assignments.
 
-The operations and their order are those of ``-O0``. A factor of two is a float here, which says the same and is
+The operations and their order are those of ``-O0``. A factor of two is a float here, which has the same result and is
 multiplied faster.
 """
 
@@ -24,9 +24,7 @@ from cspdiag.network.ir.expressions import Expression
 
 @record
 class SubStep:
-    """A sub-step in seconds, and for Runge-Kutta the parts of it that are wanted: names of local variables
-    or values.
-    """
+    """A sub-step in seconds, and the fractions of it that Runge-Kutta needs: local variables or values."""
 
     whole: Code
     half: Code
@@ -37,9 +35,9 @@ class SubStep:
 class InlineIntegration:
     """Writes the sub-step of states that are local variables.
 
-    ``states`` are their names in the text, in order. ``step`` is how the sub-step in seconds is spelled; ``t``, the
-    instant in seconds at which it begins, is a local variable of that name if the derivatives depend on time. ``local``
-    gives the local variable of a state, ``names`` makes the further ones that are needed.
+    ``states`` are their names in the text, in order, and ``local`` gives the local variable of each. ``step`` is the
+    sub-step in seconds; if the derivatives depend on time, the local variable ``t`` is the instant in seconds at which
+    it begins. ``names`` makes the further variables that are needed.
     """
 
     states: Sequence[str]
@@ -97,12 +95,12 @@ class InlineIntegration:
 
     @cached_property
     def _locals(self) -> dict[str, str]:
-        """Of the equations: names of their own, because those of the sample are still wanted."""
+        """Names for the equations within the sub-step, because those of the sample are still needed."""
         return {item.name: self.names.fresh(f"{item.name}_within") for item in self._needed}
 
     @cached_property
     def _between(self) -> dict[str, str]:
-        """States within the sub-step, those that the derivatives read."""
+        """Names for the states within the sub-step that the derivatives read."""
         read = signals((tuple(self.derivatives.values()), tuple(item.value for item in self._needed)))
         return {name: self.names.fresh(f"{name}_at") for name in self.states if name in read}
 

@@ -1,4 +1,4 @@
-"""Control laws as part of the code of a generator function: they are executed, and fail, in their own name."""
+"""Control laws inlined in a generator function: they are executed, and fail, under their own name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class LawSteps(Values):
     """Writes the inlined laws of one process class."""
 
     def _law(self, steps: Sequence[Action]) -> Iterator[Statement]:
-        """Steps of one law: they are executed, and fail, in its name."""
+        """Steps of one law, executed under its name."""
         me, error = self.spelling["me"], self.spelling["error"]
         law = law_of(steps[0])
         part = self.spelling.part(law)
@@ -78,5 +78,5 @@ class LawSteps(Values):
 
 
 def law_of(action: Action) -> str:
-    """The law that an action belongs to, or nothing."""
+    """The law that an action belongs to; empty if there is none."""
     return action.law if isinstance(action, ReadInputs | WriteOutputs | RunLaw) else ""

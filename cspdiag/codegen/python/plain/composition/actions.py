@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, assert_never
 
-from cspdiag.codegen.python.plain.composition.accesses import Method
 from cspdiag.codegen.python.plain.composition.alternatives import Alternatives, is_plain
+from cspdiag.codegen.python.plain.composition.common import Method
 from cspdiag.codegen.python.text.code import (
     TRUE,
     Argument,
@@ -78,10 +78,10 @@ class Composition(Alternatives):
             case ir.Choice(branches=(ir.Branch(condition=None) as branch,)) if not isinstance(
                 branch.event, ir.ReadyEvent
             ):
-                return (*self._alone(branch.event), *self.statements(branch.body))
+                return (*self._single_guard(branch.event), *self.statements(branch.body))
             case ir.Choice():
                 return self._choice(action, "choice")
-            case ir.Group(label=label, body=ir.Choice() as choice) if not self._alone_suffices(choice):
+            case ir.Group(label=label, body=ir.Choice() as choice) if not self._is_single_guard(choice):
                 return (run(awaited(self._group(label, action.body))),)
             case ir.InterruptOn(body=body, branch=branch):
                 needs = self._guards((branch,), always=True)
@@ -94,7 +94,7 @@ class Composition(Alternatives):
         assert_never(action)
 
     def awaitable(self, action: ir.CoreAction) -> Code:
-        """An action as something that can be awaited."""
+        """An action as an expression that can be awaited."""
         match action:
             case ir.RunInstance(instance=instance):
                 return self.members.instance(instance)
@@ -115,12 +115,12 @@ class Composition(Alternatives):
             case ir.Group(label=label, body=body):
                 return self._group(label, body)
             case _:
-                raise AssertionError("takes statements")
+                raise AssertionError("needs statements")
 
-    def later(self, action: ir.CoreAction, hint: str | None = None) -> Code:
-        """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs.
+    def deferred(self, action: ir.CoreAction, hint: str | None = None) -> Code:
+        """As ``awaitable``, for an action that begins later: the values that it writes are computed when it runs.
 
-        What takes a coroutine is a method that makes it, so that none is there before it begins.
+        If it needs a coroutine, this is the method that creates the coroutine, so none exists before the action begins.
         """
         match action:
             case ir.WriteValue(value=value) | ir.WaitStep(duration=value) if not self._is_known(value):
@@ -145,7 +145,7 @@ class Composition(Alternatives):
                 assert_never(action)
 
     def _is_known(self, value: Expression) -> bool:
-        """Whether a value may be computed before its place is reached."""
+        """Whether a value may be computed before the action is reached."""
         return cannot_fault(value) and self.unwritten.isdisjoint(variables_in(value))
 
     def _branches(self, steps: Sequence[ir.CoreAction]) -> Iterable[Argument]:
@@ -157,7 +157,7 @@ class Composition(Alternatives):
         while position < len(steps):
             whole = self._whole_array(steps, position)
             if whole is None:
-                yield Argument(self.later(steps[position]))
+                yield Argument(self.deferred(steps[position]))
                 position += 1
             else:
                 name, count = whole
@@ -191,7 +191,7 @@ class Composition(Alternatives):
         return (own(array.name), len(wanted)) if given == list(wanted) else None
 
     def _group(self, label: str, body: ir.CoreAction) -> Code:
-        return call(self.imports.runtime("group"), Constant(quoted(label)), self.later(body, label))
+        return call(self.imports.runtime("group"), Constant(quoted(label)), self.deferred(body, label))
 
     def _coroutine(self, action: ir.CoreAction, hint: str) -> Code:
         name = self.members.names.fresh(f"_{hint}")
@@ -228,7 +228,7 @@ class Composition(Alternatives):
         return (try_(*body), Block("except", exceptions, handler))
 
     def _checked_place(self, action: ir.CoreAction) -> str | None:
-        """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
+        """The place of an action that waits in this statement itself, not in a process or coroutine that it runs."""
         match action:
             case ir.WriteValue() | ir.StopStep() | ir.WaitStep():
                 return self._place(action)

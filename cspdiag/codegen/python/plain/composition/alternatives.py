@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from cspdiag.codegen.python.plain.composition.accesses import Accesses, Method
+from cspdiag.codegen.python.plain.composition.common import CompositionWriter, Method
 from cspdiag.codegen.python.plain.composition.guards import GuardNames, Guards, guards_of, select_arguments
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.text.code import (
@@ -19,7 +19,7 @@ from cspdiag.codegen.python.text.code import (
     Conditional,
     Name,
     Parenthesized,
-    Whole,
+    WholeNumber,
     at_least,
     awaited,
     call,
@@ -41,7 +41,7 @@ from cspdiag.network.ir.walk import parts
 
 
 @dataclass
-class Alternatives(Accesses):
+class Alternatives(CompositionWriter):
     """Writes the alternatives and interrupts of one process class."""
 
     def __post_init__(self) -> None:
@@ -51,12 +51,12 @@ class Alternatives(Accesses):
         """An action as statements of a coroutine."""
         raise NotImplementedError
 
-    def later(self, action: ir.CoreAction, hint: str | None = None) -> Code:
-        """An action as something that can be awaited, for what begins later than it is made."""
+    def deferred(self, action: ir.CoreAction, hint: str | None = None) -> Code:
+        """An action as an expression that can be awaited, for an action that begins later."""
         raise NotImplementedError
 
-    def _alone(self, event: ir.Event) -> Statements:
-        """A guard that is waited for by itself is the communication that it stands for."""
+    def _single_guard(self, event: ir.Event) -> Statements:
+        """The communication that an alternative with a single guard amounts to."""
         match event:
             case ir.InputEvent(source=source, target=target):
                 return (self._read(event, source, target),)
@@ -73,7 +73,7 @@ class Alternatives(Accesses):
             case _:
                 assert_never(event)
 
-    def _alone_suffices(self, choice: ir.Choice[ir.CoreAction]) -> bool:
+    def _is_single_guard(self, choice: ir.Choice[ir.CoreAction]) -> bool:
         return (
             len(choice.branches) == 1
             and choice.branches[0].condition is None
@@ -97,13 +97,13 @@ class Alternatives(Accesses):
         if len(branches) == 1:
             return (*needs.lines, run(selected, self._place(choice)), *taken[0])
         cases = [
-            Block("case", Whole(number), body, _one_line(branch.event.span.text) or None)
+            Block("case", WholeNumber(number), body, _one_line(branch.event.span.text) or None)
             for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
         ]
         return (*needs.lines, Block("match", selected, tuple(cases), self._place(choice)))
 
     def _choice_alike(self, choice: ir.Choice[ir.CoreAction], attribute: Code) -> Statements | None:
-        """An alternative whose branches differ only in an index, which is then what was chosen."""
+        """An alternative whose branches differ only in an index, which is then the number of the chosen branch."""
         branches = choice.branches
         regular = (ir.InputEvent, ir.ReadyEvent)
         if len(branches) < LEAST or not all(isinstance(b.event, regular) and is_plain(b.body) for b in branches):
@@ -141,19 +141,19 @@ class Alternatives(Accesses):
             case ir.InputEvent(source=source):
                 return call(self.imports.runtime("Input"), self.members.source(source))
             case ir.OutputEvent(sink=sink, value=value):
-                # The value is given at each selection; only an interrupt makes its guard anew each time.
+                # The value is passed at each selection; only an interrupt creates a new guard each time.
                 given = () if printer is self.initial else (needed or printer.print(value),)
                 return call(self.imports.runtime("Output"), self.members.sink(sink), *given)
             case ir.AfterEvent(duration=duration):
-                later = printer is self.initial and not is_known_at_start(duration)
-                delay = Whole(0) if later else needed or printer.print(duration)
+                deferred = printer is self.initial and not is_known_at_start(duration)
+                delay = WholeNumber(0) if deferred else needed or printer.print(duration)
                 return call(self.imports.runtime("After"), delay)
             case ir.SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
 
     def _guards(self, branches: Sequence[ir.Branch[ir.CoreAction]], *, always: bool = False) -> Guards:
-        """What guards need, evaluated where they begin."""
+        """The values that guards need, evaluated when the alternative begins."""
         return guards_of(
             branches, self.printer.print, self._may_fault, self.imports.names, self.guard_names, always=always
         )
@@ -168,7 +168,7 @@ class Alternatives(Accesses):
 
     def _interrupt(self, body: ir.CoreAction, branch: ir.Branch[ir.CoreAction], needs: Guards) -> Code:
         guard = self._guard(branch.event, self.printer, needs.needed.get(0))
-        interrupted = self.later(body)
+        interrupted = self.deferred(body)
         taken: Statements = ()
         if isinstance(branch.event, ir.InputEvent):
             attribute = own(self.members.names.fresh("interruption"))

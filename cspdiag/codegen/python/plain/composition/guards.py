@@ -1,8 +1,8 @@
-"""What guards need when their alternative begins: conditions, values and durations, evaluated guard by guard in the
-order of the text.
+"""The conditions, values and durations that guards need when their alternative begins, evaluated guard by guard in text
+order.
 
-What can fault has a statement of its own, so that the fault that comes first is the one that is reported, at its line;
-the rest stands where it is used.
+Whatever can fault gets a statement of its own, so the first fault is reported at its line; the rest is evaluated where
+it is used.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from cspdiag.codegen.python.text.code import (
     Entry,
     Items,
     Name,
-    Whole,
+    WholeNumber,
     at_least,
     tuple_of,
 )
@@ -34,15 +34,15 @@ from cspdiag.network.ir.faults import is_known_at_start
 
 @dataclass
 class GuardNames:
-    """The local variables of a process for what guards need: the same ones in each alternative, as they are used up
-    where it begins.
+    """The local variables of a process for the values of guards; all alternatives share them, because each uses them
+    only when it begins.
     """
 
     fresh: Callable[[str], str]
     locals: dict[str, str] = field(default_factory=dict)
 
     def local(self, word: str) -> str:
-        """The variable of a word."""
+        """The variable for a word."""
         if word not in self.locals:
             self.locals[word] = self.fresh(word)
         return self.locals[word]
@@ -50,14 +50,14 @@ class GuardNames:
 
 @dataclass
 class Guards:
-    """The guards of one alternative or interrupt. ``place`` makes a place in the text of where something stands."""
+    """The guards of one alternative or interrupt. ``place`` gives the source place of a span."""
 
     printed: Callable[[Expression], Code]
     can_fault: Callable[[Expression], bool]
     place: Callable[[Span], str]
     names: GuardNames
     always: bool = False
-    """Whether a duration is evaluated although it is known at the start."""
+    """Whether a duration is evaluated even if it is known at the start."""
     lines: list[Statement] = field(default_factory=list)
     """The statements before the alternative."""
     conditions: list[Code | None] = field(default_factory=list)
@@ -65,7 +65,7 @@ class Guards:
     """Values and durations, by number."""
 
     def add(self, branch: Branch) -> None:
-        """The next guard."""
+        """Add the next guard."""
         condition = None
         if branch.condition is not None:
             condition = self.printed(branch.condition)
@@ -79,7 +79,9 @@ class Guards:
             case OutputEvent(value=value):
                 self.needed[number] = self._needed(f"value_{number}", value, branch.event, condition, NONE)
             case AfterEvent(duration=duration) if self.always or not is_known_at_start(duration):
-                self.needed[number] = self._needed(f"duration_{number}", duration, branch.event, condition, Whole(0))
+                self.needed[number] = self._needed(
+                    f"duration_{number}", duration, branch.event, condition, WholeNumber(0)
+                )
 
     def _needed(self, name: str, expression: Expression, step: Step, condition: Code | None, otherwise: Code) -> Code:
         code = self.printed(expression)
@@ -120,7 +122,7 @@ def guards_of(
     *,
     always: bool,
 ) -> Guards:
-    """What the guards of an alternative need, evaluated where they begin."""
+    """The values that the guards of an alternative need, evaluated when it begins."""
     found = Guards(printed, can_fault, lambda span: package.place(span.file, span.line), names, always)
     for branch in branches:
         found.add(branch)

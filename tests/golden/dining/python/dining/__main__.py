@@ -16,12 +16,12 @@ def main() -> int:
 
         return run("dining", _load)
     except KeyboardInterrupt:
-        # It came while this was loaded; a run ends by it in words.
+        # Ctrl-C came while the runtime was imported; a run reports it itself.
         return 130
 
 
 def _load() -> Program:
-    """Import the program: a signal that comes meanwhile ends it in words."""
+    """Import the program; a signal that comes meanwhile is handled by the runtime."""
     from .environments import ENVIRONMENTS
     from .network import PORTS, build
     from .runtime.command_line import Program

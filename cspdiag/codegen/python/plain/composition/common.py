@@ -1,4 +1,4 @@
-"""What all statements of a readable process are written with: places, and accesses to variables and ends."""
+"""The common part of all statements of a readable process: source places, and accesses to variables and ends."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from cspdiag.network.ir.faults import may_fault, variables_in
 
 @record
 class Method:
-    """A part of a composition that runs beside others and so needs a coroutine of its own."""
+    """A part of a composition that runs in parallel with others, and so needs a coroutine of its own."""
 
     name: str
     body: Statements
@@ -33,11 +33,11 @@ class Method:
 
 
 @dataclass
-class Accesses:
+class CompositionWriter:
     """The names and printers of one process class.
 
-    ``members`` knows the attributes. ``alternatives`` and ``methods`` collect what the constructor has to make, and the
-    coroutines of branches.
+    ``members`` knows the attributes. ``alternatives`` and ``methods`` collect the alternatives that the constructor
+    makes, and the coroutines of branches.
     """
 
     members: Members
@@ -47,7 +47,7 @@ class Accesses:
     """For expressions in the constructor."""
     imports: Imports
     unwritten: frozenset[str] = frozenset()
-    """Variables that may be read before they were written, which is a fault."""
+    """Variables that may be read before they are written, which is a fault."""
     alternatives: list[Statement] = field(default_factory=list)
     methods: list[Method] = field(default_factory=list)
 

@@ -1,6 +1,4 @@
-"""What the code of one optimized process calls its parts: attributes of ``self``, and the local variables that they are
-bound to.
-"""
+"""The names of the parts of one optimized process: attributes of ``self``, and the local variables bound to them."""
 
 from __future__ import annotations
 
@@ -34,22 +32,22 @@ _HELPERS = (
     "push",
 )
 
-AT_ONCE = frozenset({"var", "constant", "discard"})
-"""Media whose accesses are no communications."""
+MEDIA_WITHOUT_COMMUNICATION = frozenset({"var", "constant", "discard"})
+"""Media whose accesses are not communications."""
 
 
 @dataclass
 class Spelling:
-    """Names of one process class. ``bound`` collects the attributes that its code uses, each bound to a local variable
-    of the same name.
+    """The names in one process class. ``bound`` collects the attributes that its code uses, each bound to a local
+    variable of the same name.
     """
 
     process: ProcessClass
     network: Network
-    again: bool
-    """Whether the process may be run more than once."""
+    runs_again: bool
+    """Whether the process may run more than once."""
     probed: bool = False
-    """Whether variables that have a unit are watched from outside."""
+    """Whether variables with a unit are recorded."""
     bound: dict[str, None] = field(default_factory=dict)
     run: set[str] = field(default_factory=set)
     """Which of ``scheduler`` and ``push`` of the run the code uses."""
@@ -57,12 +55,12 @@ class Spelling:
     def __post_init__(self) -> None:
         self.members = Members(self.process, self.network)
         names = self.names = self.members.names
-        self._locals = local_variables(self.process, self.again, self.probed)
+        self._locals = local_variables(self.process, self.runs_again, self.probed)
         self._media = {port.name: port.media for port in self.process.ports}
         self._channels = {channel.name: channel for channel in self.process.channels}
         self.helpers = {name: names.fresh(name) for name in _HELPERS}
         self.parts: dict[str, str] = {}
-        """Attributes of flattened processes and of laws by instance."""
+        """Attributes of inlined processes and of laws, by instance."""
         self.scopes: list[ProcessScope] = []
         self.laws: dict[str, ReadInputs | RunLaw | WriteOutputs] = {}
         for part in parts(self.process.body):
@@ -84,7 +82,7 @@ class Spelling:
         return member.name if isinstance(member, Attribute) else self.names.fresh(variable)
 
     def taken(self) -> list[str]:
-        """The names that mean something of the process."""
+        """The names that are in use in the process."""
         return [
             *self.members.arguments.values(),
             *self._variables.values(),
@@ -93,17 +91,17 @@ class Spelling:
         ]
 
     def __getitem__(self, helper: str) -> Name:
-        """A local variable of the code itself."""
+        """A local variable of the generated code itself."""
         return Name(self.helpers[helper])
 
     def of_run(self, helper: str) -> Name:
-        """The local variable that has the ``scheduler`` of the run, or its ``push``, which readies a party in a program
-        without prioritized parallel.
+        """The local variable for the ``scheduler`` of the run, or for its ``push``, which makes a task ready in a
+        program without prioritized parallels.
         """
         self.run.add(helper)
         return self[helper]
 
-    # Variables, signals, parameters: as expressions name them
+    # Variables, signals, parameters
 
     def is_local(self, variable: str) -> bool:
         """Whether a variable is a local variable of the code."""
@@ -120,16 +118,16 @@ class Spelling:
         spelled = self.signal_name(name)
         if name in self.constants:
             return self.bind(spelled)
-        return own(spelled) if name in self.states and self.again else Name(spelled)
+        return own(spelled) if name in self.states and self.runs_again else Name(spelled)
 
     def signal_name(self, name: str) -> str:
-        """What a signal is called, as an attribute or as a local variable."""
+        """The name of a signal, as an attribute or as a local variable."""
         if name not in self.signals:
             self.signals[name] = self.names.fresh(name)
         return self.signals[name]
 
     def constant_made(self, name: str) -> Code:
-        """A constant as the constructor sees it."""
+        """A constant as the constructor assigns it."""
         return own(self.signal_name(name))
 
     def parameter(self, name: str) -> Code:
@@ -142,7 +140,7 @@ class Spelling:
         return Name(attribute)
 
     def local(self, member: Code) -> Code:
-        """The local variable for an attribute of ``self``, or what is reached from there."""
+        """The local variable for an attribute of ``self``, or an expression that begins with it."""
         match member:
             case Attribute(operand=operand, name=name) if operand == SELF:
                 return self.bind(name)
@@ -151,55 +149,55 @@ class Spelling:
             case Element(operand=operand, index=index):
                 return self.local(operand).at(index)
             case _:
-                raise AssertionError(f"{member} is no member")
+                raise AssertionError(f"{member} is not a member")
 
     def shared(self) -> frozenset[str]:
-        """Local variables that a nested function has to declare if it sets them."""
+        """Local variables that a nested function has to declare in order to assign them."""
         return frozenset(self._variables.values()) | frozenset(
-            spelled for name, spelled in self.signals.items() if name in self.states and not self.again
+            spelled for name, spelled in self.signals.items() if name in self.states and not self.runs_again
         )
 
     def local_declarations(self) -> Iterable[tuple[str, str]]:
-        """Channel and local variable of the variables that are local."""
+        """Channel and local variable of each variable that is local."""
         return self._variables.items()
 
     # Ends
 
     def medium(self, end: End) -> Medium:
-        """What stands behind an end."""
+        """The medium of an end."""
         if isinstance(end, PortEnd):
             return self._media[end.port][end.index or 0]
         channel = self._channels[end.channel]
         return Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
 
     def type_of(self, end: End) -> Type:
-        """The type of the values that pass an end."""
+        """The type of the values that are passed at an end."""
         if isinstance(end, PortEnd):
             return next(port.type for port in self.process.ports if port.name == end.port)
         return self._channels[end.channel].type
 
     def source(self, end: End) -> Code:
-        """The local name of an end that is read."""
+        """The local name of an end to read from."""
         return self.local(self.members.source(end))
 
     def sink(self, end: End) -> Code:
-        """The local name of an end that is written."""
+        """The local name of an end to write to."""
         return self.local(self.members.sink(end))
 
     def value_at(self, end: End) -> Code:
-        """The value of a variable or a constant behind an end."""
+        """The value of a variable or a constant at an end."""
         if isinstance(end, ChannelEnd):
             return self.variable(end.channel)
         member = self.members.sink(end) if self.medium(end).kind == "var" else self.members.source(end)
         return self.local(member).field("value")
 
     def part(self, instance: str) -> Code:
-        """The local name of a flattened process or a law."""
+        """The local name of an inlined process or a law."""
         return self.bind(self.parts[instance])
 
 
 def is_inline(medium: Medium) -> bool:
-    """Whether the code itself communicates over it, in the slots of a ``Rendezvous``."""
+    """Whether the generated code itself communicates over it, in the slots of a ``Rendezvous``."""
     return medium.kind == "sync" and not medium.guarded_writes
 
 
@@ -208,6 +206,6 @@ def is_alternated(medium: Medium) -> bool:
     return is_inline(medium) and medium.guarded_reads
 
 
-def at_once(end: End, medium: Medium) -> bool:
-    """Whether an access is no communication."""
-    return medium.kind in AT_ONCE or (isinstance(end, ChannelEnd) and medium.kind == "var")
+def is_plain_access(end: End, medium: Medium) -> bool:
+    """Whether an access is not a communication."""
+    return medium.kind in MEDIA_WITHOUT_COMMUNICATION or (isinstance(end, ChannelEnd) and medium.kind == "var")
