@@ -71,7 +71,14 @@ struct csp_class {
     const char *name;
     const char *where;    /* it is defined: "laws.csp:12" */
     size_t offset;        /* of the csp_process in its struct: 0, but for branches of a composition */
+    size_t stride;        /* from one csp_numbered to the next, where branches share a class; otherwise 0 */
 };
+
+/* One of the branches of a composition that share a class: they stand in an array, and differ in their number. */
+typedef struct csp_numbered {
+    csp_process process;
+    uint32_t number; /* from 0 */
+} csp_numbered;
 
 /* What a process does at a place where it can wait or call. */
 typedef enum csp_waiting {
@@ -93,6 +100,7 @@ struct csp_place {
     bool indirect;    /* at `offset` there is a pointer to the object (a port), not the object itself */
     uint16_t failed;  /* the state in which the process goes on when the operation fails */
     uint32_t offset;  /* of the object in the struct of the process */
+    uint32_t stride;  /* from the object of one csp_numbered to that of the next; 0: all have this one */
     const char *where; /* in the program's text: "laws.csp:12" */
     const char *inner; /* path below the process, where that is a process which was made part of it, or NULL */
 };

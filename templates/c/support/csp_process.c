@@ -13,6 +13,19 @@ void csp_process_init(csp_process *process, const csp_class *kind, uint32_t numb
     process->party.flags = CSP_ENDED;
 }
 
+static inline size_t number_of(const csp_process *process)
+{
+    return (process->kind->stride == 0U) ? 0U : (size_t)CSP_NUMBER(process);
+}
+
+/* The bytes from a process to what stands at `offset` in its struct; for a csp_numbered, `stride` behind that of the one before it. */
+static inline ptrdiff_t way_to(const csp_process *process, size_t offset, size_t stride)
+{
+    const size_t number = number_of(process);
+    const size_t before = process->kind->offset + (number * process->kind->stride);
+    return (ptrdiff_t)(offset + (number * stride)) - (ptrdiff_t)before;
+}
+
 const csp_place *csp_place_of(const csp_process *process)
 {
     return &process->kind->places[process->party.state];
@@ -20,7 +33,7 @@ const csp_place *csp_place_of(const csp_process *process)
 
 void *csp_object_at(const csp_process *process, const csp_place *place)
 {
-    const char *const at = ((const char *)process - process->kind->offset) + place->offset;
+    const char *const at = (const char *)process + way_to(process, place->offset, place->stride);
     void *object = NULL;
     if (place->indirect) {
         (void)memcpy(&object, at, sizeof(object));
@@ -98,9 +111,9 @@ csp_process *csp_next_branch(csp_parallel *parallel)
     while (parallel->run < parallel->runs) {
         const csp_branches *const branches = &parallel->branches[parallel->run];
         if (parallel->index < branches->count) {
-            char *const at = (char *)parallel->parent - parallel->parent->kind->offset;
+            char *const at = (char *)parallel->parent + way_to(parallel->parent, branches->offset, branches->parent_stride);
             csp_process *const branch =
-                (csp_process *)(void *)(at + branches->offset + ((size_t)parallel->index * branches->stride));
+                (csp_process *)(void *)(at + ((size_t)parallel->index * branches->stride));
             parallel->index++;
             return branch;
         }
@@ -188,7 +201,7 @@ csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branche
     parallel->cancelled = false;
     parallel->error.exception = (uint16_t)CSP_NO_EXCEPTION;
     for (uint32_t run = 0U; run < runs; run++) {
-        char *at = ((char *)parent - parent->kind->offset) + branches[run].offset;
+        char *at = (char *)parent + way_to(parent, branches[run].offset, branches[run].parent_stride);
         const uint8_t level = (uint8_t)(party->level + branches[run].level);
         for (uint32_t index = 0U; index < branches[run].count; index++) {
             csp_process *const branch = (csp_process *)(void *)at;

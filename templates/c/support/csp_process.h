@@ -114,6 +114,7 @@ typedef struct csp_branches {
     uint32_t stride; /* from one to the next, in bytes */
     uint32_t count;
     uint8_t level;   /* that is added to the level of the parent; 0 but for prioritized parallels */
+    uint32_t parent_stride; /* from the first csp_process of one csp_numbered parent to that of the next */
 } csp_branches;
 
 typedef struct csp_parallel {
@@ -135,5 +136,13 @@ csp_progress csp_par_again(csp_party *party, csp_parallel *parallel);
 
 /* The struct that has `member` (a csp_process) at `party`: for step functions of branches. */
 #define CSP_ENCLOSING(party, type, member) ((type *)(void *)((char *)(party) - offsetof(type, member)))
+
+/* The same for a branch that is the csp_numbered `array[number]`. */
+#define CSP_ENCLOSING_ARRAY(party, type, array, number)                                                                \
+    ((type *)(void *)((char *)(party) - (offsetof(type, array) + ((size_t)(number) * sizeof(csp_numbered)))))
+#define CSP_NUMBER(party) (((const csp_numbered *)(const void *)(party))->number)
+
+/* The bytes from one element of an array in a struct to the next. */
+#define CSP_STRIDE(type, array) (offsetof(type, array[1]) - offsetof(type, array[0]))
 
 #endif

@@ -10,6 +10,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
 from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.run import execute
@@ -44,7 +45,12 @@ def test_a_program_gives_the_trace_of_the_reference(name: str, level: int) -> No
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 @pytest.mark.parametrize(
-    ("name", "level"), [("modes_with_arrays_buffers_and_faults", 0), ("alternative_takes_interrupt_guard", 1)]
+    ("name", "level"),
+    [
+        ("modes_with_arrays_buffers_and_faults", 0),
+        ("alternative_takes_interrupt_guard", 1),
+        ("branches_of_one_class", 0),
+    ],
 )
 def test_sanitizers_find_nothing(name: str, level: int, tmp_path: Path) -> None:
     network = network_of(PROGRAMS / f"{name}.csp")
@@ -72,6 +78,54 @@ def test_a_ring_of_many_cells_is_built_by_loops() -> None:
     assert "for (uint32_t i = 1U; i < 499U; i++) {" in ring
     assert "self->cell_output[i - 1U]" in ring
     assert len(ring.splitlines()) < 150
+
+
+def text_of(program: str, level: int = 0) -> dict[str, str]:
+    built = pipeline.build(SourceFile(name="main.csp", text=program), read_source)
+    assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
+    return pipeline.generate(built.network, read_source, "c", level)
+
+
+POOL = """
+process Asker(size: int) {
+  out ask[size] : int
+  out free      : int
+  composition { BODY }
+}
+process Main {
+  communication {
+    asker : Asker(size = 5)
+    asker.free -> _
+    for i < 5 { asker.ask[i] -> _ }
+  }
+  composition { asker }
+}
+"""
+
+
+@pytest.mark.parametrize("size", [3, 40, 400])
+def test_branches_of_a_parallel_share_a_step_function_however_many_they_are(size: int) -> None:
+    program = (ROOT / "benchmarks" / "networks" / "workers.csp").read_text(encoding="utf-8")
+    pool = text_of(program.replace("const size = 10", f"const size = {size}"))["pool.c"]
+    assert pool.count("_step(csp_party *party)") == 2  # the process and its branches
+    assert f"i < {size}U" in pool
+    assert pool.count("\n") < 170
+
+
+@pytest.mark.parametrize(
+    ("branch", "functions"),
+    [
+        ("wait i * 1 ms ; ask[i] ! i", 1),
+        ("ask[i] ! 7 - 2 ; ask[4 - i] ! 3", 5),  # the second element goes down
+        ("wait 1 ms ; ask[i] ! (i * i) % 5", 1),  # computed of the number
+        ("wait 1 ms ; ask[(2 * i) % 5] ! i", 3),  # the elements 0, 2 and 4 count
+        ("wait 1 ms ; (if i < 2 then ask[i] ! 1 else ask[i] ! 2 * i)", 3),  # the last three count
+        ("begun: (wait 1 ms ; ask[i] ! i)", 5),  # each group has a place among the groups of the process
+    ],
+)
+def test_branches_share_a_step_function_where_they_differ_in_even_steps(branch: str, functions: int) -> None:
+    texts = text_of(POOL.replace("BODY", f"par i < 5 : ({branch})"))
+    assert texts["asker.c"].count("_step(csp_party *party)") == 1 + functions
 
 
 @pytest.mark.parametrize("level", [0, 1])

@@ -16,7 +16,6 @@ from cspdiag.codegen.c.process.laws_in_processes import (
     run_inlined_law,
     write_outputs,
 )
-from cspdiag.codegen.c.process.members import StructMember
 from cspdiag.codegen.c.process.parallels import parallel
 from cspdiag.codegen.c.process.plain_steps import assign_value, discard, read_value, stop, wait, write_value
 from cspdiag.codegen.c.process.scopes import group, report, scope
@@ -168,9 +167,8 @@ class CompositionWriter(Writer):
         body = self.statements(action.body)
         if not body or not ends(action.body):
             return body
-        name = self.members.names.fresh("turn")
-        self.members.work.append(StructMember(f"uint32_t {name}"))
-        return [For(own(name), unsigned(action.turns), tuple(body), begin=unsigned(0))]
+        turn = self.add_member(self.members.names.fresh("turn"), "uint32_t")
+        return [For(own(turn), unsigned(action.turns), tuple(body), begin=unsigned(0))]
 
     def _if(self, action: ir.IfElse) -> list[Statement]:
         then, otherwise = self.statements(action.then), self.statements(action.otherwise)

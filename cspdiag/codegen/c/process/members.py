@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from cspdiag.base.record import record
+from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.port_layout import TAKEN, PortLayout, elements
 from cspdiag.codegen.c.process.signals import kept_signals, signals_of
 from cspdiag.codegen.c.process.unwritten import Unwritten
@@ -22,10 +22,11 @@ from cspdiag.codegen.c.text.media import (
     port_type,
 )
 from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.c.text.statements import Statement
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.places_in_arrays import Arrays
-from cspdiag.model.types import Type
+from cspdiag.model.types import IntType, Type
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
 from cspdiag.network.ir.expressions import ParameterValue
 from cspdiag.network.ir.network import (
@@ -59,6 +60,13 @@ class ChosenEnd(PortEnd):
     member: str = ""
 
 
+@record
+class NumberedEnd(PortEnd):
+    """The element of an array of ports that the present branch has by its number; ``index`` is that of the first."""
+
+    number: Numbered = Numbered("")
+
+
 @dataclass
 class Members:
     """What the struct of one process class has; ``work`` is what the generation of its composition adds."""
@@ -89,6 +97,8 @@ class Members:
         self._plain = {
             item.name: self.names[self.arrays.base(item.name)] for item in (*process.channels, *process.instances)
         }
+        self._elements_by_number: dict[str, tuple[str, Numbered]] = {}
+        self._numbers: dict[str, Code] = {}
         self.classes = {entry.name: entry for entry in self.network.classes}
         self.instances = {instance.name: instance for instance in process.instances}
         self.created = [item for item in process.creation if not isinstance(item, CreatedInstance | CreatedChoice)]
@@ -149,12 +159,33 @@ class Members:
         return self._element(self._plain[name], name)
 
     def _element(self, array: str, name: str) -> Code:
+        if name in self._elements_by_number:
+            return code(array).at(self._elements_by_number[name][1])
         index = self.arrays.place(name)[1]
         return code(array) if index is None else code(array).at(index)
 
     def variable(self, name: str) -> Code:
         """The lvalue of a variable."""
-        return own(self.member(name))
+        return self._numbers[name] if name in self._numbers else own(self.member(name))
+
+    def numbered(self, array: str, index: Numbered) -> str:
+        """A name for the element that a branch has by its number, of an array of channels or instances."""
+        name = f"{array}[]"
+        while self._elements_by_number.setdefault(name, (array, index)) != (array, index):
+            name += "[]"
+        first = f"{array}[{index.first}]"
+        self._plain[name] = self._plain[first]
+        if first in self.channels:
+            self.channels[name] = self.channels[first]
+        else:
+            self.instances[name] = self.instances[first]
+        return name
+
+    def number(self, value: Numbered) -> str:
+        """A name for a whole number that a branch has by its own, as if it were a variable."""
+        typed = replaced(value, type_name=self.types.type_name(IntType()))
+        self._numbers[str(typed)] = typed
+        return str(typed)
 
     def add_variable(self, name: str) -> str:
         """The member for a variable of the generator; its name is none that the text can have."""
@@ -249,7 +280,7 @@ class Members:
             pointer = own(member) if access == "variable" else address(own(member))
             written = self._flag(end.channel)
         else:
-            member = self.layout.member(self.ports[end.port], end.index)
+            member = self.layout.member(self.ports[end.port], _place(end))
             pointer = target(own(member)) if access == "variable" else own(member)
             flagged = self.unwritten.has_port(self.process.name, end.port, end.index)
             written = own(self.layout.written(self.ports[end.port], end.index)) if flagged else None
@@ -258,7 +289,7 @@ class Members:
     def end_member(self, end: End) -> Code:
         """The member of a reading end that is an object of its own, or of the pointer to a latch of an event input."""
         base = self._end_names[_whole(end)]
-        return self.layout.element(base, self.ports[end.port], end.index) if isinstance(end, PortEnd) else code(base)
+        return self.layout.element(base, self.ports[end.port], _place(end)) if isinstance(end, PortEnd) else code(base)
 
     def _name_ends(self) -> None:
         for end in self.created:
@@ -399,6 +430,10 @@ class Members:
 def name_of(end: End) -> str:
     """What an end is called in names of states."""
     return end.port if isinstance(end, PortEnd) else end.channel
+
+
+def _place(end: PortEnd) -> int | Code | None:
+    return end.number if isinstance(end, NumberedEnd) else end.index
 
 
 def _whole(end: End) -> End:

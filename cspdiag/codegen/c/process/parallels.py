@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from cspdiag.codegen.c.process.replicas import Replicas, replicas
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, code, own, unsigned
+from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, own, unsigned
+from cspdiag.codegen.c.text.numbered import at_first, stride
 from cspdiag.codegen.c.text.statements import Blank, Statement, store
 from cspdiag.network.ir.actions import Action, Group, ParallelSteps, RunInstance
 
@@ -19,13 +21,15 @@ class _Run:
     stride: Code
     count: int
     level: int
+    is_numbered: bool = False
+    """Whether they have one class, and numbers."""
 
 
 def parallel(writer: Writer, step: ParallelSteps) -> list[Statement]:
     """Starts the branches and waits for all of them."""
     runs = _runs(writer, step)
     member = writer.single("parallel", "csp_parallel")
-    place = writer.place(step, "in_parallel", "PARALLEL", code(member))
+    place = writer.place(step, "in_parallel", "PARALLEL", member)
     table = writer.states.fresh(f"{writer.struct}_{writer.prefixed('branches')}")
     entries = tuple((None, _entry(writer.struct, run)) for run in runs)
     writer.tables += [store(f"static const csp_branches {table}[]", Aggregate(entries)), Blank()]
@@ -34,9 +38,13 @@ def parallel(writer: Writer, step: ParallelSteps) -> list[Statement]:
 
 
 def _entry(struct: str, run: _Run) -> Aggregate:
-    offset = call("offsetof", f"struct {struct}", run.member)
+    offset = call("offsetof", f"struct {struct}", at_first(run.member))
     count, level = unsigned(run.count), unsigned(run.level)
-    return Aggregate(((".offset", offset), (".stride", run.stride), (".count", count), (".level", level)))
+    found = [(".offset", offset), (".stride", run.stride), (".count", count), (".level", level)]
+    between = None if run.is_numbered else stride(struct, run.member)
+    if between is not None:
+        found.append((".parent_stride", between))
+    return Aggregate(tuple(found))
 
 
 def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
@@ -46,6 +54,12 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
     while position < len(step.steps):
         count = 1 if step.prioritized else _elements(writer, step.steps, position)
         branch = step.steps[position]
+        alike = _replicas(writer, step, position)
+        if alike is not None:
+            member = writer.branch(alike.body, _name_of_replicated(writer, branch), alike.count)
+            runs.append(_Run(member, call("sizeof", "csp_numbered"), alike.count, 0, is_numbered=True))
+            position += alike.count
+            continue
         level = writer.levels.below(writer.members.process.name, writer.depth - 1, position) if step.prioritized else 0
         hint = branch.label if isinstance(branch, Group) else _name_of_replicated(writer, branch)
         stride: Code = unsigned(0)
@@ -56,6 +70,13 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
         position += count
     writer.depth -= step.prioritized
     return runs
+
+
+def _replicas(writer: Writer, step: ParallelSteps, position: int) -> Replicas | None:
+    """Branches that share a step function; none among branches that share one already."""
+    if step.prioritized or writer.current.count is not None:
+        return None
+    return replicas(writer.members, step.steps, position, writer.number)
 
 
 def _name_of_replicated(writer: Writer, branch: Action) -> str | None:

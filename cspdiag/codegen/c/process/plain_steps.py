@@ -168,7 +168,7 @@ def put(writer: Writer, target: Target, value: Code, type_: Type, where: str) ->
 def wait(writer: Writer, step: WaitStep) -> list[Statement]:
     """A delay."""
     delay = writer.single("delay", "csp_timer")
-    place = writer.place(step, "waits", "DELAY", code(delay))
+    place = writer.place(step, "waits", "DELAY", delay)
     first, duration = writer.operand(step.duration, writer.where(step), "duration")
     begun = call("csp_wait", "party", address(own(delay)), duration)
     return [writer.remark(step), *first, writer.wait(begun, code("csp_wait_again(party)"), place)]

@@ -30,7 +30,7 @@ class PortLayout:
             port.name: len({access_of_medium(medium) for medium in port.media}) <= 1 for port in process.ports
         }
 
-    def member(self, port: Port, index: int | None) -> Code:
+    def member(self, port: Port, index: int | Code | None) -> Code:
         """The member of a port, or of an element of an array of ports."""
         return self.element(self.names[port.name], port, index)
 
@@ -39,7 +39,7 @@ class PortLayout:
         suffix = "" if index is None else f"_{index}"
         return self.names[f"{self.names[port.name]}{suffix} written"]
 
-    def element(self, base: str, port: Port, index: int | None) -> Code:
+    def element(self, base: str, port: Port, index: int | Code | None) -> Code:
         """The member with a name of its own for each port, or for each element."""
         if index is None:
             return code(base)

@@ -9,6 +9,7 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import Aggregate, Code, call, code, mentions_self
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.numbered import at_first, mentions_number, stride
 from cspdiag.codegen.c.text.statements import (
     Blank,
     Block,
@@ -59,7 +60,7 @@ class WaitingState:
 @dataclass
 class Routine:
     """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the
-    process itself.
+    process itself. ``number`` is what the function calls its own among branches of one class, which stand in an array.
     """
 
     name: str
@@ -70,6 +71,9 @@ class Routine:
     where: str
     member: str | None
     states: Names
+    count: int | None = None
+    """How many branches it is the step function of, if they have numbers."""
+    number: str | None = None
     places: list[WaitingState] = field(default_factory=list)
     body: list[Statement] = field(default_factory=list)
     progress: bool = False
@@ -102,7 +106,7 @@ class Routine:
         """The table of places and the class."""
         start = Aggregate(((".waiting", code("CSP_AT_NOTHING")), (".where", code(quoted(self.where)))))
         entries = [("[0]", start), *((f"[{place.state}]", self._entry(place)) for place in self.places)]
-        offset = code("0") if self.member is None else self._offset(code(self.member))
+        offset = code("0") if self.member is None else self._offset(code(f"{self.member}{self._first}"))
         fields = [
             (".step", code(self.function)),
             (".places", code(f"{self.name}_places")),
@@ -110,8 +114,14 @@ class Routine:
             (".where", code(quoted(self.where))),
             (".offset", offset),
         ]
+        if self.number is not None:
+            fields.append((".stride", code("sizeof(csp_numbered)")))
         places = store(f"static const csp_place {self.name}_places[]", Aggregate(tuple(entries)))
         return lines([places, Blank(), store(f"static const csp_class {self.name}_class", Aggregate(tuple(fields)))])
+
+    @property
+    def _first(self) -> str:
+        return "" if self.number is None else "[0]"
 
     def _offset(self, member: Code) -> Code:
         return call("offsetof", f"struct {self.struct}", member)
@@ -124,16 +134,19 @@ class Routine:
         if place.inner is not None:
             parts.append((".inner", code(quoted(place.inner))))
         if place.member is not None:
-            parts.append((".offset", self._offset(place.member)))
+            parts.append((".offset", self._offset(at_first(place.member))))
+            between = stride(self.struct, place.member)
+            if between is not None:
+                parts.append((".stride", between))
         return Aggregate(tuple(parts))
 
     def text(self) -> list[str]:
         """The step function."""
         inside: list[Statement] = []
+        if self.number is not None and (mentions_self(self.body) or mentions_number(self.body)):
+            inside.append(define("const uint32_t", self.number, "CSP_NUMBER(party)"))
         if mentions_self(self.body):
-            member = self.member or "process"
-            enclosing = call("CSP_ENCLOSING", "party", f"struct {self.struct}", member)
-            inside.append(define(f"struct {self.struct} *const", "self", enclosing))
+            inside.append(define(f"struct {self.struct} *const", "self", self._enclosing()))
         if self.progress:
             inside.append(define("csp_progress", "progress"))
         if self.condition:
@@ -143,3 +156,9 @@ class Routine:
         cases = (("case 0", tuple(self.body)), ("default", (give("NULL"),)))
         function = Block((*inside, Switch(code("party->state"), cases)))
         return [*signature(f"static csp_party *{self.function}", ["csp_party *party"]), *lines([function])]
+
+    def _enclosing(self) -> Code:
+        struct = f"struct {self.struct}"
+        if self.number is None:
+            return call("CSP_ENCLOSING", "party", struct, self.member or "process")
+        return call("CSP_ENCLOSING_ARRAY", "party", struct, self.member or "process", self.number)

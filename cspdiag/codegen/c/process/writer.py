@@ -10,12 +10,16 @@ from dataclasses import dataclass, field
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.members import Members, StructMember
+from cspdiag.codegen.c.process.port_layout import TAKEN
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
-from cspdiag.codegen.c.text.code import Code, address, call, code, own
+from cspdiag.codegen.c.text.code import Code, address, call, code, own, unsigned
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names, PackageNames, identifier, snake_case
+from cspdiag.codegen.c.text.numbered import Numbered
+from cspdiag.codegen.c.text.rolling import VARIABLE
 from cspdiag.codegen.c.text.statements import (
+    For,
     Label,
     Plain,
     Remark,
@@ -50,7 +54,7 @@ class Writer:
     levels: Levels
     struct: str
     routines: list[Routine] = field(default_factory=list)
-    initial: list[Plain] = field(default_factory=list)
+    initial: list[Statement] = field(default_factory=list)
     """What the function that initializes the process has to do for the composition besides, in the order of the text.
     """
     tables: list[Statement] = field(default_factory=list)
@@ -67,6 +71,8 @@ class Writer:
         assert process.body is not None
         self.states = Names(self.names.globals)
         self.alone = not any(isinstance(part, ParallelSteps | InterruptOn) for part in parts(process.body))
+        self.number = Names((*TAKEN, *self.names.globals)).fresh("number")
+        """What step functions call the number of their branch, where branches share one."""
         self.depth = 0
         """Of prioritized parallels around the present step."""
         self.inner: str | None = None
@@ -78,6 +84,7 @@ class Writer:
         definitions.
         """
         self._singles: dict[tuple[str, str], str] = {}
+        self._sizes: dict[tuple[str, str], str] = {}
         self._slots: dict[tuple[str, str], list[StructMember]] = {}
         self._offers: dict[str, int] = {}
         self._routine("", None, process.body)
@@ -90,7 +97,7 @@ class Writer:
 
     # Step functions
 
-    def _routine(self, title: str, member: str | None, action: Action) -> Routine:
+    def _routine(self, title: str, member: str | None, action: Action, count: int | None = None) -> Routine:
         process = self.members.process
         outer = (self.current, self.handler) if self.routines else None
         place = self.names.place(process.span.file, process.span.line)
@@ -102,6 +109,8 @@ class Writer:
             where=place,
             member=member,
             states=self.states,
+            count=count,
+            number=None if count is None else self.number,
         )
         self.routines.append(routine)
         self.current, self.handler = routine, routine.outermost
@@ -130,19 +139,29 @@ class Writer:
         around = self.current.title or (identifier(self.scope) if self.scope else "")
         return f"{around}_{name}" if around and not _begins_with(name, around) else name
 
-    def branch(self, action: Action, hint: str | None = None) -> Code:
+    def branch(self, action: Action, hint: str | None = None, count: int | None = None) -> Code:
         """The member of the ``csp_process`` that runs an action beside others; it is made if the action is no process
-        of its own.
+        of its own. With a ``count``, that is how many run it, each with a number.
         """
         if isinstance(action, RunInstance) and isinstance(self.class_of(action.instance), ProcessClass):
             return self.members.member(action.instance).field("process")
         wanted = self.prefixed(hint or branch_name(action))
         member = self.members.names.fresh(wanted if wanted == "branch" else f"{wanted} branch")
-        self.members.work.append(StructMember(f"csp_process {member}"))
-        name = self._routine(identifier(snake_case(wanted)), member, action).name
+        count = count or self.current.count
+        struct = "csp_process" if count is None else "csp_numbered"
+        self.members.work.append(StructMember(f"{struct} {member}{_size(count)}"))
+        name = self._routine(identifier(snake_case(wanted)), member, action, count).name
+        if count is None:
+            self.initial.append(self._made(own(member), name))
+            return code(member)
+        element = own(member).at(code(VARIABLE))
+        body = (self._made(element.field("process"), name), store(element.field("number"), VARIABLE))
+        self.initial.append(For(code(VARIABLE), unsigned(count), body, unsigned(0), "uint32_t"))
+        return code(member).at(Numbered(self.number)).field("process")
+
+    def _made(self, process: Code, class_: str) -> Plain:
         number = own("process").field("party").field("number")
-        self.initial.append(run(call("csp_process_init", address(own(member)), f"&{name}_class", number)))
-        return code(member)
+        return run(call("csp_process_init", address(process), f"&{class_}_class", number))
 
     def class_of(self, instance: str) -> ProcessClass | SubmodelClass:
         """The class of an instance inside."""
@@ -188,20 +207,29 @@ class Writer:
         if function and tuple(function) not in self.functions:
             self.functions.append(tuple(function))
 
-    def single(self, name: str, type_: str) -> str:
+    def add_member(self, name: str, type_: str) -> Code:
+        """A new member for the present step function: one for each branch that it is the step function of."""
+        count = self.current.count
+        self.members.work.append(StructMember(f"{type_} {name}{_size(count)}"))
+        return self._of_branch(name)
+
+    def _of_branch(self, member: str) -> Code:
+        return code(member) if self.current.count is None else code(member).at(Numbered(self.number))
+
+    def single(self, name: str, type_: str) -> Code:
         """A member that the present step function needs one of, whatever it is doing."""
         key = (name, self.current.name)
         if key not in self._singles:
             member = self._singles[key] = self.members.names.fresh(self._of_routine(name))
-            self.members.work.append(StructMember(f"{type_} {member}"))
-        return self._singles[key]
+            self.add_member(member, type_)
+        return self._of_branch(self._singles[key])
 
     def _of_routine(self, name: str) -> str:
         return f"{self.current.title}_{name}" if self.current.title else name
 
     def offers(self, count: int) -> str:
         """The member for several communications at once of the present step function; at most ``count``."""
-        member = self.single("offers", "csp_offers")
+        member = str(self.single("offers", "csp_offers"))
         self._offers[member] = max(count, self._offers.get(member, 0))
         return member
 
@@ -218,6 +246,7 @@ class Writer:
         if whole is None:
             whole = self._singles[key] = self.members.names.fresh(self._of_routine(hint))
             self._slots[key] = []
+            self._sizes[key] = _size(self.current.count)
         wanted, count = identifier(name), 1
         type_name = self.members.types.type_name(type_)
         while True:
@@ -226,13 +255,13 @@ class Writer:
             if other is None:
                 self._slots[key].append(member)
             if other is None or other == member:
-                return own(whole).field(wanted)
+                return own(self._of_branch(whole)).field(wanted)
             count += 1
             wanted = f"{identifier(name)}_{count}"
 
     def unions(self) -> list[tuple[str, Sequence[StructMember]]]:
-        """The values that are kept while a step function waits, by the name of the union."""
-        return [(self._singles[key], members) for key, members in self._slots.items()]
+        """The values that are kept while a step function waits, by the name of the union, or of an array of them."""
+        return [(f"{self._singles[key]}{self._sizes[key]}", members) for key, members in self._slots.items()]
 
     # Expressions
 
@@ -321,6 +350,10 @@ class Writer:
     def remark(self, step: Step) -> Remark:
         """The comment above what a step becomes."""
         return Remark(self.comment(step))
+
+
+def _size(count: int | None) -> str:
+    return "" if count is None else f"[{count}]"
 
 
 def _begins_with(name: str, around: str) -> bool:

@@ -1,0 +1,79 @@
+"""The elements that the branches of a replicated parallel have by their numbers: ``worker[number]``."""
+
+from __future__ import annotations
+
+from cspdiag.base.record import record, replaced
+from cspdiag.codegen.c.text.code import (
+    PRODUCT,
+    SUM,
+    Atom,
+    Code,
+    Count,
+    Element,
+    Postfix,
+    call,
+    cast,
+    code,
+    infix,
+    unsigned,
+)
+from cspdiag.codegen.shared.document import Document
+from cspdiag.codegen.shared.trees import nodes
+
+
+@record
+class Numbered(Code):
+    """``step * number + first``, where ``number`` is that of the branch among those of its class, and ``step`` at least
+    1. As an index it is unsigned; with ``type_name`` it is a value of that type.
+    """
+
+    number: str
+    first: int = 0
+    step: int = 1
+    type_name: str | None = None
+
+    @property
+    def precedence(self) -> int:
+        """How tightly its operator binds."""
+        return self._sum().precedence
+
+    def _document(self) -> Document:
+        return self._sum().document
+
+    def _sum(self) -> Code:
+        plain = self.type_name is None
+        counted = Atom(self.number) if self.type_name is None else cast(self.type_name, Atom(self.number))
+        if self.step != 1:
+            counted = infix("*", PRODUCT, unsigned(self.step) if plain else code(str(self.step)), counted)
+        if self.first == 0:
+            return counted
+        offset = unsigned(self.first) if plain else code(str(abs(self.first)))
+        return infix("+" if self.first > 0 else "-", SUM, counted, offset)
+
+
+def mentions_number(item: object) -> bool:
+    """Whether an expression or statements need the number of the branch."""
+    return any(isinstance(node, Numbered) for node in nodes(item))
+
+
+def at_first(member: Code) -> Code:
+    """The member that the branch with number 0 has."""
+    match member:
+        case Element(operand=operand, index=Numbered(first=first)):
+            return Element(at_first(operand), Count(first, "index"))
+        case Element(operand=operand) | Postfix(operand=operand):
+            return replaced(member, operand=at_first(operand))
+        case _:  # A member that no array is in.
+            return member
+
+
+def stride(struct: str, member: Code) -> Code | None:
+    """The bytes from the member that one branch has to that of the next; None for one that all have."""
+    match member:
+        case Element(operand=array, index=Numbered(step=step)):
+            bytes_ = call("CSP_STRIDE", f"struct {struct}", array)
+            return bytes_ if step == 1 else infix("*", PRODUCT, unsigned(step), bytes_)
+        case Element(operand=operand) | Postfix(operand=operand):
+            return stride(struct, operand)
+        case _:  # A member that no array is in.
+            return None
