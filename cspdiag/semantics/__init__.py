@@ -1,6 +1,7 @@
-"""The executable meaning of the language: an interpreter of the network, to be read beside ``docs/language.md``.
+"""The executable semantics of the language: an interpreter of the network, to be read together with
+``docs/language.md``.
 
-It is slow and plain. Docstrings name the sections and paragraphs that the code states, «between guillemets». The
-runtime and the C kernel, which are written for speed, share nothing with it; the conformance kit compares them with it.
-Fusion follows it at compile time.
+It is slow and simple. Docstrings name the sections and paragraphs of the reference that the code implements, «between
+guillemets». The runtime and the C kernel, which are written for speed, share no code with it; the conformance kit
+compares them with it. Fusion runs it at compile time.
 """

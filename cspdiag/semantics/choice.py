@@ -1,4 +1,4 @@
-"""Alternatives and interrupts: processes that wait for whichever of several things comes first."""
+"""Alternatives and interrupts: requests that wait for whichever of several guards is ready first."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ from cspdiag.semantics.values import RaisedError
 
 
 class Choose(Request):
-    """An alternative; the result is a guard and its value. «Alternative», «Guards»
+    """An alternative; the result is the index of a guard and its value. «Alternative», «Guards»
 
-    It has ``offers`` by guard, ``timeouts`` with their instants, and guards that are ``always`` ready.
-    ``memory`` keeps the guard that was chosen last; ``place`` counts the alternatives in the order in which they
-    stand in the program.
+    It has ``offers`` by guard, ``timeouts`` with their instants, and guards that are ``always`` ready. ``memory`` keeps
+    the guard that was chosen last; ``place`` is the number of the alternative in the order of the program.
     """
 
     def __init__(self, prioritized: bool, memory: dict[str, int], place: int) -> None:
@@ -30,14 +29,14 @@ class Choose(Request):
         self.chosen: int | None = None
         self.parked = False
         self.bound = False
-        """Whether its value waits as that of a writer, for somebody who is going to read it."""
+        """Whether its value waits as that of a writer, for a process that is going to read it."""
         self.promised = False
-        """Whether that value was taken."""
+        """Whether that value has been taken."""
         self.interrupt: Interrupt | None = None
 
     @property
     def turn(self) -> tuple[int, int]:
-        """Alternatives are served in the order in which they stand in the program. «Parties, channels and guards»"""
+        """Alternatives are served in the order of the program. «Parties, channels and guards»"""
         return (1, self.place)
 
     def ready_guards(self) -> list[int]:
@@ -70,7 +69,9 @@ class Choose(Request):
             self.finish((index, offer.value))
 
     def park(self) -> None:
-        """Begin to wait: the guards wait beside the parties, and books are opened. «Alternative», «Time»"""
+        """Begin to wait: the guards wait at their channels like readers and writers, and sessions begin. «Alternative»,
+        «Time»
+        """
         if not self.parked:
             self.parked = True
             begin_sessions(list(self.offers.values()))
@@ -87,14 +88,14 @@ class Choose(Request):
             offer.medium.withdraw(offer)
 
     def resolve(self, offer: Offer) -> None:
-        """The other side has chosen this guard, and makes the communication. «Parties, channels and guards»"""
+        """The other side has chosen this guard, and communicates with it. «Parties, channels and guards»"""
         assert offer.guard is not None
         self._settle(offer.guard)
         if offer.only_ready:
             self.finish((self.chosen, None))
 
     def bind(self, offer: Offer) -> None:
-        """A guard ``port`` has chosen this output guard: the value waits as that of a writer.
+        """A ready guard of another process has chosen this output guard: the value waits as that of a writer.
 
         «Parties, channels and guards»
         """
@@ -105,7 +106,7 @@ class Choose(Request):
         self.bound = True
 
     def offer_done(self, offer: Offer) -> None:
-        """The communication of the chosen guard has been made."""
+        """The communication of the chosen guard has taken place."""
         if self.interrupt is not None and self.bound:
             self.promised = True
             self.world.make_ready(self.world.start(no_steps(), self.task.priority, Promise(self.interrupt)))
@@ -120,24 +121,24 @@ class Choose(Request):
             self.done, self.result = True, result
 
     def offers_now(self) -> Sequence[Offer]:
-        """All guards until it has chosen, then that of the chosen one until it is made."""
+        """The offers of all guards until one is chosen, then that of the chosen one until it has communicated."""
         if self.chosen is None:
             return list(self.offers.values())
         return [offer for index, offer in self.offers.items() if index == self.chosen and not offer.done]
 
     def deadlines(self) -> Sequence[int]:
-        """When its time-outs are over."""
+        """The instants of its time-outs."""
         return list(self.timeouts.values()) if self.chosen is None else ()
 
     def abandon(self) -> None:
-        """Take the guards back. «Cancellation» 1"""
+        """Withdraw the guards. «Cancellation» 1"""
         for offer in self.offers.values():
             offer.medium.withdraw(offer)
         super().abandon()
 
 
 class Promise:
-    """The writer of a value that was promised to a reader before the process of an interrupt ran again.
+    """The writer of a value that a reader took from the guard of an interrupt before the interrupted process ran again.
 
     It has a turn of its own. «Interrupt» 5
     """
@@ -146,7 +147,7 @@ class Promise:
         self.interrupt = interrupt
 
     def branch_ended(self, task: Task, error: RaisedError | None) -> None:
-        """Its turn: the process goes on, if it waits for nothing else."""
+        """Its turn: the process continues, if it waits for nothing else."""
         guard, process = self.interrupt.guard, self.interrupt.task
         guard.done, guard.result = True, (guard.chosen, None)
         if self.interrupt.body.ended and not process.ended and process not in self.interrupt.world.ready:
@@ -158,7 +159,7 @@ class Interrupt(Request):
 
     The result is that of the guard, or None if the body has ended by itself. «Interrupt»
 
-    The guard waits beside the body as an alternative does: another alternative may choose to communicate with it.
+    The guard waits in parallel with the body, as an alternative: another alternative may choose to communicate with it.
     """
 
     def __init__(self, body: Steps, guard: Choose) -> None:
@@ -175,7 +176,7 @@ class Interrupt(Request):
         return (2, self.began)
 
     def begin(self) -> None:
-        """The body enters the ready queue, then the guard begins to wait beside it. «Interrupt» 1"""
+        """The body enters the ready queue, then the guard begins to wait in parallel with it. «Interrupt» 1"""
         self.guard.task, self.guard.world, self.guard.began = self.task, self.world, self.began
         self.guard.interrupt = self
         self.body = self.world.start(self.body_steps, self.task.priority, self)
@@ -184,7 +185,7 @@ class Interrupt(Request):
 
     @property
     def completed(self) -> bool:
-        """Whether the body has ended, and what its guard requested has happened if that was chosen."""
+        """Whether the body has ended, and the communication of the guard has taken place if it was chosen."""
         return self.done or (self.guard.done and self.body.ended)
 
     @property
@@ -193,7 +194,7 @@ class Interrupt(Request):
         return not self.body.ended or (self.guard.promised and not self.guard.done)
 
     def may_go_on(self) -> bool:
-        """The guard is ready for the first time, or again once the body has ended. «Interrupt» 2 and 4"""
+        """Whether the guard is ready for the first time, or again after the body has ended. «Interrupt» 2 and 4"""
         return (self.body.ended or not self.triggered) and self.guard.may_go_on()
 
     def wake(self) -> None:
@@ -209,7 +210,7 @@ class Interrupt(Request):
         self.world.cancel(self.body)
 
     def branch_ended(self, task: Task, error: RaisedError | None) -> None:
-        """The body has ended, by itself or by the cancellation. «Interrupt» 3 and 4"""
+        """The body has ended, by itself or because it was cancelled. «Interrupt» 3 and 4"""
         abandoned = isinstance(error, CancelledError)
         if (self.guard.chosen is not None and (error is None or abandoned)) or (
             abandoned and self.triggered and not self.task.cancelled
@@ -236,19 +237,19 @@ class Interrupt(Request):
         self.guard.attempt()
 
     def outcome(self) -> Any:
-        """The guard and its value, None where the body ended by itself."""
+        """The guard and its value; None if the body ended by itself."""
         return self.guard.result if self.guard.done else None
 
     def offers_now(self) -> Sequence[Offer]:
-        """What the guard offers."""
+        """The offers of the guard."""
         return self.guard.offers_now()
 
     def deadlines(self) -> Sequence[int]:
-        """When the time-out of the guard is over."""
+        """The instant of the time-out of the guard."""
         return () if self.triggered and not self.body.ended else self.guard.deadlines()
 
     def abandon(self) -> None:
-        """The guard is taken back and the body cancelled. «Cancellation» 2"""
+        """Withdraw the guard and cancel the body. «Cancellation» 2"""
         self._withdraw_guard()
         if self.body.ended:
             super().abandon()

@@ -1,4 +1,6 @@
-"""The reading ends and alternatives of a process: in which order they are created, and whose they are."""
+"""The reading ends and alternatives of a process: the order in which they are created, and the processes they belong
+to.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ def ends_read(action: act.Action) -> Iterator[act.End]:
         case act.InterruptOn():
             yield from ends_read(action.body)
             yield from _ends_of_branch(action.branch)
-        case _:  # Anything else reads what its parts read.
+        case _:  # Any other action reads what its parts read.
             for inner in actions_inside(action):
                 yield from ends_read(inner)
 
@@ -44,9 +46,10 @@ def choices(action: act.Action) -> Iterator[act.Choice]:
 
 
 def flattened_ends(action: act.Action) -> Iterator[tuple[act.End, str]]:
-    """The ends of processes that were flattened into this one, with the path of each process.
+    """The ends of processes that were flattened into this one, with the path of each process, whose sessions they have.
+    «Time»
 
-    Those of outer ones first. «Time»: whose books they are
+    Ends of outer processes come first.
     """
     scopes = (part for part in all_actions(action) if isinstance(part, act.ProcessScope))
     return ((end, scope.instance) for scope in scopes for end in scope.ends)

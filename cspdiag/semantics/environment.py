@@ -1,4 +1,4 @@
-"""The environment: the model of the plant and of everything else around the program, from instant to instant."""
+"""The environment: the model of the plant and everything else around the program, from instant to instant."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from cspdiag.semantics.values import zero
 
 
 class Plant:
-    """The environment's system: all its instances are one. «The environment from instant to instant»"""
+    """The environment as one system of equations, made from all its instances. «The environment from instant to
+    instant»
+    """
 
     def __init__(self, environment: Environment) -> None:
         assert environment.system is not None
@@ -42,5 +44,5 @@ class Plant:
         return self.signals[port]
 
     def give(self, port: str, value: Any) -> None:
-        """The program's output has a new value."""
+        """Takes a new value of an output of the program."""
         self.inputs[port] = value

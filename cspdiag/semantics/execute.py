@@ -1,7 +1,7 @@
-"""Runs a whole network: what must be communicated, and when.
+"""Runs a whole network: what is communicated, and when.
 
-Processes are generators that yield requests (``requests``, ``choice``); channels know when two offers meet (``media``,
-``outside``); the scheduler chooses who runs and when time goes on.
+Processes are generators that yield requests (``requests``, ``choice``); channels decide when two offers communicate
+(``media``, ``outside``); the scheduler decides which process runs and when time advances.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ def execute(
     scheduler: Callable[..., Scheduler] = Scheduler,
     observer: Observer | None = None,
 ) -> Execution:
-    """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds.
+    """Run a network in an environment (the first one if none is named) to its end, or to ``until`` nanoseconds.
 
     «Scheduling and traces», «Environments and drivers»
 
-    ``look`` is handed the state after each communication. ``scheduler`` makes the scheduler, where it is to be
-    another one. ``observer`` is notified of everything as it happens.
+    ``look`` is called with the state after each communication. ``scheduler`` makes the scheduler, if it is to be a
+    different one. ``observer`` is notified of everything as it happens.
     """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     plant = None if chosen is None or chosen.system is None else Plant(chosen)
@@ -66,7 +66,7 @@ def execute(
         ending = Ending("failed", world.now, "EnvironmentFailure")
         failure = fault
     finally:
-        # What still waits is given up; that is no end of a process.
+        # Processes that still wait are dropped; that is not reported as their end.
         world.observer = None
         sys.setrecursionlimit(depth)
     if world.failure is not None:
@@ -79,7 +79,7 @@ def execute(
 
 
 def _release(observer: Observer | None, network: Network, time: int) -> list[tuple[str, object]]:
-    """The outputs are handed their safe values. «Processes and ports»"""
+    """The outputs with the safe values that they are set to. «Processes and ports»"""
     released: list[tuple[str, object]] = []
     for port in network.external_ports:
         if port.direction == "out" and port.safe is not None:
@@ -91,7 +91,7 @@ def _release(observer: Observer | None, network: Network, time: int) -> list[tup
 
 
 def waits(network: Network, environment: str | None, until: int | None, communication: int) -> tuple[str, ...]:
-    """What each process waits for once this number of communications have been made. «Scheduling and traces»"""
+    """What each process waits for after this number of communications. «Scheduling and traces»"""
     found: list[str] = []
 
     def look(world: Scheduler) -> None:

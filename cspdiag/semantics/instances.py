@@ -1,4 +1,4 @@
-"""The tree of instances of a network, with what each port is joined to, and what each process does."""
+"""The tree of instances of a network: what each port is attached to, and what each process does."""
 
 from __future__ import annotations
 
@@ -35,13 +35,17 @@ class DeclaredError(RaisedError):
 
 
 class Program:
-    """What all instances share: the numbers of alternatives. «Parties, channels and guards»"""
+    """What all instances share: the network, the scheduler, and the numbers of alternatives. «Parties, channels and
+    guards»
+    """
 
     def __init__(self, network: Network, world: Scheduler) -> None:
         self.network = network
         self.world = world
         self.alternatives: dict[tuple[str, str], int] = {}
-        """By the process and the name in it: their numbers, in the order in which they are created."""
+        """The numbers of alternatives, in the order in which they are created, by the path of the process and the name
+        in it.
+        """
 
 
 class ProcessInstance:
@@ -66,14 +70,14 @@ class ProcessInstance:
         self.parameters = parameters
         self.ports = ports
         self.memories: dict[str, dict[str, int]] = {}
-        """Which guard each alternative chose last; a process that runs again goes on where it was."""
+        """For each alternative the guard that it chose last, which is kept when the process runs again."""
         self.laws = InlinedLaws(cls, parameters, self._variable)
         self.channels = {channel.name: self._channel(channel) for channel in cls.channels}
         self.processes: dict[str, ProcessInstance] = {}
         self.submodels: dict[str, SubmodelInstance] = {}
         assert cls.body is not None
         self.flattened = {end: f"{path}.{instance}" for end, instance in flattened_ends(cls.body)}
-        """The paths of the processes that own ends and were flattened into this one."""
+        """For each end of a process that was flattened into this one the path of that process."""
         instances = {instance.name: instance for instance in cls.instances}
         for made in cls.creation or self._in_text_order():
             match made:
@@ -96,7 +100,7 @@ class ProcessInstance:
         numbers.setdefault((self.path, alternative), len(numbers))
 
     def _in_text_order(self) -> Iterator[act.End | CreatedInstance]:
-        """The ends of the process itself and of its submodels, and then what other processes make inside."""
+        """The ends of the process itself and of its submodels, and then the instances of processes inside."""
         cls = self.cls
         assert cls.body is not None
         yield from ends_read(cls.body)
@@ -137,28 +141,28 @@ class ProcessInstance:
                 assert_never(channel.kind)
 
     def attached(self, connection: Connection) -> Medium:
-        """What a port of an instance inside is attached to. «The communication diagram»"""
+        """The medium that a port of an instance inside is attached to. «The communication diagram»"""
         match connection.attachment:
             case ConstantEnd(value=value):
                 return media.AtOnce(self.world, "", self.value(value))
             case DiscardEnd():
                 return media.AtOnce(self.world, "")
-            case end:  # An end.
+            case end:  # A port or a channel.
                 return self.medium(end)
 
     def medium(self, end: act.End) -> Medium:
-        """What an end belongs to. «The communication diagram»"""
+        """The medium that an end belongs to. «The communication diagram»"""
         return self.ports[end.port, end.index] if isinstance(end, act.PortEnd) else self.channels[end.channel]
 
     def key(self, end: act.End) -> EndKey:
-        """The end as one of this process, or of one that was flattened into it. «Time»: whose books they are"""
+        """The end as one of this process, or of one that was flattened into it, whose sessions it has. «Time»"""
         owner = self.flattened.get(end, self.path)
         if isinstance(end, act.PortEnd):
             return (owner, end.port, end.index, end.end)
         return (owner, f".{end.channel}", None, end.end)
 
     def value(self, expression: Expression) -> Any:
-        """The value of an expression over parameters, variables, and what inlined control laws compute.
+        """The value of an expression over parameters, variables, and signals of inlined control laws.
 
         «Expressions»
         """
@@ -170,14 +174,14 @@ class ProcessInstance:
         return variable.value
 
     def assign(self, target: act.Target, value: Any) -> None:
-        """Give a variable, or an element of it, a value. «The composition diagram»"""
+        """Assign a value to a variable or an element of it. «The composition diagram»"""
         variable = self.channels[target.channel]
         assert isinstance(variable, media.Variable)
         indexes = [self.value(index) for index in target.indexes]
         variable.value = _replaced(variable.value, indexes, value) if indexes else value
 
     def run(self) -> Steps:
-        """From the start to the end of the process. «The composition diagram»"""
+        """All steps of the process, from start to end. «The composition diagram»"""
         assert self.cls.body is not None
         self.world.process_started(self.path, self.cls.name)
         try:
@@ -293,7 +297,7 @@ class ProcessInstance:
         yield request
 
     def _alone(self, event: act.Event) -> Steps:
-        """A guard that is waited for by itself is the communication, or the delay, that it stands for."""
+        """An alternative with one guard, which is the same as the communication or the delay of the guard."""
         match event:
             case act.InputEvent():
                 yield from self._read(event.source, event.target)
@@ -361,7 +365,7 @@ def exception_name(error: RaisedError) -> str:
             return "Fault"
         case MissedSampleError():
             return "Timeout"
-        case _:  # Those that programs declare.
+        case _:  # An exception that the program declares.
             return str(error)
 
 

@@ -1,4 +1,4 @@
-"""Submodels: equations evaluated in order, states that step and integrate."""
+"""Submodels: their equations, evaluated in order, and their discrete and continuous states."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def _no_variable(name: str) -> Any:
 
 
 class Law:
-    """One instance of a submodel. ``parameters`` has values for all parameters, derived ones too.
+    """One instance of a submodel. ``parameters`` has values for all parameters, including derived ones.
 
     «Submodels: the control laws»
 
-    ``variables`` looks up those of the process that it was inlined into, if it was; ``externals`` are bodies in other
-    languages, by name.
+    ``variables`` looks up the variables of the process that the submodel was inlined into, if it was; ``externals`` are
+    bodies in other languages, by name.
     """
 
     def __init__(
@@ -66,10 +66,10 @@ class Law:
         return signals
 
     def advance(self, signals: dict[str, Any], duration: float, *, discrete: bool = True) -> None:
-        """From one sample to the next.
+        """Advance from one sample to the next.
 
-        All next values are computed, then all take effect; integrates over ``duration`` in seconds. «Submodels: the
-        control laws»
+        All next values are computed before any of them takes effect; continuous states are integrated over
+        ``duration``, in seconds. «Submodels: the control laws»
         """
         following = {name: self.value(value, signals) for name, value in self.cls.next_values} if discrete else {}
         if self.cls.derivatives:
@@ -78,7 +78,7 @@ class Law:
         self.time += duration
 
     def sample(self, **inputs: Any) -> dict[str, Any]:
-        """One run of a sampled submodel, with the inputs held; gives all signals. «Submodels: the control laws»"""
+        """All signals after one run of a sampled submodel, with the inputs held. «Submodels: the control laws»"""
         signals = self.evaluate(**inputs)
         self.advance(signals, self.parameters.get("sample", self.constants.get("sample", 0.0)))
         return signals

@@ -1,8 +1,8 @@
-"""What processes communicate through: the channels of all kinds.
+"""The media that processes communicate through: channels of all kinds.
 
-An offer is the wish of one process to read or to write once. It is either plain (a reader or writer), or the guard of
-an alternative. The party that arrives second makes the communication; a plain party never decides for an alternative,
-which is only woken by it.
+An offer is one pending read or write of one process. It is either plain (a reader or writer) or the guard of an
+alternative. The party that arrives second performs the communication; a plain party never chooses a guard of an
+alternative, but only wakes it.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any, Protocol
 from cspdiag.semantics.values import FaultError
 
 EndKey = tuple[str, str, int | None, int]
-"""A reading end: the path of the process that owns it, its port or channel, the index of the port, the number of the
-end.
+"""A reading end: the path of the process that it belongs to, its port or channel, the index of the port, and the number
+of the end.
 """
 
 
@@ -24,7 +24,7 @@ Place = tuple[str, int | None]
 
 
 class World(Protocol):
-    """What media know of the run. «Scheduling and traces»"""
+    """The part of the scheduler that media use. «Scheduling and traces»"""
 
     now: int
     timeouts: bool
@@ -35,35 +35,35 @@ class World(Protocol):
         """The inputs of the program."""
 
     def communicate(self, channel: str, value: Any, writer: str = "", reader: str = "") -> None:
-        """A value passes; the paths of the processes are empty for the environment and for buffers. «Traces»"""
+        """Record a communication; the paths of the processes are empty for the environment and for buffers. «Traces»"""
 
     def hand_over(self, channel: str, value: Any) -> None:
-        """A value passes to the environment. «Time»"""
+        """Hand a value over to the environment. «Time»"""
 
     def notice(self) -> None:
         """Wake every task that may continue now, because of one event. «Parties, channels and guards»"""
 
 
 class Offering(Protocol):
-    """What makes offers: a process reads, writes or alternates. «Parties, channels and guards»"""
+    """A request that makes offers: a read, a write or an alternative. «Parties, channels and guards»"""
 
     @property
     def task(self) -> object:
         """The process."""
 
     def offer_done(self, offer: Offer) -> None:
-        """Somebody has made the communication of an offer."""
+        """The communication of an offer has taken place."""
 
     def resolve(self, offer: Offer) -> None:
-        """Somebody has chosen to communicate with this guard."""
+        """Another process has chosen to communicate with this guard."""
 
     def bind(self, offer: Offer) -> None:
-        """Somebody is going to communicate with this output guard."""
+        """Another process is going to communicate with this output guard."""
 
 
 @dataclasses.dataclass(eq=False)
 class Offer:
-    """A wish to communicate once; ``guard`` is the index in an alternative, None for a plain one.
+    """One pending read or write; ``guard`` is its index in an alternative, None for a plain offer.
 
     «Parties, channels and guards»
     """
@@ -75,20 +75,20 @@ class Offer:
     value: Any = None
     guard: int | None = None
     only_ready: bool = False
-    """A guard that does not itself read."""
+    """Whether it is a ready guard, which does not itself read."""
     done: bool = False
 
     @property
     def task(self) -> object:
-        """The process that makes it."""
+        """The process that makes the offer."""
         return self.request.task
 
 
 class Medium:
-    """Keeps the offers that wait, in the order in which they came. «Parties, channels and guards»"""
+    """A medium; keeps the offers that wait, in the order in which they arrived. «Parties, channels and guards»"""
 
     outside = False
-    """Whether a reader waits for the environment."""
+    """Whether readers wait for the environment."""
 
     def __init__(self, world: World, name: str) -> None:
         self.world = world
@@ -97,7 +97,7 @@ class Medium:
         self.ends: list[EndKey] = []
 
     def register(self, end: EndKey) -> None:
-        """There is a reading end; ends are served in the order in which they stand in the program.
+        """Add a reading end; ends are served in the order of the program.
 
         «Parties, channels and guards»
         """
@@ -105,20 +105,20 @@ class Medium:
             self.ends.append(end)
 
     def withdraw(self, offer: Offer) -> None:
-        """The offer no longer holds: another guard was chosen, or its process ends. «Alternative», «Cancellation» 1"""
+        """Withdraw an offer: another guard was chosen, or its process ends. «Alternative», «Cancellation» 1"""
         if offer in self.offers:
             self.offers.remove(offer)
 
     def park(self, offer: Offer) -> None:
-        """It begins to wait."""
+        """The offer begins to wait."""
         self.offers.append(offer)
 
     def arrive(self, offer: Offer) -> None:
-        """A plain offer is made: it is done, or waits. «Rendezvous»"""
+        """A plain offer is made: it communicates at once, or waits. «Rendezvous»"""
         raise NotImplementedError
 
     def ready(self, offer: Offer) -> bool:
-        """Whether the guard could be chosen. «Guards»"""
+        """Whether a guard can be chosen. «Guards»"""
         raise NotImplementedError
 
     def choose(self, offer: Offer) -> None:
@@ -129,20 +129,20 @@ class Medium:
         """The process of a waiting plain offer runs again."""
 
     def wakes(self, offer: Offer) -> bool:
-        """Whether the process of a waiting plain offer may go on."""
+        """Whether the process of a waiting plain offer may continue."""
         return self.outside and self.ready(offer)
 
     def opposite(self, offer: Offer) -> list[Offer]:
-        """The offers of others that this one could meet."""
+        """The offers of other processes that this one can communicate with."""
         return [o for o in self.offers if o.writes != offer.writes and o.task is not offer.task]
 
     def hand(self, writer: Offer, reader: Offer) -> None:
-        """The value is copied, and the trace extended. «Rendezvous», «Traces»"""
+        """Copy the value, and extend the trace. «Rendezvous», «Traces»"""
         reader.value = writer.value
         self.world.communicate(self.name, reader.value, writer.end[0], reader.end[0])
 
     def complete(self, offer: Offer) -> None:
-        """The communication of an offer has been made."""
+        """The communication of an offer has taken place."""
         self.withdraw(offer)
         offer.done = True
         offer.request.offer_done(offer)
@@ -152,7 +152,7 @@ class Rendezvous(Medium):
     """A channel of kind ``sync`` or ``any``. «Parties, channels and guards»"""
 
     def arrive(self, offer: Offer) -> None:
-        """Meets the first plain party that waits on the other side, or waits; it never decides for an alternative."""
+        """Communicate with the first plain party that waits on the other side, or wait; never with a guard."""
         plain = [partner for partner in self.opposite(offer) if partner.guard is None]
         if plain:
             self._pass(offer, plain[0])
@@ -160,12 +160,14 @@ class Rendezvous(Medium):
             self.park(offer)
 
     def ready(self, offer: Offer) -> bool:
-        """A party waits on the other side, or a guard."""
+        """Whether a plain party or a guard waits on the other side."""
         return bool(self.opposite(offer))
 
     def choose(self, offer: Offer) -> None:
-        """Communicate with a plain party, or else with the alternative that has waited longest: it has chosen, too."""
-        # Those that merely read or write are served before alternatives, which may still choose something else.
+        """Communicate with a plain party, or else with the alternative that has waited longest, whose guard is chosen
+        by that.
+        """
+        # Plain parties are served before alternatives, which may still choose another guard.
         partner = min(self.opposite(offer), key=lambda o: o.guard is not None)
         if offer.only_ready:
             offer.done = True
@@ -200,20 +202,20 @@ class Fifo(Medium):
         self.values: list[Any] = []
 
     def ready(self, offer: Offer) -> bool:
-        """There is room, which ``overwrite`` always makes; or there is a value."""
+        """Whether there is room for a writer, which ``overwrite`` always makes, or a value for a reader."""
         if offer.writes:
             return self.overwriting or len(self.values) < self.capacity
         return bool(self.values)
 
     def choose(self, offer: Offer) -> None:
-        """Put or take; a guard ``port`` leaves the value to the reader that follows."""
+        """Put or take a value; a ready guard leaves it to the read that follows."""
         if offer.only_ready:
             offer.done = True
         else:
             self.arrive(offer)
 
     def arrive(self, offer: Offer) -> None:
-        """Put or take, and then whatever became possible with that: a value goes on to a reader that waits."""
+        """Put or take a value, and then do what this makes possible for waiting readers and writers."""
         self.park(offer)
         offer.guard = None
         while any(self._move(o) for o in list(self.offers) if o.guard is None):
@@ -230,17 +232,18 @@ class Fifo(Medium):
         return True
 
     def put(self, offer: Offer) -> None:
-        """The value communicates and enters, in the place of the oldest where there is no room."""
+        """The value communicates and enters; it replaces the oldest one if there is no room."""
         self.world.communicate(self.name, offer.value, offer.end[0])
         self.values = [*self.values, offer.value][-self.capacity :]
 
     def take(self, offer: Offer) -> None:
-        """The oldest value reaches a reader."""
+        """The oldest value leaves to a reader."""
         offer.value = self.values.pop(0)
 
 
 class Broadcast(Medium):
-    """A channel of kind ``broadcast``: every reading end takes every value; the writer goes on when all have.
+    """A channel of kind ``broadcast``: every reading end takes every value; the writer continues when all have taken
+    it.
 
     «Parties, channels and guards»
     """
@@ -251,13 +254,13 @@ class Broadcast(Medium):
         self.missing: list[EndKey] = []
 
     def withdraw(self, offer: Offer) -> None:
-        """The value of a writer that is taken back goes with it."""
+        """Withdraw an offer; a withdrawn writer takes its value back."""
         super().withdraw(offer)
         if offer is self.writing:
             self.writing = None
 
     def arrive(self, offer: Offer) -> None:
-        """A reader takes the value that its end has not taken, or waits; a writer serves the ends."""
+        """A reader takes the value if its end has not taken it, or waits; a writer serves the ends."""
         if offer.writes:
             self._write(offer)
         elif self.writing is not None and offer.end in self.missing:
@@ -276,9 +279,8 @@ class Broadcast(Medium):
         self._all_taken()
 
     def ready(self, offer: Offer) -> bool:
-        """A guard that writes.
-
-        Somebody waits at every end. One that reads: its end has a value that it has not taken.
+        """Whether a process waits at every end, for a guard that writes; or whether the end has a value not yet taken,
+        for a guard that reads.
         """
         if offer.writes:
             return self._waited_at(self.ends, offer)
@@ -288,7 +290,7 @@ class Broadcast(Medium):
         return all(any(not o.writes and o.end == end and o.task is not offer.task for o in self.offers) for end in ends)
 
     def choose(self, offer: Offer) -> None:
-        """Two alternatives meet by the choice of the writer alone, who sees all ends."""
+        """Communicate by a guard; between two alternatives only the writer, which sees all ends, can choose."""
         if offer.writes:
             readers = [o for o in self.opposite(offer) if o.guard is not None]
             for reader in readers:
@@ -319,10 +321,10 @@ class Broadcast(Medium):
 
 
 class AtOnce(Medium):
-    """What never waits.
+    """A medium at which no process waits.
 
-    Readers get what ``value`` says. A read or a write by itself is no communication, and no process is cancelled
-    there. «Cancellation»
+    Readers get ``value``. A plain read or write is not a communication, and no process is cancelled there.
+    «Cancellation»
     """
 
     communicates = False
@@ -332,18 +334,18 @@ class AtOnce(Medium):
         self.value = value
 
     def ready(self, offer: Offer) -> bool:
-        """Always."""
+        """Always true."""
         return True
 
     def choose(self, offer: Offer) -> None:
-        """At once."""
+        """Read or write at once."""
         if offer.only_ready:
             offer.done = True
         else:
             self.arrive(offer)
 
     def arrive(self, offer: Offer) -> None:
-        """At once."""
+        """Read or write at once."""
         if offer.writes:
             self.write(offer.value)
         else:
@@ -351,18 +353,19 @@ class AtOnce(Medium):
         self.complete(offer)
 
     def write(self, value: Any) -> None:
-        """Take what was written; ``_`` drops it."""
+        """Take a value that is written; ``_`` drops it."""
 
 
 class Variable(AtOnce):
     """A channel of kind ``var``.
 
-    One place, overwriting; no communication. To read it before it was written is a fault. «Faults»
+    It holds one value, and is overwritten; accesses are not communications. Reading it before it is written is a fault.
+    «Faults»
     """
 
     @property
     def value(self) -> Any:
-        """What was written last."""
+        """The value that was written last."""
         if self.present is None:
             raise FaultError(f"{self.name} is read before it was written")
         return self.present
@@ -372,5 +375,5 @@ class Variable(AtOnce):
         self.present = value
 
     def write(self, value: Any) -> None:
-        """Overwrite it."""
+        """Overwrite the value."""
         self.value = value

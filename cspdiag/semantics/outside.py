@@ -1,4 +1,4 @@
-"""The ports of the outermost process: what comes from the environment, and what goes there."""
+"""The ports of the outermost process: inputs from the environment, and outputs to it."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from cspdiag.semantics.values import FaultError, RaisedError
 
 
 class MissedSampleError(RaisedError):
-    """A sample was overwritten before it was taken: the exception ``Timeout``. «Time»"""
+    """A sample was overwritten before it was taken: exception ``Timeout``. «Time»"""
 
 
 class EventOutput(AtOnce):
-    """An output that hands each value to the environment at the write: an event port, or an ``immediate`` one.
+    """An output that hands each value over to the environment when it is written: an event port, or an ``immediate``
+    one.
 
     «Time»
     """
@@ -24,13 +25,13 @@ class EventOutput(AtOnce):
     communicates = True
 
     def write(self, value: Any) -> None:
-        """Hand over."""
+        """Hand the value over."""
         _refuse_what_is_no_number(value)
         self.world.hand_over(self.name, value)
 
 
 class SampledOutput(AtOnce):
-    """A latch of one place that is handed over at the next tick. «Time»"""
+    """An output whose last value is latched, and handed over at the next tick. «Time»"""
 
     communicates = True
 
@@ -40,12 +41,12 @@ class SampledOutput(AtOnce):
         self.latched: list[Any] = []
 
     def write(self, value: Any) -> None:
-        """The last value written in the period wins."""
+        """Latch a value; the last one written in a period wins."""
         _refuse_what_is_no_number(value)
         self.latched = [value]
 
     def tick(self) -> None:
-        """Hand over what was written since the last tick."""
+        """Hand over the value that was written since the last tick."""
         for value in self.latched:
             self.world.hand_over(self.name, value)
         self.latched = []
@@ -60,39 +61,41 @@ def _refuse_what_is_no_number(value: Any) -> None:
 
 
 class ExternalInput(Medium):
-    """A waiting reader is woken when there is something, and takes it when it runs. «Parties, channels and guards»"""
+    """An input: a waiting reader is woken when a value is there, and takes it when it runs. «Parties, channels and
+    guards»
+    """
 
     outside = True
 
     present: Any = None
-    """What the environment says."""
+    """The present value of the environment's output."""
 
     def arrive(self, offer: Offer) -> None:
-        """Take what is there, or wait."""
+        """Take the value that is there, or wait."""
         self.offers.append(offer)
         self.retry(offer)
 
     def retry(self, offer: Offer) -> None:
-        """Take what is there now; that is the communication. «Traces»"""
+        """Take the value that is there now, if there is one; that is the communication. «Traces»"""
         if self.ready(offer):
             offer.value = self.take(offer.end)
             self.world.communicate(self.name, offer.value, reader=offer.end[0])
             self.complete(offer)
 
     def choose(self, offer: Offer) -> None:
-        """Take it; a guard ``port`` leaves it to the reader that follows."""
+        """Take the value; a ready guard leaves it to the read that follows."""
         if offer.only_ready:
             offer.done = True
         else:
             self.retry(offer)
 
     def take(self, end: EndKey) -> Any:
-        """The value; it is no longer there for this end."""
+        """The value, which is then no longer there for this end."""
         raise NotImplementedError
 
 
 class EventInput(ExternalInput):
-    """Keeps the latest value offered until it is read; under ``broadcast`` each end has its own. «Time»"""
+    """An event input: keeps the latest value until it is read; with ``broadcast`` each end has its own. «Time»"""
 
     def __init__(self, world: World, name: str, broadcast: bool) -> None:
         super().__init__(world, name)
@@ -100,7 +103,7 @@ class EventInput(ExternalInput):
         self.latches: dict[EndKey | None, Any] = {}
 
     def offered(self, value: Any) -> None:
-        """The environment's output has a value at an instant of the grid; it is an event if it has changed."""
+        """Take the value of the environment's output at an instant of the grid; it is an event if it has changed."""
         if value != self.present:
             self.present = value
             for latch in self.ends if self.broadcast else [None]:
@@ -111,22 +114,24 @@ class EventInput(ExternalInput):
         return end if self.broadcast else None
 
     def ready(self, offer: Offer) -> bool:
-        """A value was offered and not read."""
+        """Whether there is an event that has not been read."""
         return self._key(offer.end) in self.latches
 
     def wakes(self, offer: Offer) -> bool:
-        """An event that all share wakes the reader that has waited longest. «Parties, channels and guards»"""
+        """Whether there is an event for this reader; one that all share wakes the reader that has waited longest.
+        «Parties, channels and guards»
+        """
         waiting = [o for o in self.offers if o.guard is None and self._key(o.end) == self._key(offer.end)]
         return self.ready(offer) and waiting[0] is offer
 
     def take(self, end: EndKey) -> Any:
-        """The event, which is then over."""
+        """The value of the event, which is then over."""
         return self.latches.pop(self._key(end))
 
 
 @dataclasses.dataclass
 class Session:
-    """The books of a reading end of a sampled input. «Time»"""
+    """What is recorded for a reading end of a sampled input. «Time»"""
 
     since: int
     available: bool
@@ -141,10 +146,10 @@ class SampledInput(ExternalInput):
         self.sampling = sampling
         self.sessions: dict[EndKey, Session] = {}
         self.missed = 0
-        """How many samples were overwritten before an end had taken them."""
+        """The number of samples that were overwritten before an end had taken them."""
 
     def sampled(self, value: Any) -> None:
-        """The instant of a sample: one that was not taken is missed."""
+        """Take a new sample; for each end that has not taken the previous one, that one is missed."""
         self.present = value
         for end in self.ends:
             session = self.sessions.get(end)
@@ -155,20 +160,20 @@ class SampledInput(ExternalInput):
                 self.world.notice()
 
     def begin(self, end: EndKey, *, available: bool) -> Session:
-        """Open the books of an end: its first read."""
+        """Begin the session of an end, at its first read."""
         self.sessions[end] = Session(self.world.now, available)
         return self.sessions[end]
 
     def ready(self, offer: Offer) -> bool:
-        """There is a sample not yet taken.
+        """Whether there is a sample not yet taken.
 
-        Without books, the present one counts if the process follows this period already.
+        Without a session, the present sample counts if the process already follows this period.
         """
         session = self.sessions.get(offer.end)
         return self._followed(offer.end) if session is None else session.available
 
     def _followed(self, end: EndKey) -> bool:
-        """Whether the process of the end followed this period at the present tick already, through another end."""
+        """Whether the process of the end already followed this period at the present tick, through another end."""
         tick = self.sampling.latest_tick(self.world.now)
         return any(
             other_end[0] == end[0] and session.since < tick
@@ -178,7 +183,7 @@ class SampledInput(ExternalInput):
         )
 
     def take(self, end: EndKey) -> Any:
-        """The latest sample; Timeout, once, where one was missed."""
+        """The latest sample. Raises MissedSampleError, once, if one was missed."""
         session = self.sessions.get(end) or self.begin(end, available=True)
         if session.missed and self.world.timeouts:
             session.missed = False
@@ -187,12 +192,12 @@ class SampledInput(ExternalInput):
         return self.present
 
     def process_ended(self, path: str) -> None:
-        """Its books are closed: its next read is a first read."""
+        """End the sessions of a process: its next read is a first read."""
         self.sessions = {end: session for end, session in self.sessions.items() if end[0] != path}
 
 
 def begin_sessions(offers: list[Offer]) -> None:
-    """First reads, all that a process begins to wait for together: their books are opened. «Time»"""
+    """Begin the sessions of the first reads among all offers that a process makes together. «Time»"""
     new = [o for o in offers if isinstance(o.medium, SampledInput) and o.end not in o.medium.sessions]
     found = [(o, o.medium.ready(o)) for o in new]
     for offer, available in found:

@@ -1,4 +1,4 @@
-"""The requests of processes to the scheduler: everything at which one may wait."""
+"""The requests of processes to the scheduler: everything that a process may wait for."""
 
 from __future__ import annotations
 
@@ -11,36 +11,36 @@ from cspdiag.semantics.values import RaisedError
 
 
 class CancelledError(RaisedError):
-    """A sibling has failed, or an interrupt has come: the process ends here. «Cancellation»"""
+    """A sibling has failed, or an interrupt was triggered: the process ends here. «Cancellation»"""
 
 
 Steps = Generator["Request", Any, Any]
 
 
 class Run(Protocol):
-    """What a task does, from one request to the next; StopIteration at its end. «Scheduling and traces»"""
+    """The steps of a task, from one request to the next; raises StopIteration at its end. «Scheduling and traces»"""
 
     def send(self, answer: Any, /) -> Request:
-        """Continue with the answer to the request, at first with None."""
+        """Continue with the answer to the request; with None at first."""
 
     def throw(self, error: RaisedError, /) -> Request:
         """Continue with an exception in place of the answer."""
 
 
 def no_steps() -> Steps:
-    """A turn in the ready queue in which a process does nothing by itself. «Cancellation» 4, «Interrupt» 5"""
+    """No steps: for a task that only takes a turn in the ready queue. «Cancellation» 4, «Interrupt» 5"""
     yield from ()
 
 
 class Parent(Protocol):
-    """What is known of the end of a branch. «Parallel», «Interrupt»"""
+    """What is notified of the end of a branch. «Parallel», «Interrupt»"""
 
     def branch_ended(self, task: Task, error: RaisedError | None) -> None:
-        """A branch has ended, by an exception if ``error`` is not None."""
+        """A branch has ended; by an exception if ``error`` is not None."""
 
 
 class Task:
-    """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits.
+    """A branch of a parallel, the body of an interrupt, or the whole program, which runs or waits.
 
     «Scheduling and traces»
     """
@@ -52,11 +52,13 @@ class Task:
         self.request: Request | None = None
         self.cancelled = False
         self.doomed = False
-        """Whether it was cancelled while it ran, and its canceller has not had its turn."""
+        """Whether it was cancelled while it was running, and its canceller has not had its turn yet."""
         self.ended = False
 
     def rank(self) -> tuple[int, ...]:
-        """Priorities are compared from the outermost ``||>`` inwards, as if zeros followed. «Priority»"""
+        """The key of its priority: ranks are compared from the outermost ``||>`` inwards, as if zeros followed.
+        «Priority»
+        """
         rank = list(self.priority)
         while rank and rank[-1] == 0:
             rank.pop()
@@ -64,32 +66,32 @@ class Task:
 
 
 class Scheduling(World, Protocol):
-    """What requests need of the scheduler. «Scheduling and traces»"""
+    """The part of the scheduler that requests use. «Scheduling and traces»"""
 
     due: int
     """Delays and time-outs up to this instant are over."""
     begun: int
-    """How many requests have begun."""
+    """The number of requests that have begun."""
     ready: list[Task]
 
     def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
-        """A new branch."""
+        """A new task."""
 
     def make_ready(self, task: Task) -> None:
-        """Put into the ready queue, where it is not there yet."""
+        """Put a task into the ready queue, unless it is there already."""
 
     def run_next(self, task: Task) -> None:
-        """Runs in the present turn."""
+        """Put a task at the front of the ready queue: it runs in the present turn."""
 
     def cancel(self, task: Task) -> None:
-        """The task ends at its next place, which is the one at which it waits. «Cancellation» 1 to 4"""
+        """Cancel a task: it ends at its next request, or at the one at which it waits. «Cancellation» 1 to 4"""
 
     def fair(self, ready: Sequence[int], last: int) -> int:
-        """Which of the guards that are ready an alternative takes that is not prioritized."""
+        """The guard that an alternative without priorities takes among those that are ready."""
 
 
 class Request:
-    """A place at which a process may wait: ``done`` with a ``result`` or an ``error``, or waiting. «Cancellation»"""
+    """Something that a process waits for until it is ``done``, with a ``result`` or an ``error``. «Cancellation»"""
 
     task: Task
     world: Scheduling
@@ -103,34 +105,34 @@ class Request:
 
     @property
     def completed(self) -> bool:
-        """Whether what was requested has happened, or failed."""
+        """Whether the request is done or has failed."""
         return self.done
 
     @property
     def branches_run(self) -> bool:
-        """Whether it has branches that have not ended."""
+        """Whether the request has branches that have not ended."""
         return False
 
     @property
     def turn(self) -> tuple[int, int]:
-        """Who is served first of those that one event wakes.
+        """The key of the order in which requests that one event wakes are served.
 
-        Readers and writers in the order in which they began come before alternatives. «Parties, channels and guards»
+        Readers and writers, in the order in which they began, come before alternatives. «Parties, channels and guards»
         """
         return (0, self.began)
 
     def begin(self) -> None:
-        """Done once, before the first attempt."""
+        """Called once, before the first attempt."""
 
     def attempt(self) -> None:
-        """The process runs: go on as far as possible."""
+        """The process runs: continue as far as possible."""
 
     def may_go_on(self) -> bool:
-        """Whether something that it waits for is there."""
+        """Whether something that the request waits for is there."""
         return False
 
     def wake(self) -> None:
-        """It may go on."""
+        """Let the process continue."""
         self.world.make_ready(self.task)
 
     def abandon(self) -> None:
@@ -138,22 +140,22 @@ class Request:
         self.world.make_ready(self.task)
 
     def offers_now(self) -> Sequence[Offer]:
-        """What is offered while it waits."""
+        """The offers of the request while it waits."""
         return ()
 
     def deadlines(self) -> Sequence[int]:
-        """Instants at which it may go on."""
+        """The instants at which it may continue."""
         return ()
 
     def offer_done(self, offer: Offer) -> None:
-        """Somebody has made the communication of an offer."""
+        """The communication of an offer has taken place."""
 
     def resolve(self, offer: Offer) -> None:
-        """Somebody has chosen to communicate with this guard."""
+        """Another process has chosen to communicate with this guard."""
         raise AssertionError
 
     def bind(self, offer: Offer) -> None:
-        """Somebody is going to communicate with this output guard."""
+        """Another process is going to communicate with this output guard."""
         raise AssertionError
 
     def outcome(self) -> Any:
@@ -161,13 +163,13 @@ class Request:
         return self.result
 
     def finish(self, result: Any = None) -> None:
-        """It is done."""
+        """Mark the request as done."""
         self.done, self.result = True, result
         self.world.make_ready(self.task)
 
 
 class Communicate(Request):
-    """Readers and writers, offered all at once; the result is their values. «Rendezvous»"""
+    """Reads and writes that are offered all at once; the result is their values. «Rendezvous»"""
 
     def __init__(self) -> None:
         super().__init__()
@@ -183,32 +185,32 @@ class Communicate(Request):
             self.finish([])
 
     def attempt(self) -> None:
-        """Take what has come meanwhile: a submodel takes, in the order of its ports, all that is there."""
+        """Take what has arrived meanwhile: a submodel takes, in the order of its ports, all values that are there."""
         for offer in self.offers_now():
             offer.medium.retry(offer)
 
     def may_go_on(self) -> bool:
-        """Whether there is a sample or an event for it."""
+        """Whether a sample or an event has arrived for one of the offers."""
         return any(offer.medium.wakes(offer) for offer in self.offers_now())
 
     def offers_now(self) -> Sequence[Offer]:
-        """What has not been communicated yet."""
+        """The offers that have not communicated yet."""
         return [offer for offer in self.offers if not offer.done]
 
     def offer_done(self, offer: Offer) -> None:
-        """It goes on when all has been communicated."""
+        """The request is done when all offers have communicated."""
         if not self.offers_now():
             self.finish([offer.value for offer in self.offers])
 
     def abandon(self) -> None:
-        """Take back what has not been communicated. «Cancellation» 1"""
+        """Withdraw the offers that have not communicated. «Cancellation» 1"""
         for offer in self.offers_now():
             offer.medium.withdraw(offer)
         super().abandon()
 
 
 class Wait(Request):
-    """A delay; None never ends: ``wait`` and ``stop``. «The composition diagram»"""
+    """A delay, ``wait``; with None it never ends, ``stop``. «The composition diagram»"""
 
     def __init__(self, duration: int | None) -> None:
         super().__init__()
@@ -216,27 +218,27 @@ class Wait(Request):
         self.until = 0
 
     def begin(self) -> None:
-        """A delay of no or a negative duration is over at once. «Parties, channels and guards»"""
+        """A delay with a zero or negative duration is over at once. «Parties, channels and guards»"""
         if self.duration is not None:
             self.until = self.world.now + self.duration
             if self.duration <= 0:
                 self.finish()
 
     def may_go_on(self) -> bool:
-        """Its instant has come. «An instant»"""
+        """Whether its instant has been reached. «An instant»"""
         return self.duration is not None and self.until <= self.world.due
 
     def wake(self) -> None:
-        """It is over, and stays so: a cancellation finds the process behind it. «Cancellation» 3"""
+        """The delay is over, and stays so: a cancellation finds the process after it. «Cancellation» 3"""
         self.finish()
 
     def deadlines(self) -> Sequence[int]:
-        """When it is over."""
+        """The instant at which it is over."""
         return () if self.duration is None else (self.until,)
 
 
 class Parallel(Request):
-    """Branches; it is done when the last has ended, and has the first exception as its error.
+    """Parallel branches; done when the last one has ended, with the first exception as its error.
 
     «Parallel», «Exceptions»
     """

@@ -1,4 +1,4 @@
-"""Which process runs, and when time goes on: the language's scheduling rules, sentence by sentence."""
+"""Which process runs, and when time advances: the scheduling rules of the language, sentence by sentence."""
 
 from __future__ import annotations
 
@@ -26,17 +26,19 @@ class Outside(Protocol):
     grid: Sampling
 
     def advance(self, now: int) -> None:
-        """Go on to ``now``, with the inputs held."""
+        """Advance to ``now``, with the inputs held."""
 
     def output(self, port: str) -> Any:
-        """The present value for an input of the program."""
+        """The present value of one of its outputs, an input of the program."""
 
     def give(self, port: str, value: Any) -> None:
-        """A value from the program."""
+        """Take a value of an output of the program."""
 
 
 class Canceller:
-    """Ends a process that was cancelled while it ran, if it waits when its turn has come. «Cancellation» 4"""
+    """Ends a process that was cancelled while it was running, if it waits when the canceller has its turn.
+    «Cancellation» 4
+    """
 
     def __init__(self, victim: Task) -> None:
         self.victim = victim
@@ -72,18 +74,18 @@ class Scheduler:
         self.outputs: list[SampledOutput] = []
         self.ready: list[Task] = []
         self.waiting: list[Request] = []
-        """In the order in which they began."""
+        """The requests of waiting processes, in the order in which they began."""
         self.main: Task | None = None
         """The whole program."""
         self.running: Task | None = None
         self.begun = 0
         self.failure: RaisedError | None = None
         self.look: Callable[[Scheduler], None] | None = None
-        """Handed the state after each communication."""
+        """Called with the state after each communication."""
         self.observer: Observer | None = None
 
     def communicate(self, channel: str, value: Any, writer: str = "", reader: str = "") -> None:
-        """A value passes. «Traces»"""
+        """Record a communication. «Traces»"""
         self.trace.append(Communication(self.now, channel, value, writer, reader))
         if self.observer is not None:
             self.observer.communication(self.now, channel, value, writer, reader)
@@ -91,7 +93,7 @@ class Scheduler:
             self.look(self)
 
     def waits(self) -> Iterator[tuple[str, str]]:
-        """The path of each process that waits, and for what, for people."""
+        """The path of each process that waits, and what it waits for in words."""
         for request in self.waiting:
             offers = request.offers_now()
             who = " and ".join(dict.fromkeys(offer.end[0] for offer in offers)) or "a process"
@@ -101,7 +103,7 @@ class Scheduler:
                 yield who, " or ".join(what)
 
     def hand_over(self, channel: str, value: Any) -> None:
-        """A value passes to the environment. «Time»"""
+        """Hand a value over to the environment. «Time»"""
         self.communicate(channel, value)
         if self.outside is not None:
             self.outside.give(channel.removeprefix(f"{self.top}."), value)
@@ -116,33 +118,33 @@ class Scheduler:
         self._tell_ended(path)
 
     def process_ended(self, path: str) -> None:
-        """The reading ends of a process are no longer waited at, and its books are closed. «Time»"""
+        """A process has ended, and with it the sessions of its reading ends. «Time»"""
         for port in self.inputs:
             if isinstance(port, SampledInput):
                 port.process_ended(path)
         self._tell_ended(path)
 
     def _tell_ended(self, path: str) -> None:
-        # What is left because the run is ended from outside was running then.
+        # A process that is left because the run is ended from outside has not ended itself.
         interrupted = sys.exception()
         if self.observer is not None and (interrupted is None or isinstance(interrupted, Exception)):
             self.observer.process_ended(self.now, path)
 
     def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
-        """A new branch."""
+        """A new task."""
         return Task(steps, priority, parent)
 
     def make_ready(self, task: Task) -> None:
-        """Put into the ready queue, where it is not there yet."""
+        """Put a task into the ready queue, unless it is there already."""
         if task is not self.running and task not in self.ready and not task.ended:
             self.ready.append(task)
 
     def run_next(self, task: Task) -> None:
-        """Runs in the present turn."""
+        """Put a task at the front of the ready queue: it runs in the present turn."""
         self.ready.insert(0, task)
 
     def cancel(self, task: Task) -> None:
-        """The task ends at its next place, which is the one at which it waits. «Cancellation» 1 to 4"""
+        """Cancel a task: it ends at its next request, or at the one at which it waits. «Cancellation» 1 to 4"""
         if task.ended or task.cancelled:
             return
         task.cancelled = True
@@ -164,7 +166,9 @@ class Scheduler:
                 request.wake()
 
     def run_until_none_is_ready(self) -> None:
-        """Run processes by priority, then first come first served. «Scheduling and traces», «Priority»"""
+        """Run processes by priority, and first come, first served within one priority. «Scheduling and traces»,
+        «Priority»
+        """
         while self.ready:
             highest = min(task.rank() for task in self.ready)
             task = self.next_of([task for task in self.ready if task.rank() == highest])
@@ -172,13 +176,15 @@ class Scheduler:
             self._run(task)
 
     def next_of(self, ready: Sequence[Task]) -> Task:
-        """Who runs of those that are ready, in the order in which they became so: the first. «Scheduling and traces»"""
+        """The task to run: the first of those that are ready, in the order in which they became ready. «Scheduling and
+        traces»
+        """
         return ready[0]
 
     def fair(self, ready: Sequence[int], last: int) -> int:
-        """Which of the guards that are ready an alternative takes that is not prioritized.
+        """The guard that an alternative without priorities takes among those that are ready.
 
-        The first after the one that it chose last, beginning again at the front.
+        It is the first one after the guard that it chose last, cyclically.
         """
         return next((index for index in ready if index > last), ready[0])
 
@@ -269,12 +275,12 @@ class Scheduler:
         self._wake(list(self.waiting))
 
     def samplings(self) -> list[Sampling]:
-        """Those of the ports. «Time»"""
+        """The samplings of the ports. «Time»"""
         sampled = [port.sampling for port in self.inputs if isinstance(port, SampledInput)]
         return sampled + [port.sampling for port in self.outputs]
 
     def next_instant(self) -> int | None:
-        """When something is due; None: never, so that the program has ended or is in deadlock.
+        """The next instant at which something is due; None if nothing ever is: the program has ended or is in deadlock.
 
         «Scheduling and traces»
         """

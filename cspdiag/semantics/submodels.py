@@ -1,4 +1,4 @@
-"""Control laws in processes: as instances of submodels, and inlined by the optimizer."""
+"""Control laws in processes: instances of submodels, and laws that the optimizer has inlined."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class Owner(Protocol):
     path: str
 
     def key(self, end: act.End) -> EndKey:
-        """The end as one of this process, or of one that was flattened into it."""
+        """The end as one of this process, or of one that was flattened into this one."""
 
     def attached(self, connection: Connection) -> Medium:
-        """What a port of an instance inside is attached to."""
+        """The medium that a port of an instance inside is attached to."""
 
 
 class SubmodelInstance:
@@ -97,7 +97,7 @@ class InlinedLaws:
             self.values[name] = self._value(self.initial[name])
 
     def run(self, action: act.RunLaw) -> None:
-        """One run: the local signals, and then the next states. «Submodels: the control laws»"""
+        """Run a law once: the local signals, and then the next states. «Submodels: the control laws»"""
         law = Law(_as_submodel(action), self.parameters, self.variables)
         law.constants = self.values
         signals = law.evaluate()

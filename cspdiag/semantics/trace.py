@@ -1,4 +1,4 @@
-"""What a run of a program is, for all implementations of the language: its trace, and how it ended."""
+"""The result of a run, in all implementations of the language: the trace, and how the run ended."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import NamedTuple
 class Communication(NamedTuple):
     """A value that passed through an external port or a channel at ``time`` (nanoseconds). «Traces»
 
-    ``writer`` and ``reader`` are the paths of the processes where an implementation knows them; traces are equal
-    whatever they are.
+    ``writer`` and ``reader`` are the paths of the processes, if an implementation knows them; traces are compared
+    without them.
     """
 
     time: int
@@ -25,7 +25,7 @@ class Ending(NamedTuple):
 
     «Scheduling and traces»
 
-    ``message`` is what the exception says, with its place; None where an implementation says nothing.
+    ``message`` is the message of the exception, with its place; None if an implementation gives none.
     """
 
     ended: str
@@ -34,7 +34,7 @@ class Ending(NamedTuple):
     message: str | None = None
 
     def agrees_with(self, other: Ending) -> bool:
-        """Whether it is the same end, as far as both sides know."""
+        """Whether both are the same ending, as far as both implementations report it."""
         both_known = None not in (self.message, other.message)
         return self[:3] == other[:3] and (not both_known or self.message == other.message)
 
@@ -45,18 +45,18 @@ class Ending(NamedTuple):
 
 
 class Execution(NamedTuple):
-    """What an implementation did with a program. «Traces»
+    """The run of a program by one implementation. «Traces»
 
-    ``released`` are the safe values that outputs were handed at the end, in order; None where an implementation hands
-    over none.
+    ``released`` are the safe values that outputs were set to at the end, in order; None if an implementation does not
+    release outputs.
     """
 
     trace: Sequence[Communication]
     ending: Ending
     released: Sequence[tuple[str, object]] | None = None
     missed: Sequence[tuple[str, int]] = ()
-    """For each sampled input how many samples were overwritten before somebody had taken them."""
+    """For each sampled input the number of samples that were overwritten before a process had taken them."""
     reason: str = ""
-    """What made it fail, for people."""
+    """Why the run failed, in words."""
     failure: Exception | None = None
     """The exception itself."""

@@ -1,4 +1,4 @@
-"""Values of expressions, and submodels: what the language says of numbers, and nothing about speed."""
+"""Values of expressions: the arithmetic of the language, written for clarity and not for speed."""
 
 from __future__ import annotations
 
@@ -25,17 +25,18 @@ Names = Callable[[str], Any]
 
 
 class RaisedError(Exception):
-    """What ends a process, unless something around it catches it. «Exceptions»"""
+    """An exception of the language: it ends a process unless a handler around it catches it. «Exceptions»"""
 
 
 class FaultError(RaisedError):
-    """Overflow, a value out of range, division by zero, a value that is no number. «Faults»"""
+    """Overflow, a value out of range, division by zero, a value that is not a number. «Faults»"""
 
 
 def value_of(
     expression: ex.Expression, parameters: Mapping[str, Any], variables: Names, signals: Names, time: float = 0.0
 ) -> Any:
-    """The value; ``variables`` looks up channels of kind ``var``, and ``signals`` what control laws compute.
+    """The value of an expression; ``variables`` looks up channels of kind ``var``, and ``signals`` signals of control
+    laws.
 
     «Expressions»
 
@@ -85,14 +86,14 @@ def value_of(
 
 
 def within(index: int, array: tuple[Any, ...]) -> int:
-    """An index of an element; FaultError out of range. «Faults»"""
+    """The index of an element, checked. Raises FaultError if it is out of range. «Faults»"""
     if not 0 <= index < len(array):
         raise FaultError(f"index {index} of an array of {len(array)}")
     return index
 
 
 def fitting(kind: Type, value: Any) -> Any:
-    """A result as a value of its type: whole numbers in range, binary32 rounded. «Types and units», «Faults»"""
+    """A result as a value of its type: whole numbers are checked, binary32 is rounded. «Types and units», «Faults»"""
     match kind:
         case IntType():
             low, high = kind.minimum, kind.maximum
