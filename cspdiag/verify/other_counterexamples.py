@@ -14,7 +14,7 @@ from typing import TypeAlias
 from cspdiag.base.record import replaced
 from cspdiag.network.dump.delay import is_of_time_out
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
-from cspdiag.proofs.transitions.systems.restricted import is_time_out, prompt, without
+from cspdiag.proofs.transitions.systems.restricted import is_time_out, with_maximal_progress, without
 from cspdiag.proofs.transitions.systems.system import Event, System
 
 Narrowing: TypeAlias = Callable[[System], System]
@@ -29,7 +29,7 @@ def narrower(found: Counterexample) -> Iterator[Narrowing]:
     has_misses = any(step.kind == "miss" for step in steps)
     has_time_outs = any(step.kind == "time" and is_of_time_out(step.channel) for step in steps)
     if has_misses or has_time_outs:
-        yield lambda system: prompt(without(system, _is_miss))
+        yield lambda system: with_maximal_progress(without(system, _is_miss))
     if has_misses:
         yield partial(without, is_left_out=_is_miss)
     if has_time_outs:

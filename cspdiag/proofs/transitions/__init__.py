@@ -27,9 +27,9 @@ def transition_system(
     from cspdiag.proofs.transitions.classes.facts import Facts
     from cspdiag.proofs.transitions.classes.program import Program
     from cspdiag.proofs.transitions.occurrences import World
-    from cspdiag.proofs.transitions.threads.threads import Strands
+    from cspdiag.proofs.transitions.threads.threads import ThreadTree
     from cspdiag.syntax.parse.nesting import room_to_recurse
 
     with room_to_recurse():
         program = Program(network)
-        return Assembly(Strands(World(program, Facts(program, distinguished or {}, specification)))).system()
+        return Assembly(ThreadTree(World(program, Facts(program, distinguished or {}, specification)))).system()

@@ -6,11 +6,11 @@ from collections import defaultdict
 from typing import Literal, assert_never
 
 from cspdiag.base.record import record
+from cspdiag.proofs.transitions.channel_events import ChannelEvents, Use
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
-from cspdiag.proofs.transitions.meetings import Meetings, Use
 from cspdiag.proofs.transitions.occurrences import MediumFacts
 from cspdiag.proofs.transitions.places import Places
-from cspdiag.proofs.transitions.specifications import taken_for_more
+from cspdiag.proofs.transitions.specifications import specification_abstractions
 from cspdiag.proofs.transitions.systems.labels import (
     Alarm,
     Alone,
@@ -45,9 +45,9 @@ from cspdiag.proofs.transitions.systems.shape import Shape
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Abstraction, Component, Edge, EventKind, System
 from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.alarms import Alarms, withdrawn
-from cspdiag.proofs.transitions.threads.spots import MISSED_A_SAMPLE
+from cspdiag.proofs.transitions.threads.place_templates import MISSED_A_SAMPLE
 from cspdiag.proofs.transitions.threads.thread import resolve
-from cspdiag.proofs.transitions.threads.threads import ParallelKey, Strand, Strands, parallel_key
+from cspdiag.proofs.transitions.threads.threads import ParallelKey, ThreadInstance, ThreadTree, parallel_key
 from cspdiag.proofs.transitions.values import UNKNOWN, Known
 
 
@@ -71,27 +71,27 @@ _OUTSIDE: dict[type[Alone], Outside] = {
 }
 
 
-class Assembly(Meetings):
+class Assembly(ChannelEvents):
     """Makes the system of all threads."""
 
-    def __init__(self, strands: Strands) -> None:
-        super().__init__(strands)
-        self.strands = strands
+    def __init__(self, tree: ThreadTree) -> None:
+        super().__init__(tree)
+        self.tree = tree
         self._shapes: dict[tuple[int, bool, frozenset[Label]], Shape] = {}
         self._uses: dict[MediumFacts, list[Use]] = defaultdict(list)
-        self._forks: dict[ParallelKey, list[Strand]] = {}
+        self._forks: dict[ParallelKey, list[ThreadInstance]] = {}
 
     def system(self) -> System:
         """All components and events."""
-        for strand in self.threads:
-            self.abstractions.update(strand.template.abstractions)
-        world = self.strands.world
+        for thread in self.threads:
+            self.abstractions.update(thread.template.abstractions)
+        world = self.tree.world
         if world.facts.specification is not None:
-            self.abstractions.update(dict.fromkeys(taken_for_more(world)))
+            self.abstractions.update(dict.fromkeys(specification_abstractions(world)))
         shapes = self._shaped()
-        for strand, shape in zip(self.threads, shapes, strict=True):
+        for thread, shape in zip(self.threads, shapes, strict=True):
             for label in shape.labels:
-                self._note(strand, label)
+                self._note(thread, label)
         for medium, uses in self._uses.items():
             self.meet(medium, uses)
             if medium.coarse:
@@ -99,22 +99,22 @@ class Assembly(Meetings):
                 self.abstractions[Abstraction(what, medium.span)] = None
         for key in self._forks:
             self._composition(key, shapes)
-        components = [self._component(strand, shape) for strand, shape in zip(self.threads, shapes, strict=True)]
-        apart = self.strands.world.inputs
+        components = [self._component(thread, shape) for thread, shape in zip(self.threads, shapes, strict=True)]
+        apart = self.tree.world.inputs
         return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), apart)
 
     def _shaped(self) -> list[Shape]:
         """The state machines of all threads; where a parent starts a parallel before anything else, its branches have
         been started already.
         """
-        started: set[Strand] = {self.strands.top}
+        started: set[ThreadInstance] = {self.tree.top}
         shapes: list[Shape] = []
         alarms = Alarms(self.threads)
-        for strand in self.threads:
-            shape = self._shape(strand.template, strand in started, alarms.silent(strand))
+        for thread in self.threads:
+            shape = self._shape(thread.template, thread in started, alarms.silent(thread))
             shapes.append(shape)
             for key in shape.forked_at_once:
-                started.update(self.strands.branches[parallel_key(strand.occurrence, key)])
+                started.update(self.tree.branches[parallel_key(thread.occurrence, key)])
         return shapes
 
     def _shape(self, template: Template, started: bool, silent: frozenset[Label]) -> Shape:
@@ -123,26 +123,28 @@ class Assembly(Meetings):
             self._shapes[key] = Shape(template, started=started, never=silent)
         return self._shapes[key]
 
-    def _component(self, strand: Strand, shape: Shape) -> Component:
-        of = self._of[strand.number]
+    def _component(self, thread: ThreadInstance, shape: Shape) -> Component:
+        of = self._of[thread.number]
         events = [(INTERNAL,) if isinstance(label, Internal) else of.get(label, ()) for label in shape.labels]
         edges: list[tuple[Edge, ...]] = []
         for compiled in shape.edges:
             edges.append(tuple([(event, target) for number, target in compiled for event in events[number]]))
-        if self._echoes[strand.number]:
-            edges = self._with_echoes(edges, strand, shape)
+        if self._echoes[thread.number]:
+            edges = self._with_echoes(edges, thread, shape)
         return Component(
-            strand.name,
+            thread.name,
             tuple(edges),
             shape.terminal,
-            places=Places(shape.spots, strand),
-            failed=frozenset(state for state in shape.terminal if shape.spots[state].words == MISSED_A_SAMPLE),
-            path=strand.occurrence.path,
-            span=strand.span,
+            places=Places(shape.places, thread),
+            failed=frozenset(state for state in shape.terminal if shape.places[state].words == MISSED_A_SAMPLE),
+            path=thread.occurrence.path,
+            span=thread.span,
         )
 
-    def _with_echoes(self, edges: list[tuple[Edge, ...]], strand: Strand, shape: Shape) -> list[tuple[Edge, ...]]:
-        echoes = self._echoes[strand.number]
+    def _with_echoes(
+        self, edges: list[tuple[Edge, ...]], thread: ThreadInstance, shape: Shape
+    ) -> list[tuple[Edge, ...]]:
+        echoes = self._echoes[thread.number]
         labelled = [[(shape.labels[number], target) for number, target in compiled] for compiled in shape.edges]
         found: list[tuple[Edge, ...]] = []
         for state, (own, present, unsteady) in enumerate(zip(edges, labelled, withdrawn(labelled), strict=True)):
@@ -155,44 +157,44 @@ class Assembly(Meetings):
             found.append((*own, *dict.fromkeys(shown)))
         return found
 
-    def _note(self, strand: Strand, label: Label) -> None:
+    def _note(self, thread: ThreadInstance, label: Label) -> None:
         match label:
             case Alarm():
-                self._alarm(strand, label)
+                self._alarm(thread, label)
             case Input() | Output() | Sample() | Miss() | Ready():
-                self._outside(strand, label)
+                self._outside(thread, label)
             case Time():
-                words = f"{strand.name}: {label.words}"
-                event = self._event(words, (strand.number,), "time", roles="*", instant=label.instant)
-                self._for(strand, label, event)
+                words = f"{thread.name}: {label.words}"
+                event = self._event(words, (thread.number,), "time", roles="*", instant=label.instant)
+                self._for(thread, label, event)
             case (
                 Read() | Write() | Guarded() | Bind() | Bound() | Load() | Store() | Delivered() | Withdrawn()
             ):  # fmt: skip
-                self._uses[resolve(strand.occurrence, label.reference)].append((strand, label))
+                self._uses[resolve(thread.occurrence, label.reference)].append((thread, label))
             case Fork() | Join():
-                self._forks.setdefault(parallel_key(strand.occurrence, label.parallel), []).append(strand)
+                self._forks.setdefault(parallel_key(thread.occurrence, label.parallel), []).append(thread)
             case Internal() | Cancel() | Thrown() | Start() | End() | Cancelled() | Throw():
                 pass  # It has no event, or ``_composition`` makes it.
             case _:
                 assert_never(label)
 
-    def _outside(self, strand: Strand, label: Alone) -> None:
-        medium = resolve(strand.occurrence, label.reference)
+    def _outside(self, thread: ThreadInstance, label: Alone) -> None:
+        medium = resolve(thread.occurrence, label.reference)
         value: Known = UNKNOWN if isinstance(label, Miss | Ready) else label.value
         outside = _OUTSIDE[type(label)]
-        parties = (strand.number,)
+        parties = (thread.number,)
         event = self._event(
             medium.name, parties, outside.kind, value, medium.type, visible=outside.visible, roles=outside.role
         )
-        self._for(strand, label, event)
+        self._for(thread, label, event)
 
     def _composition(self, key: ParallelKey, shapes: list[Shape]) -> None:
-        branches = self.strands.branches[key]
+        branches = self.tree.branches[key]
         parents = [
-            (strand, label)
-            for strand in dict.fromkeys(self._forks[key])
-            for label in shapes[strand.number].labels
-            if isinstance(label, OfParent) and parallel_key(strand.occurrence, label.parallel) == key
+            (thread, label)
+            for thread in dict.fromkeys(self._forks[key])
+            for label in shapes[thread.number].labels
+            if isinstance(label, OfParent) and parallel_key(thread.occurrence, label.parallel) == key
         ]
         for parent, label in parents:
             match label:
@@ -208,10 +210,15 @@ class Assembly(Meetings):
                     assert_never(label)
 
     def _together(
-        self, key: ParallelKey, parent: Strand, label: Label, theirs: tuple[Label, EventKind], shapes: list[Shape]
+        self,
+        key: ParallelKey,
+        parent: ThreadInstance,
+        label: Label,
+        theirs: tuple[Label, EventKind],
+        shapes: list[Shape],
     ) -> None:
         """What the parent of a parallel and all its branches do at once."""
-        branches = self.strands.branches[key]
+        branches = self.tree.branches[key]
         of_branch, kind = theirs
         if not all(of_branch in shapes[branch.number].label_numbers for branch in branches):
             return
@@ -221,7 +228,7 @@ class Assembly(Meetings):
         for branch in branches:
             self._for(branch, of_branch, event)
 
-    def _thrown(self, parent: Strand, label: Thrown, branch: Strand, shapes: list[Shape]) -> None:
+    def _thrown(self, parent: ThreadInstance, label: Thrown, branch: ThreadInstance, shapes: list[Shape]) -> None:
         throw = Throw(label.exception)
         if throw in shapes[branch.number].label_numbers:
             kind: EventKind = "failure" if label.exception in (FAULT, TIMEOUT) else "exception"

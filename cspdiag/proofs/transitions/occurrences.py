@@ -38,7 +38,7 @@ connected to a constant or to nothing.
 
 CHANNELS: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite"})
 """Kinds of channels between processes, except variables."""
-PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
+BLOCKING: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 """Kinds at which a reader may have to wait."""
 
 

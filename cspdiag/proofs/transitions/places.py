@@ -6,33 +6,33 @@ from collections.abc import Iterator, Mapping
 
 from cspdiag.proofs.transitions.systems.references import Constant, Discard
 from cspdiag.proofs.transitions.systems.system import Place
-from cspdiag.proofs.transitions.systems.template import Spot
+from cspdiag.proofs.transitions.systems.template import PlaceTemplate
 from cspdiag.proofs.transitions.threads.thread import resolve
-from cspdiag.proofs.transitions.threads.threads import Strand
+from cspdiag.proofs.transitions.threads.threads import ThreadInstance
 
 
 class Places(Mapping[int, Place]):
     """The places of a thread by state, put into words when they are looked up."""
 
-    def __init__(self, spots: list[Spot], strand: Strand) -> None:
-        self._spots = spots
-        self._strand = strand
+    def __init__(self, templates: list[PlaceTemplate], thread: ThreadInstance) -> None:
+        self._templates = templates
+        self._thread = thread
 
     def __getitem__(self, state: int) -> Place:
-        if not 0 <= state < len(self._spots):
+        if not 0 <= state < len(self._templates):
             raise KeyError(state)
-        spot = self._spots[state]
-        path = ".".join((self._strand.occurrence.path, *spot.path))
-        if spot.reference is None or isinstance(spot.reference, Constant | Discard):
-            return Place(spot.words, spot.span, path)
-        medium = resolve(self._strand.occurrence, spot.reference)
-        return Place(f"{spot.words} {_short(medium.name)}", spot.span, path)
+        template = self._templates[state]
+        path = ".".join((self._thread.occurrence.path, *template.path))
+        if template.reference is None or isinstance(template.reference, Constant | Discard):
+            return Place(template.words, template.span, path)
+        medium = resolve(self._thread.occurrence, template.reference)
+        return Place(f"{template.words} {_short(medium.name)}", template.span, path)
 
     def __iter__(self) -> Iterator[int]:
-        return iter(range(len(self._spots)))
+        return iter(range(len(self._templates)))
 
     def __len__(self) -> int:
-        return len(self._spots)
+        return len(self._templates)
 
 
 def _short(name: str) -> str:

@@ -28,7 +28,7 @@ _TIMED = "timed"
 _EVENT = "event"
 
 
-def taken_for_more(world: World) -> Iterator[Abstraction]:
+def specification_abstractions(world: World) -> Iterator[Abstraction]:
     """What the transition system leaves out of a specification."""
     pending = [world.top]
     seen: set[tuple[str, ...]] = set()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.proofs.transitions import meetings
+from cspdiag.proofs.transitions import channel_events
 from cspdiag.proofs.transitions.threads import explore
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 from cspdiag.proofs.transitions.threads.silent.follow import Follower
@@ -29,7 +29,7 @@ COUNTS = (
 
 
 def test_too_many_meetings_on_one_channel(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(meetings, "MOST_MEETINGS", 8)
+    monkeypatch.setattr(channel_events, "MOST_COMBINATIONS", 8)
     with pytest.raises(TransitionError, match=r"^on `Main.c` 9 ways to communicate") as refused:
         system_of(ANY)
     assert "\n" not in str(refused.value)

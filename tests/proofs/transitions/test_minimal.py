@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from cspdiag.proofs.transitions.systems.minimal import minimized
-from cspdiag.proofs.transitions.systems.template import Label, Spot, Template
+from cspdiag.proofs.transitions.systems.template import Label, PlaceTemplate, Template
 
 A: Label = ("time", "a")
 B: Label = ("time", "b")
-HERE, THERE = Spot("here"), Spot("there")
+HERE, THERE = PlaceTemplate("here"), PlaceTemplate("there")
 
 
-def template(edges: list[list[tuple[Label, int]]], spots: list[Spot], terminal: set[int]) -> Template:
-    return Template(edges=edges, spots=spots, terminal=terminal)
+def template(edges: list[list[tuple[Label, int]]], places: list[PlaceTemplate], terminal: set[int]) -> Template:
+    return Template(edges=edges, places=places, terminal=terminal)
 
 
 def test_states_that_lead_alike_are_one() -> None:

@@ -57,7 +57,7 @@ def boundaries(program: Program, distinguished: Mapping[str, Collection[int]]) -
         if isinstance(one.definition, ProcessClass):
             for item, cut in _compared(one, arguments):
                 found[item].update(cut)
-            for item, handed_on in _handed_on(one):
+            for item, handed_on in _copies(one):
                 origins[item] |= handed_on
     pending = list(found)
     while pending:
@@ -147,7 +147,7 @@ def _cut(operator: str, constant: int) -> set[int]:
             raise AssertionError(f"`{operator}` is no comparison")
 
 
-def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
+def _copies(one: Class) -> Iterator[tuple[Item, set[Item]]]:
     """Items, and those whose values they get unchanged."""
     assert isinstance(one.definition, ProcessClass)
     for part in parts(one.definition.body):
@@ -169,14 +169,14 @@ def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
                 yield outer, {inner}
 
 
-def handed_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
+def copied_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
     """All items of a program whose values may be passed on unchanged to one of the given outputs of the outermost
     process.
     """
     origins: defaultdict[Item, set[Item]] = defaultdict(set)
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):
-            for item, handed_on in _handed_on(one):
+            for item, handed_on in _copies(one):
                 origins[item] |= handed_on
     ports: list[Item] = [("port", program.top.name, output.split("[", 1)[0]) for output in outputs]
     return frozenset(reached(ports, origins.__getitem__))

@@ -45,7 +45,7 @@ from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
-from cspdiag.proofs.transitions.classes.cuts import boundaries, handed_to
+from cspdiag.proofs.transitions.classes.cuts import boundaries, copied_to
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction, Distinguished
 from cspdiag.proofs.transitions.classes.faults import Faults, catches_faults
 from cspdiag.proofs.transitions.classes.items import Item, all_items_in, items_in, items_of
@@ -75,7 +75,7 @@ class Facts:
             {*distinguished, *(outputs if specification is not None else ())},
             _parameters_of_delays(program, self.durations),
         )
-        self._copied = handed_to(program, outputs) if specification is not None else frozenset()
+        self._copied = copied_to(program, outputs) if specification is not None else frozenset()
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}

@@ -19,7 +19,7 @@ def minimized(template: Template) -> Template:
     size = len(template.edges)
     labels: dict[Label, int] = {}
     edges = [[(labels.setdefault(label, len(labels)), target) for label, target in found] for found in template.edges]
-    of, number = _numbered([(spot, state in template.terminal) for state, spot in enumerate(template.spots)])
+    of, number = _numbered([(place, state in template.terminal) for state, place in enumerate(template.places)])
     for _ in range(max(1, _MOST_WORK // size)):
         refined, more = _numbered(
             [(of[state], frozenset([(label, of[target]) for label, target in edges[state]])) for state in range(size)]
@@ -42,6 +42,6 @@ def _merged(template: Template, of: list[int], number: int) -> Template:
     template.edges = [
         list(dict.fromkeys((label, of[target]) for label, target in template.edges[state])) for state in first
     ]
-    template.spots = [template.spots[state] for state in first]
+    template.places = [template.places[state] for state in first]
     template.terminal = {of[state] for state in template.terminal}
     return template

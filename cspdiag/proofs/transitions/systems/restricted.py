@@ -24,7 +24,7 @@ def without(system: System, is_left_out: Callable[[Event], bool]) -> System:
     return replaced(system, components=components)
 
 
-def prompt(system: System) -> System:
+def with_maximal_progress(system: System) -> System:
     """The same components and events, but a time-out happens only when no component is ready for another guard of the
     same alternative ("maximal progress").
 

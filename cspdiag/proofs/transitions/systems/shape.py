@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from cspdiag.base.graphs import reached
 from cspdiag.proofs.transitions.systems.labels import INTERNAL, Fork, Label, Start
 from cspdiag.proofs.transitions.systems.references import ParallelId
-from cspdiag.proofs.transitions.systems.template import Spot, Template
+from cspdiag.proofs.transitions.systems.template import PlaceTemplate, Template
 
 
 class Shape:
@@ -42,7 +42,7 @@ class Shape:
         self.labels: list[Label] = list(labels)
         self.label_numbers = labels
         self.terminal = frozenset(numbers[state] for state in template.terminal if state in numbers)
-        self.spots: list[Spot] = [template.spots[state] for state in order]
+        self.places: list[PlaceTemplate] = [template.places[state] for state in order]
 
 
 def _without(edges: Sequence[Sequence[tuple[Label, int]]], never: frozenset[Label]) -> list[list[tuple[Label, int]]]:

@@ -20,7 +20,7 @@ from cspdiag.proofs.transitions.values import Known
 
 
 @record
-class Spot:
+class PlaceTemplate:
     """What a thread does in a state: words, the medium whose name follows them, where in the source text, and the path
     of the process inside the thread that does it.
     """
@@ -49,17 +49,18 @@ class Parallel:
 class Template:
     """The state machine of a thread.
 
-    ``asked`` are the media on whose values or sharing the state machine depends, each with what was found there;
-    ``written`` are the values that it may write to relevant media; ``touched`` the variables that it accesses.
+    ``dependencies`` are the media on whose values or sharing the state machine depends, each with what was found there;
+    ``written`` are the values that it may write to relevant media; ``accessed_variables`` those that it reads or
+    writes.
     """
 
     edges: list[list[tuple[Label, int]]] = field(default_factory=list)
-    spots: list[Spot] = field(default_factory=list)
+    places: list[PlaceTemplate] = field(default_factory=list)
     terminal: set[int] = field(default_factory=set)
     parallels: dict[ParallelId, Parallel] = field(default_factory=dict)
-    asked: dict[Reference, object] = field(default_factory=dict)
+    dependencies: dict[Reference, object] = field(default_factory=dict)
     written: dict[Reference, set[Known]] = field(default_factory=dict)
-    touched: set[Reference] = field(default_factory=set)
+    accessed_variables: set[Reference] = field(default_factory=set)
     abstractions: dict[Abstraction, None] = field(default_factory=dict)
     _repeated: dict[ParallelId, bool] = field(default_factory=dict)
 

@@ -122,24 +122,24 @@ class Abandoning(Communications):
                 return [(label, self._closed(c._replace(doomed=True), frame, rest))]
             case frames.Join(stage="wait"):
                 abandon = frames.Join(frame.node, frame.context, "abandon")
-                return [(label, c._replace(stack=(abandon, (frames.Either(), rest)), doomed=True))]
+                return [(label, c._replace(stack=(abandon, (frames.MayEnd(), rest)), doomed=True))]
             case frames.Delivering():
                 ended = self.follower.abandoned(c)
                 return [(label, ended.at((frames.Withdrawing(frame.reference), ended.stack)))]
             case (
                 frames.Run() | frames.Put() | frames.Choosing() | frames.Reading() | frames.Writing()
-                | frames.Foreign() | frames.ForeignPort() | frames.Pass() | frames.GuardOnly()
+                | frames.Foreign() | frames.ForeignPort() | frames.InterruptPoint() | frames.GuardOnly()
             ):  # fmt: skip
                 return [(label, self.follower.abandoned(c))]
             case (
-                frames.Withdrawing() | frames.Picking() | frames.Join() | frames.Either() | frames.Open()
+                frames.Withdrawing() | frames.Picking() | frames.Join() | frames.MayEnd() | frames.Open()
                 | frames.Split() | frames.Load() | frames.Store() | frames.Diverges()
             ):  # fmt: skip
                 return [(label, c._replace(doomed=True))]
             case (
                 frames.Deciding() | frames.Offering() | frames.Compute() | frames.Interrupting()
-                | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again()
-                | frames.Turns() | frames.Catch() | frames.Leave()
+                | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.LoopEnd()
+                | frames.Iterations() | frames.Catch() | frames.Leave()
             ):  # fmt: skip
                 raise AssertionError(f"{frame} is a silent step")
             case _:
@@ -150,6 +150,6 @@ class Abandoning(Communications):
         return is_always_ready(branch.event, lambda end: self.thread.medium(context.reference(end)).kind)
 
 
-def is_point(frame: frames.Frame) -> bool:
+def is_cancellation_point(frame: frames.Frame) -> bool:
     """Whether a cancelled or interrupted process ends at this frame."""
-    return type(frame) in frames.POINTS
+    return type(frame) in frames.CANCELLATION_POINTS

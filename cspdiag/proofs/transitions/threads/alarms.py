@@ -30,7 +30,7 @@ from cspdiag.proofs.transitions.systems.labels import (
 from cspdiag.proofs.transitions.systems.references import Reference
 from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads.thread import resolve
-from cspdiag.proofs.transitions.threads.threads import Strand
+from cspdiag.proofs.transitions.threads.threads import ThreadInstance
 
 Special: TypeAlias = Alarm | Guarded | Bind | Bound | Read
 """Labels of guards that another process sees or chooses; of reads only the late ones."""
@@ -41,25 +41,25 @@ class Alarms:
     choose.
     """
 
-    def __init__(self, threads: Iterable[Strand]) -> None:
-        watching: list[tuple[Strand, Special]] = []
+    def __init__(self, threads: Iterable[ThreadInstance]) -> None:
+        watching: list[tuple[ThreadInstance, Special]] = []
         rung: defaultdict[MediumFacts, set[Side]] = defaultdict(set)
         choosing: defaultdict[type[Special], set[MediumFacts]] = defaultdict(set)
         labels_of: dict[int, tuple[set[Special], set[Offer]]] = {}
-        for strand in threads:
-            template = strand.template
+        for thread in threads:
+            template = thread.template
             if id(template) not in labels_of:
                 labels_of[id(template)] = _special(template), set[Offer]().union(*withdrawn(template.edges))
             special, unsteady = labels_of[id(template)]
             for offer in unsteady:
-                rung[resolve(strand.occurrence, offer.reference)].add(side_of(offer))
+                rung[resolve(thread.occurrence, offer.reference)].add(side_of(offer))
             for label in special:
-                choosing[type(label)].add(resolve(strand.occurrence, label.reference))
+                choosing[type(label)].add(resolve(thread.occurrence, label.reference))
                 if not isinstance(label, Guarded):
-                    watching.append((strand, label))
-        self._silent: defaultdict[Strand, set[Special]] = defaultdict(set)
-        for strand, label in watching:
-            medium = resolve(strand.occurrence, label.reference)
+                    watching.append((thread, label))
+        self._silent: defaultdict[ThreadInstance, set[Special]] = defaultdict(set)
+        for thread, label in watching:
+            medium = resolve(thread.occurrence, label.reference)
             match label:
                 case Alarm():
                     rings = medium.is_contended or label.side in rung[medium]
@@ -74,13 +74,13 @@ class Alarms:
                 case _:
                     assert_never(label)
             if not rings:
-                self._silent[strand].add(label)
+                self._silent[thread].add(label)
 
-    def silent(self, strand: Strand) -> frozenset[Label]:
+    def silent(self, thread: ThreadInstance) -> frozenset[Label]:
         """The labels of a thread that never happen: alarms that no offer rings, and communications with alternatives
         that do not exist.
         """
-        return frozenset(self._silent.get(strand, ()))
+        return frozenset(self._silent.get(thread, ()))
 
 
 def _special(template: Template) -> set[Special]:
@@ -113,11 +113,11 @@ def _offer(label: Offer) -> tuple[Side, Reference]:
 
 
 def bindings(
-    uses: Sequence[tuple[Strand, OnMedium]],
-) -> Iterator[tuple[tuple[Strand, Bind], tuple[Strand, Bound]]]:
+    uses: Sequence[tuple[ThreadInstance, OnMedium]],
+) -> Iterator[tuple[tuple[ThreadInstance, Bind], tuple[ThreadInstance, Bound]]]:
     """Pairs of an alternative that chooses to write and a ready guard that is bound to read."""
-    writers = [(strand, label) for strand, label in uses if isinstance(label, Bind)]
-    readers = [(strand, label) for strand, label in uses if isinstance(label, Bound)]
+    writers = [(thread, label) for thread, label in uses if isinstance(label, Bind)]
+    readers = [(thread, label) for thread, label in uses if isinstance(label, Bound)]
     for writer, reader in product(writers, readers):
         if writer[0] is not reader[0]:
             yield writer, reader

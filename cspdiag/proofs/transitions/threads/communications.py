@@ -9,7 +9,7 @@ from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.ir import actions as ir
 from cspdiag.proofs.transitions.classes.built_in_exceptions import TIMEOUT
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import PATIENT
+from cspdiag.proofs.transitions.occurrences import BLOCKING
 from cspdiag.proofs.transitions.systems.labels import (
     INTERNAL,
     Bind,
@@ -143,7 +143,7 @@ class Communications:
         if held.fetched is not None:
             value = held.fetched[1]
             return [(INTERNAL, assigning(on._replace(fetched=None), context, event.target, value))]
-        if self.thread.medium(reference).kind not in PATIENT:
+        if self.thread.medium(reference).kind not in BLOCKING:
             value = UNKNOWN
             if isinstance(reference, Constant):
                 value = reference.value
@@ -161,7 +161,7 @@ class Communications:
     def _ready_guard(self, on: Configuration, context: Context, event: ir.ReadyEvent, guard: Node) -> list[Move]:
         reference = context.reference(event.source)
         kind = self.thread.medium(reference).kind
-        if on.fetched is not None or kind not in PATIENT:
+        if on.fetched is not None or kind not in BLOCKING:
             return [(INTERNAL, on)]
         if kind in ("sampled", "event"):
             return [(Ready(reference), self.thread.beginning(on, context, reading_end(context, event.source)))]

@@ -9,8 +9,8 @@ from cspdiag.proofs.transitions.systems.minimal import minimized
 from cspdiag.proofs.transitions.systems.template import Template
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.offers import Offers
+from cspdiag.proofs.transitions.threads.place_templates import place_template
 from cspdiag.proofs.transitions.threads.silent.follow import Follower
-from cspdiag.proofs.transitions.threads.spots import spot
 from cspdiag.proofs.transitions.threads.thread import Configuration, Restart, Role, Thread
 
 MANY_STATES = 3_000
@@ -70,7 +70,7 @@ def _explored(thread: Thread) -> Template:
                 raise TransitionError(f"`{where}` has more than {MOST_STATES} states, whatever is left open")
     for number, configuration in enumerate(order):
         assert configuration.stack is not None
-        template.spots.append(spot(thread, configuration))
+        template.places.append(place_template(thread, configuration))
         if _is_terminal(configuration.stack[0], thread.role):
             template.terminal.add(number)
     _note_widening(thread)

@@ -192,17 +192,17 @@ class Closing(NamedTuple):
     kind: Literal["closing"] = "closing"
 
 
-class Pass(NamedTuple):
+class InterruptPoint(NamedTuple):
     """The guards of the surrounding interrupts may be taken here although the process does not wait."""
 
     node: Node
-    kind: Literal["pass"] = "pass"
+    kind: Literal["interrupt point"] = "interrupt point"
 
 
-class Either(NamedTuple):
+class MayEnd(NamedTuple):
     """The thread ends here or continues: which, is left open."""
 
-    kind: Literal["either"] = "either"
+    kind: Literal["may end"] = "may end"
 
 
 class Open(NamedTuple):
@@ -271,21 +271,21 @@ class ForeignPort(NamedTuple):
     kind: Literal["foreign port"] = "foreign port"
 
 
-class Again(NamedTuple):
+class LoopEnd(NamedTuple):
     """The body of a loop has ended."""
 
     node: Node
     context: Context
-    kind: Literal["again"] = "again"
+    kind: Literal["loop end"] = "loop end"
 
 
-class Turns(NamedTuple):
+class Iterations(NamedTuple):
     """A counted loop has ``left`` iterations left."""
 
     node: Node
     context: Context
     left: int
-    kind: Literal["turns"] = "turns"
+    kind: Literal["iterations"] = "iterations"
 
 
 class Catch(NamedTuple):
@@ -342,7 +342,7 @@ class Raised(NamedTuple):
 
 
 Silent: TypeAlias = (
-    Deciding | Offering | Compute | Interrupting | Interruptible | Interrupt | Storing | Assign | Again | Turns
+    Deciding | Offering | Compute | Interrupting | Interruptible | Interrupt | Storing | Assign | LoopEnd | Iterations
     | Catch | Leave
 )  # fmt: skip
 """What a thread does by itself."""
@@ -351,16 +351,16 @@ Partly: TypeAlias = Run | Reading | Writing
 """What a thread does by itself, or what others take part in, depending on the action or the connections."""
 
 Waiting: TypeAlias = (
-    Put | Delivering | Withdrawing | Picking | Choosing | Join | GuardOnly | Closing | Pass | Either | Open | Split
-    | Load | Store | Foreign | ForeignPort | Diverges | Idle | Ended | Over | Faulted | Raised
+    Put | Delivering | Withdrawing | Picking | Choosing | Join | GuardOnly | Closing | InterruptPoint | MayEnd | Open
+    | Split | Load | Store | Foreign | ForeignPort | Diverges | Idle | Ended | Over | Faulted | Raised
 )  # fmt: skip
 """What others take part in or may see, and what is left open."""
 
 Frame: TypeAlias = Silent | Partly | Waiting
 Stack: TypeAlias = "tuple[Frame, Stack] | None"
 
-POINTS: frozenset[type[Frame]] = frozenset(
-    {Run, Put, Delivering, Choosing, Reading, Writing, Foreign, ForeignPort, Pass, GuardOnly}
+CANCELLATION_POINTS: frozenset[type[Frame]] = frozenset(
+    {Run, Put, Delivering, Choosing, Reading, Writing, Foreign, ForeignPort, InterruptPoint, GuardOnly}
 )
 """The cancellation points: a cancelled or interrupted process ends when one of these is on top of the stack."""
 

@@ -25,7 +25,7 @@ from cspdiag.proofs.transitions.systems.labels import (
 )
 from cspdiag.proofs.transitions.systems.references import Reference
 from cspdiag.proofs.transitions.threads import frames
-from cspdiag.proofs.transitions.threads.abandoning import Abandoning, is_point
+from cspdiag.proofs.transitions.threads.abandoning import Abandoning, is_cancellation_point
 from cspdiag.proofs.transitions.threads.communications import Missed, Move, assigning
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.frames import RISK, Risk, Stack
@@ -52,10 +52,10 @@ class Offers(Abandoning):
         """All edges out of a settled configuration; the configurations they lead to are not settled."""
         assert c.stack is not None
         frame, rest = c.stack
-        if is_point(frame) and self.is_abandoned_at_once(rest):
+        if is_cancellation_point(frame) and self.is_abandoned_at_once(rest):
             return self.interruptions(c, frame)
         found = self._own(c, frame, rest)
-        if is_point(frame) or (isinstance(frame, frames.Join) and frame.stage == "wait"):
+        if is_cancellation_point(frame) or (isinstance(frame, frames.Join) and frame.stage == "wait"):
             found += self.interruptions(c, frame)
         if self.thread.role.cancellable and not c.doomed:
             found += self.cancellation(c, frame, rest)
@@ -88,9 +88,9 @@ class Offers(Abandoning):
                 return self.guarded(c.at(rest), frame.context, branch, frame.node.children[1], frame.value)
             case frames.Closing():
                 return self.closing(c, frame, rest)
-            case frames.Pass():
+            case frames.InterruptPoint():
                 return [(INTERNAL, c.at(rest))]
-            case frames.Either():
+            case frames.MayEnd():
                 return [(INTERNAL, self.follower.abandoned(c)), (INTERNAL, c.at(rest))]
             case frames.Open():
                 return self._open(c, frame)
@@ -114,8 +114,8 @@ class Offers(Abandoning):
                 return self._as_branch(c, frame)
             case (
                 frames.Deciding() | frames.Offering() | frames.Compute() | frames.Interrupting()
-                | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again()
-                | frames.Turns() | frames.Catch() | frames.Leave()
+                | frames.Interruptible() | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.LoopEnd()
+                | frames.Iterations() | frames.Catch() | frames.Leave()
             ):  # fmt: skip
                 raise AssertionError(f"{frame} is a silent step")
             case _:
@@ -171,14 +171,14 @@ class Offers(Abandoning):
         assert isinstance(node.action, ir.Choice)
         found: list[Move] = []
         held = c.at(rest)
-        decided = self._as_far_as_taken(context, node.action, frame.decided)
+        decided = self._guards_that_may_be_taken(context, node.action, frame.decided)
         for branch, body, enabled in zip(node.action.branches, node.children, decided, strict=True):
             if enabled is not None:
                 others = [other for other in node.action.branches if other is not branch]
                 found += self.guarded(self.watched(held, context, others), context, branch, body, enabled[0])
         return found
 
-    def _as_far_as_taken(self, context: Context, choice: ir.Choice, decided: frames.Decided) -> frames.Decided:
+    def _guards_that_may_be_taken(self, context: Context, choice: ir.Choice, decided: frames.Decided) -> frames.Decided:
         """The guards, with None for those that are never taken because another one is always ready: time-outs, and in a
         prioritized alternative all guards after that one.
         """

@@ -145,19 +145,19 @@ class Thread:
 
     def domain(self, reference: Reference) -> tuple[Known, ...] | None:
         """The values that may be read from a medium; None if they are not followed."""
-        self._ask(reference)
+        self._note_dependency(reference)
         return self.medium(reference).domain
 
     def is_shared(self, reference: Reference) -> bool:
         """Whether a relevant variable is accessed by other threads too."""
-        self.template.touched.add(reference)
-        self._ask(reference)
+        self.template.accessed_variables.add(reference)
+        self._note_dependency(reference)
         return self.medium(reference).shared
 
-    def _ask(self, reference: Reference) -> None:
-        if reference not in self.template.asked:
+    def _note_dependency(self, reference: Reference) -> None:
+        if reference not in self.template.dependencies:
             medium = self.medium(reference)
-            self.template.asked[reference] = (medium.domain, medium.shared)
+            self.template.dependencies[reference] = (medium.domain, medium.shared)
 
     def wrote(self, reference: Reference, value: Known) -> None:
         """Notes a value that is written to a relevant medium."""

@@ -25,11 +25,11 @@ ParallelKey: TypeAlias = tuple[Occurrence, Node]
 """A parallel composition of an instance."""
 
 
-class Strand:
+class ThreadInstance:
     """A thread at its place in the program: the instance that it belongs to, its parent, and its template."""
 
     def __init__(
-        self, occurrence: Occurrence, node: Node | None, name: str, parent: Strand | None, branch: int
+        self, occurrence: Occurrence, node: Node | None, name: str, parent: ThreadInstance | None, branch: int
     ) -> None:
         self.occurrence = occurrence
         self.node = node
@@ -51,111 +51,111 @@ class Strand:
         return Role(outermost=self.parent is None, cancellable=self.cancellable, caught=self.caught, once=self.once)
 
 
-class Strands:
+class ThreadTree:
     """The threads of a program."""
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.branches: dict[ParallelKey, list[Strand]] = {}
+        self.branches: dict[ParallelKey, list[ThreadInstance]] = {}
         self._cache: dict[Hashable, list[Template]] = defaultdict(list)
-        self._asking: defaultdict[MediumFacts, set[Strand]] = defaultdict(set)
-        self._pending: deque[Strand] = deque()
-        self._waiting: set[Strand] = set()
+        self._dependents: defaultdict[MediumFacts, set[ThreadInstance]] = defaultdict(set)
+        self._pending: deque[ThreadInstance] = deque()
+        self._waiting: set[ThreadInstance] = set()
         self._names: dict[str, int] = {world.top.path: 1}
         top = world.top
-        self.top = Strand(top, top.definition.body, top.path, None, 0)
-        self._again(self.top)
-        while self._pending or self._read_in_vain():
-            strand = self._pending.popleft()
-            self._waiting.discard(strand)
-            self._follow(strand)
+        self.top = ThreadInstance(top, top.definition.body, top.path, None, 0)
+        self._enqueue(self.top)
+        while self._pending or self._admit_values_never_written():
+            thread = self._pending.popleft()
+            self._waiting.discard(thread)
+            self._follow(thread)
 
-    def _read_in_vain(self) -> bool:
+    def _admit_values_never_written(self) -> bool:
         """Gives an unknown value to channels that are read and never written, so their readers have a label to wait
         with. Returns whether there are new ones.
         """
-        for medium in [medium for medium in self._asking if medium.kind in CHANNELS and medium.values == set()]:
+        for medium in [medium for medium in self._dependents if medium.kind in CHANNELS and medium.values == set()]:
             medium.admit({UNKNOWN})
-            self._news(medium)
+            self._follow_dependents_again(medium)
         return bool(self._pending)
 
-    def all(self) -> list[Strand]:
+    def all(self) -> list[ThreadInstance]:
         """The threads that can run, each one before its branches."""
         found = [self.top]
-        for strand in found:
-            for key in strand.template.parallels:
-                found += self.branches[parallel_key(strand.occurrence, key)]
+        for thread in found:
+            for key in thread.template.parallels:
+                found += self.branches[parallel_key(thread.occurrence, key)]
         unique = list(dict.fromkeys(found))
-        for number, strand in enumerate(unique):
-            strand.number = number
+        for number, thread in enumerate(unique):
+            thread.number = number
         return unique
 
-    def _again(self, strand: Strand) -> None:
-        if strand not in self._waiting:
-            self._waiting.add(strand)
-            self._pending.append(strand)
+    def _enqueue(self, thread: ThreadInstance) -> None:
+        if thread not in self._waiting:
+            self._waiting.add(thread)
+            self._pending.append(thread)
 
-    def _follow(self, strand: Strand) -> None:
-        template = strand.template = self._template(strand)
-        for reference in template.asked:
-            self._asking[resolve(strand.occurrence, reference)].add(strand)
-        for reference in template.touched:
-            medium = resolve(strand.occurrence, reference)
-            medium.accessed_by.add(strand)
+    def _follow(self, thread: ThreadInstance) -> None:
+        template = thread.template = self._template(thread)
+        for reference in template.dependencies:
+            self._dependents[resolve(thread.occurrence, reference)].add(thread)
+        for reference in template.accessed_variables:
+            medium = resolve(thread.occurrence, reference)
+            medium.accessed_by.add(thread)
             if len(medium.accessed_by) > 1 and not medium.shared:
                 medium.shared = True
                 medium.admit({medium.initial})
-                self._news(medium)
+                self._follow_dependents_again(medium)
         for reference, values in template.written.items():
-            medium = resolve(strand.occurrence, reference)
+            medium = resolve(thread.occurrence, reference)
             if medium.admit(values):
-                self._news(medium)
+                self._follow_dependents_again(medium)
         for key, parallel in template.parallels.items():
-            for branch in self._branches(strand, key):
-                once = branch.once and strand is branch.parent and strand.once and not template.repeats(key)
+            for branch in self._branches(thread, key):
+                once = branch.once and thread is branch.parent and thread.once and not template.repeats(key)
                 cancellable = branch.cancellable or parallel.cancellable
                 caught = branch.caught or parallel.caught
                 if (once, cancellable, caught) != (branch.once, branch.cancellable, branch.caught):
                     branch.once, branch.cancellable, branch.caught = once, cancellable, caught
-                    self._again(branch)
+                    self._enqueue(branch)
 
-    def _news(self, medium: MediumFacts) -> None:
-        for strand in sorted(self._asking[medium], key=lambda strand: strand.name):
-            self._again(strand)
+    def _follow_dependents_again(self, medium: MediumFacts) -> None:
+        for thread in sorted(self._dependents[medium], key=lambda thread: thread.name):
+            self._enqueue(thread)
 
-    def _branches(self, strand: Strand, key: ParallelId) -> list[Strand]:
-        absolute = parallel_key(strand.occurrence, key)
+    def _branches(self, thread: ThreadInstance, key: ParallelId) -> list[ThreadInstance]:
+        absolute = parallel_key(thread.occurrence, key)
         known = self.branches.get(absolute)
         if known is None:
             known = self.branches[absolute] = []
             occurrence, node = absolute
             for number, child in enumerate(node.children):
-                branch = _branch(occurrence, child, strand, number)
+                branch = _branch(occurrence, child, thread, number)
                 branch.parallel = absolute
                 self._name(branch)
                 known.append(branch)
-                self._again(branch)
+                self._enqueue(branch)
         return known
 
-    def _name(self, strand: Strand) -> None:
+    def _name(self, thread: ThreadInstance) -> None:
         """Makes the name of a thread unique: a branch of another parallel may have it already."""
-        uses = self._names[strand.name] = self._names.get(strand.name, 0) + 1
+        uses = self._names[thread.name] = self._names.get(thread.name, 0) + 1
         if uses > 1:
-            strand.name = f"{strand.name} ({uses})"
+            thread.name = f"{thread.name} ({uses})"
 
-    def _template(self, strand: Strand) -> Template:
-        occurrence = strand.occurrence
-        known = self._cache[self._kind(strand)]
+    def _template(self, thread: ThreadInstance) -> Template:
+        occurrence = thread.occurrence
+        known = self._cache[self._kind(thread)]
         for template in known:
-            if all(_answer(occurrence, reference) == answer for reference, answer in template.asked.items()):
+            if all(_answer(occurrence, reference) == answer for reference, answer in template.dependencies.items()):
                 return template
-        template = explore(occurrence, strand.node, strand.role)
+        template = explore(occurrence, thread.node, thread.role)
         known.append(template)
         return template
 
-    def _kind(self, strand: Strand) -> Hashable:
+    def _kind(self, thread: ThreadInstance) -> Hashable:
         """What a template depends on besides the media that it asks for."""
-        occurrence = strand.occurrence
+        occurrence = thread.occurrence
         definition = occurrence.definition
         first: dict[MediumFacts, int] = {}
         ports = []
@@ -165,7 +165,7 @@ class Strands:
             ports.append((medium.kind, medium.relevant, medium.cells, alias, medium.sampling, initial))
         parameters = self.world.facts.parameters(definition)
         values = tuple(repr(occurrence.arguments.get(name)) for name in parameters)
-        return definition.name, strand.node, strand.role, values, tuple(ports)
+        return definition.name, thread.node, thread.role, values, tuple(ports)
 
 
 def _answer(occurrence: Occurrence, reference: Reference) -> object:
@@ -179,7 +179,7 @@ def parallel_key(occurrence: Occurrence, key: ParallelId) -> ParallelKey:
     return occurrence.at(path), node
 
 
-def _branch(occurrence: Occurrence, node: Node, parent: Strand, number: int) -> Strand:
+def _branch(occurrence: Occurrence, node: Node, parent: ThreadInstance, number: int) -> ThreadInstance:
     """The thread of a branch; if the branch only runs a process, it is the thread of that process."""
     label = None
     while isinstance(node.action, Group):
@@ -190,11 +190,11 @@ def _branch(occurrence: Occurrence, node: Node, parent: Strand, number: int) -> 
         definition = occurrence.definition.instances[name]
         if isinstance(occurrence.world.program.classes[definition.class_name].definition, ProcessClass):
             child = occurrence.child(name)
-            return Strand(child, child.definition.body, child.path, parent, number)
-        return Strand(occurrence, node, f"{occurrence.path}.{name}", parent, number)
+            return ThreadInstance(child, child.definition.body, child.path, parent, number)
+        return ThreadInstance(occurrence, node, f"{occurrence.path}.{name}", parent, number)
     run = set(instances_run(node.action))
     name = label or (run.pop() if len(run) == 1 else "")
-    branch = Strand(occurrence, node, f"{occurrence.path}.{name or number + 1}", parent, number)
+    branch = ThreadInstance(occurrence, node, f"{occurrence.path}.{name or number + 1}", parent, number)
     if not name:
         branch.span = node.span
     return branch

@@ -114,7 +114,7 @@ class Computing:
         stack = following
         while stack is not None:
             if isinstance(stack[0], frames.Interrupt):
-                return c.at((frames.Pass(node), following))
+                return c.at((frames.InterruptPoint(node), following))
             stack = stack[1]
         return c.at(following)
 

@@ -9,7 +9,7 @@ from typing import TypeAlias, assert_never
 from cspdiag.network.ir import actions as ir
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT
 from cspdiag.proofs.transitions.classes.program import Node
-from cspdiag.proofs.transitions.occurrences import PATIENT
+from cspdiag.proofs.transitions.occurrences import BLOCKING
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.frames import Stack
@@ -57,8 +57,8 @@ class Follower(GuardSteps):
                 if known is not None:
                     return known
                 choices.append(configuration)
-            if isinstance(frame, frames.Turns):
-                begins, after = _turn(configuration, frame)
+            if isinstance(frame, frames.Iterations):
+                begins, after = _iteration(configuration, frame)
                 if begins in seen:
                     configuration = after
                     continue
@@ -66,7 +66,7 @@ class Follower(GuardSteps):
             following = self._step(configuration)
             if following is None:
                 stack = configuration.stack
-                if not configuration.doomed or stack is None or type(stack[0]) not in frames.POINTS:
+                if not configuration.doomed or stack is None or type(stack[0]) not in frames.CANCELLATION_POINTS:
                     return configuration
                 following = self.abandoned(configuration)
             configuration = following
@@ -113,7 +113,7 @@ class Follower(GuardSteps):
             case ir.WaitStep():
                 return self._wait
             case ir.StopStep() | ir.ParallelSteps():
-                return self._point
+                return self._cancellation_point
             case ir.RaiseException():
                 return self._raise
             case ir.Repeat():
@@ -121,7 +121,7 @@ class Follower(GuardSteps):
             case ir.WhileLoop():
                 return self._while
             case ir.CountedLoop():
-                return self._turns
+                return self._counted_loop
             case ir.IfElse():
                 return self._if
             case ir.CatchException():
@@ -141,10 +141,10 @@ class Follower(GuardSteps):
         self, c: Configuration, frame: frames.Silent | frames.Reading | frames.Writing | frames.Waiting, rest: Stack
     ) -> Configuration | None:
         match frame:
-            case frames.Turns():
-                return self._next_turn(c, frame, rest)
-            case frames.Again():
-                return self._again(c, frame, rest)
+            case frames.Iterations():
+                return self._next_iteration(c, frame, rest)
+            case frames.LoopEnd():
+                return self._loop_end(c, frame, rest)
             case frames.Leave():
                 return self.thread.closed(c, frame.context).at(rest)
             case frames.Deciding():
@@ -171,7 +171,7 @@ class Follower(GuardSteps):
                 return c.at(rest)
             case (
                 frames.Put() | frames.Delivering() | frames.Withdrawing() | frames.Picking() | frames.Choosing()
-                | frames.Join() | frames.GuardOnly() | frames.Closing() | frames.Pass() | frames.Either()
+                | frames.Join() | frames.GuardOnly() | frames.Closing() | frames.InterruptPoint() | frames.MayEnd()
                 | frames.Open() | frames.Split() | frames.Load() | frames.Store() | frames.Foreign()
                 | frames.ForeignPort() | frames.Diverges() | frames.Idle() | frames.Ended() | frames.Over()
                 | frames.Faulted() | frames.Raised()
@@ -201,7 +201,7 @@ class Follower(GuardSteps):
         action = node.action
         assert isinstance(action, ir.ReadValue)
         reference = context.reference(action.source)
-        if self.thread.medium(reference).kind in PATIENT:
+        if self.thread.medium(reference).kind in BLOCKING:
             if c.fetched is not None:
                 if c.fetched[0] != reference:
                     self.cannot_fuse(c)
@@ -247,18 +247,18 @@ class Follower(GuardSteps):
         if not c.doomed:
             assert isinstance(node.action, ir.WaitStep)
             self.compute_risk(c, context, node.action.duration)
-        return self._point(c, node, context, rest)
+        return self._cancellation_point(c, node, context, rest)
 
-    def _point(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
+    def _cancellation_point(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         """A cancellation point: a cancelled process ends here, any other one waits."""
         if c.fetched is not None:
             self.cannot_fuse(c)
         return self.abandoned(c) if c.doomed else None
 
     def _repeat(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
-        return c.at((frames.Run(node.children[0], context), (frames.Again(node, context), rest)))
+        return c.at((frames.Run(node.children[0], context), (frames.LoopEnd(node, context), rest)))
 
-    def _again(self, c: Configuration, frame: frames.Again, rest: Stack) -> Configuration | None:
+    def _loop_end(self, c: Configuration, frame: frames.LoopEnd, rest: Stack) -> Configuration | None:
         node, context = frame.node, frame.context
         assert isinstance(node.action, ir.Repeat)
         until = node.action.until
@@ -271,14 +271,14 @@ class Follower(GuardSteps):
         again = (frames.Run(node.children[0], context), (frames.Run(node, context), rest))
         return self._decided(c, context, node.action.condition, again, rest)
 
-    def _turns(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
+    def _counted_loop(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, ir.CountedLoop)
-        return c.at((frames.Turns(node, context, node.action.turns), rest))
+        return c.at((frames.Iterations(node, context, node.action.turns), rest))
 
-    def _next_turn(self, c: Configuration, frame: frames.Turns, rest: Stack) -> Configuration | None:
+    def _next_iteration(self, c: Configuration, frame: frames.Iterations, rest: Stack) -> Configuration | None:
         """The next iteration of a counted loop; the last one is followed by what comes after the loop."""
         node, context = frame.node, frame.context
-        below = rest if frame.left == 1 else (frames.Turns(node, context, frame.left - 1), rest)
+        below = rest if frame.left == 1 else (frames.Iterations(node, context, frame.left - 1), rest)
         return c.at((frames.Run(node.children[0], context), below))
 
     def _if(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
@@ -316,12 +316,12 @@ class Follower(GuardSteps):
         return c.at((frames.Run(inner.definition.body, inner), below))
 
 
-def _turn(configuration: Configuration, turns: frames.Turns) -> tuple[Configuration, Configuration]:
+def _iteration(configuration: Configuration, turns: frames.Iterations) -> tuple[Configuration, Configuration]:
     """The beginning of an iteration of a counted loop, whatever its number, and the configuration after the loop.
 
     If an iteration silently reaches the next one and has changed nothing, the remaining iterations do the same.
     """
     assert configuration.stack is not None
     rest = configuration.stack[1]
-    begins = configuration.at((frames.Turns(turns.node, turns.context, 0), rest))
+    begins = configuration.at((frames.Iterations(turns.node, turns.context, 0), rest))
     return begins, configuration.at(rest)

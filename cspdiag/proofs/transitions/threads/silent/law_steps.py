@@ -7,7 +7,7 @@ from __future__ import annotations
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Connection, SubmodelClass
-from cspdiag.proofs.transitions.occurrences import PATIENT
+from cspdiag.proofs.transitions.occurrences import BLOCKING
 from cspdiag.proofs.transitions.systems.references import Reference
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.context import Context
@@ -36,7 +36,7 @@ class LawSteps(Computing):
             if self.thread.facts.faults.of_inputs(instance_of, context.definition.name):
                 self.risk(c, f"what `{instance}` reads", instance_of.span)
             inputs = self.connections(context, instance, "in")
-            waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in PATIENT]
+            waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in BLOCKING]
             if c.fetched is not None:
                 fetched = c.fetched[0]
                 kept = [i for i in waiting if inputs[i][1] != fetched]

@@ -32,27 +32,27 @@ from cspdiag.proofs.transitions.systems.system import Abstraction, Component, Ev
 from cspdiag.proofs.transitions.threads.alarms import bindings, side_of
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 from cspdiag.proofs.transitions.threads.thread import resolve
-from cspdiag.proofs.transitions.threads.threads import Strand, Strands
+from cspdiag.proofs.transitions.threads.threads import ThreadInstance, ThreadTree
 from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Given, Known, UnknownValue
 
-Use: TypeAlias = tuple[Strand, OnMedium]
+Use: TypeAlias = tuple[ThreadInstance, OnMedium]
 """What a thread does on a medium."""
 Valued: TypeAlias = Read | Write | Guarded | Load | Store
 
-Reader: TypeAlias = tuple[Strand, Read]
+Reader: TypeAlias = tuple[ThreadInstance, Read]
 
 _ROLES: dict[type[Valued], str] = {Read: "?.", Write: "!.", Guarded: "!.", Load: "*.", Store: "*."}
 """What each party does in an event of a thread with the component of a medium."""
 
-MOST_MEETINGS = 1_000_000
+MOST_COMBINATIONS = 1_000_000
 """A program is refused if more combinations of threads can communicate on one channel."""
 
 
-class Meetings:
+class ChannelEvents:
     """Makes the events of all channels."""
 
-    def __init__(self, strands: Strands) -> None:
-        self.threads = strands.all()
+    def __init__(self, tree: ThreadTree) -> None:
+        self.threads = tree.all()
         self.events: list[Event] = []
         self.extra: list[Component] = []
         """Components that are not threads."""
@@ -62,7 +62,7 @@ class Meetings:
         """Events that show what a thread offers, and leave it in its state."""
         self._of_the_unsteady: set[int] = set()
         """Those echoes that belong only to states in which the offer may be withdrawn."""
-        self._alarms: dict[MediumFacts, list[tuple[Strand, Alarm]]] = defaultdict(list)
+        self._alarms: dict[MediumFacts, list[tuple[ThreadInstance, Alarm]]] = defaultdict(list)
         self._nobody: int | None = None
 
     def _event(
@@ -81,8 +81,8 @@ class Meetings:
         self.events.append(Event(channel, parties, kind, text, visible, roles, instant))
         return len(self.events) - 1
 
-    def _for(self, strand: Strand, label: Label, event: int) -> None:
-        self._of[strand.number].setdefault(label, []).append(event)
+    def _for(self, thread: ThreadInstance, label: Label, event: int) -> None:
+        self._of[thread.number].setdefault(label, []).append(event)
 
     def _add(self, component: Component) -> int:
         self.extra.append(component)
@@ -93,33 +93,37 @@ class Meetings:
             self._nobody = self._add(media.nobody())
         return self._nobody
 
-    def _alarm(self, strand: Strand, label: Alarm) -> None:
+    def _alarm(self, thread: ThreadInstance, label: Alarm) -> None:
         """Notes that the guard of an interrupt is found ready before it is taken."""
-        medium = resolve(strand.occurrence, label.reference)
+        medium = resolve(thread.occurrence, label.reference)
         if medium.kind == "event":
-            self._for(strand, label, self._event(medium.name, (strand.number,), "ready"))
+            self._for(thread, label, self._event(medium.name, (thread.number,), "ready"))
         else:
-            self._alarms[medium].append((strand, label))
+            self._alarms[medium].append((thread, label))
 
     def _ring(
-        self, medium: MediumFacts, watcher: tuple[Strand, Alarm], others: Iterable[Use], latch: tuple[int, ...] = ()
+        self,
+        medium: MediumFacts,
+        watcher: tuple[ThreadInstance, Alarm],
+        others: Iterable[Use],
+        latch: tuple[int, ...] = (),
     ) -> int:
         """The event in which the guard of an interrupt is found ready; the threads that would communicate stay in their
         states.
         """
-        strand, alarm = watcher
-        parties = (strand.number, *dict.fromkeys(other.number for other, _ in others), *latch)
+        thread, alarm = watcher
+        parties = (thread.number, *dict.fromkeys(other.number for other, _ in others), *latch)
         event = self._event(medium.name, parties, "ready")
-        self._for(strand, alarm, event)
+        self._for(thread, alarm, event)
         for other, offered in others:
             self._echoes[other.number].setdefault(offered, []).append(event)
         return event
 
     def _ring_rendezvous(self, medium: MediumFacts, uses: list[Use]) -> None:
-        for strand, alarm in self._alarms.get(medium, ()):
+        for thread, alarm in self._alarms.get(medium, ()):
             for use in uses:
-                if use[0] is not strand and isinstance(use[1], Offer) and side_of(use[1]) == alarm.side:
-                    event = self._ring(medium, (strand, alarm), [use])
+                if use[0] is not thread and isinstance(use[1], Offer) and side_of(use[1]) == alarm.side:
+                    event = self._ring(medium, (thread, alarm), [use])
                     if not medium.is_contended:
                         self._of_the_unsteady.add(event)
 
@@ -147,14 +151,14 @@ class Meetings:
         return medium.distinguished(label.value) if medium.relevant and medium.values is not None else UNKNOWN
 
     def _rendezvous(self, medium: MediumFacts, uses: list[Use]) -> None:
-        writing: dict[Known, list[tuple[Strand, Write | Guarded]]] = defaultdict(list)
-        reading: dict[Known, list[tuple[Strand, Read]]] = defaultdict(list)
-        for strand, label in uses:
+        writing: dict[Known, list[tuple[ThreadInstance, Write | Guarded]]] = defaultdict(list)
+        reading: dict[Known, list[tuple[ThreadInstance, Read]]] = defaultdict(list)
+        for thread, label in uses:
             match label:
                 case Read():
-                    reading[self._value(medium, label)].append((strand, label))
+                    reading[self._value(medium, label)].append((thread, label))
                 case Write() | Guarded():
-                    writing[self._value(medium, label)].append((strand, label))
+                    writing[self._value(medium, label)].append((thread, label))
                 case Bind() | Bound() | Delivered() | Withdrawn() | Load() | Store():
                     pass
                 case _:
@@ -180,27 +184,29 @@ class Meetings:
             self._for(writer, binds, event)
             self._for(reader, bound, event)
 
-    def _limit(self, medium: MediumFacts, meetings: int) -> None:
-        if meetings > MOST_MEETINGS:
-            raise TransitionError(f"on `{medium.name}` {meetings} ways to communicate would have to be distinguished")
+    def _limit(self, medium: MediumFacts, combinations: int) -> None:
+        if combinations > MOST_COMBINATIONS:
+            raise TransitionError(
+                f"on `{medium.name}` {combinations} ways to communicate would have to be distinguished"
+            )
 
     def _alone(self, medium: MediumFacts, use: Use, value: Known) -> None:
-        strand, label = use
-        parties = (strand.number, self._nobody_number())
+        thread, label = use
+        parties = (thread.number, self._nobody_number())
         roles = "?." if isinstance(label, Read) else "!."
-        self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type, roles=roles))
+        self._for(thread, label, self._event(medium.name, parties, "communication", value, medium.type, roles=roles))
 
     def _with(
         self, medium: MediumFacts, uses: Iterable[Use], number: int, kinds: tuple[type[Valued], ...], kind: EventKind
     ) -> dict[Known, list[int]]:
         """Makes the events in which labels of some kinds meet the component of a medium, by value."""
         found: dict[Known, list[int]] = {}
-        for strand, label in uses:
+        for thread, label in uses:
             if isinstance(label, kinds):
                 value = self._value(medium, label)
                 roles = _ROLES[type(label)]
-                event = self._event(medium.name, (strand.number, number), kind, value, medium.type, roles=roles)
-                self._for(strand, label, event)
+                event = self._event(medium.name, (thread.number, number), kind, value, medium.type, roles=roles)
+                self._for(thread, label, event)
                 found.setdefault(value, []).append(event)
         return found
 
@@ -220,10 +226,10 @@ class Meetings:
 
     def _broadcast(self, medium: MediumFacts, uses: list[Use]) -> None:
         readers: dict[object, list[Reader]] = {}
-        for strand, label in uses:
+        for thread, label in uses:
             if isinstance(label, Read):
-                end = strand.occurrence.at(label.end.path), label.end.end
-                readers.setdefault(end, []).append((strand, label))
+                end = thread.occurrence.at(label.end.path), label.end.end
+                readers.setdefault(end, []).append((thread, label))
         first = len(self.threads) + len(self.extra)
         missing = max(0, medium.ends - len(readers))
         latches = tuple(range(first, first + len(readers)))
@@ -246,7 +252,7 @@ class Meetings:
         """The events in which guards of interrupts see a value at their end of a broadcast that may still be taken
         back.
         """
-        where = {(strand, label.end) for strand, label in ends}
+        where = {(thread, label.end) for thread, label in ends}
         watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1].end) in where]
         return [self._ring(medium, watcher, (), (number,)) for watcher in watchers]
 
@@ -256,8 +262,8 @@ class Meetings:
         writes: dict[Known, list[int]] = {}
         delivered: list[int] = []
         withdrawn: list[int] = []
-        for strand, label in uses:
-            parties = (strand.number, *latches)
+        for thread, label in uses:
+            parties = (thread.number, *latches)
             match label:
                 case Write():
                     value = self._value(medium, label)
@@ -274,14 +280,14 @@ class Meetings:
                     continue
                 case _:
                     assert_never(label)
-            self._for(strand, label, event)
+            self._for(thread, label, event)
         return writes, delivered, withdrawn
 
     def _guarded_broadcasts(
         self, medium: MediumFacts, uses: list[Use], readers: list[list[Reader]], absent: tuple[int, ...]
     ) -> None:
         """An output guard on a broadcast is ready when all readers wait; all get the value at once."""
-        for strand, label in uses:
+        for thread, label in uses:
             if not isinstance(label, Guarded):
                 continue
             value = self._value(medium, label)
@@ -289,22 +295,22 @@ class Meetings:
             self._limit(medium, prod(map(len, fitting)))
             for chosen in product(*fitting):
                 reading = tuple(dict.fromkeys(reader.number for reader, _ in chosen))
-                parties, roles = (strand.number, *reading, *absent), f"!{'?' * len(reading)}{'.' * len(absent)}"
+                parties, roles = (thread.number, *reading, *absent), f"!{'?' * len(reading)}{'.' * len(absent)}"
                 event = self._event(medium.name, parties, "communication", value, medium.type, roles=roles)
-                self._for(strand, label, event)
+                self._for(thread, label, event)
                 for reader, read in chosen:
                     self._for(reader, read, event)
-                self._ring_all(medium, ((strand, label), *chosen))
+                self._ring_all(medium, ((thread, label), *chosen))
 
-    def _ring_all(self, medium: MediumFacts, parties: Sequence[tuple[Strand, Read | Guarded]]) -> None:
+    def _ring_all(self, medium: MediumFacts, parties: Sequence[tuple[ThreadInstance, Read | Guarded]]) -> None:
         """For each thread whose part in a broadcast by an output guard is the guard of an interrupt: the event in which
         it sees the others ready.
         """
-        for strand, label in parties:
+        for thread, label in parties:
             for watcher, alarm in self._alarms.get(medium, ()):
                 own = label.end == alarm.end if isinstance(label, Read) else alarm.side == "read"
-                if watcher is strand and own:
-                    others = [other for other in parties if other[0] is not strand]
+                if watcher is thread and own:
+                    others = [other for other in parties if other[0] is not thread]
                     self._ring(medium, (watcher, alarm), others)
 
 

@@ -7,9 +7,9 @@ from typing import assert_never
 from cspdiag.base.record import replaced
 from cspdiag.network.dump.delay import delay_text
 from cspdiag.network.ir import actions as ir
-from cspdiag.proofs.transitions.occurrences import PATIENT
+from cspdiag.proofs.transitions.occurrences import BLOCKING
 from cspdiag.proofs.transitions.systems.references import Path, Reference
-from cspdiag.proofs.transitions.systems.template import Spot
+from cspdiag.proofs.transitions.systems.template import PlaceTemplate
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.context import Context
 from cspdiag.proofs.transitions.threads.thread import Configuration, Thread
@@ -18,10 +18,10 @@ MISSED_A_SAMPLE = "raises Timeout"
 """The words for the state in which a missed sample has ended the outermost process."""
 
 
-def spot(thread: Thread, configuration: Configuration) -> Spot:
+def place_template(thread: Thread, configuration: Configuration) -> PlaceTemplate:
     """What the thread does in a configuration."""
     assert configuration.stack is not None
-    return replaced(_spot(thread, configuration.stack[0]), path=_innermost(configuration))
+    return replaced(_place_template(thread, configuration.stack[0]), path=_innermost(configuration))
 
 
 def _innermost(configuration: Configuration) -> Path:
@@ -34,65 +34,65 @@ def _innermost(configuration: Configuration) -> Path:
     return ()
 
 
-def _spot(thread: Thread, frame: frames.Frame) -> Spot:
+def _place_template(thread: Thread, frame: frames.Frame) -> PlaceTemplate:
     match frame:
         case frames.Run():
             return _action(frame)
         case frames.Put():
-            return Spot("waits to write", frame.reference, frame.node.span)
+            return PlaceTemplate("waits to write", frame.reference, frame.node.span)
         case frames.Delivering():
             span = None if frame.node is None else frame.node.span
-            return Spot("waits until all readers have taken what it wrote to", frame.reference, span)
+            return PlaceTemplate("waits until all readers have taken what it wrote to", frame.reference, span)
         case frames.Withdrawing():
-            return Spot("takes back what it wrote to", frame.reference)
+            return PlaceTemplate("takes back what it wrote to", frame.reference)
         case frames.Choosing():
             return _choice(frame)
         case frames.Reading() | frames.Writing():
             return _law(thread, frame)
         case frames.Join():
             words = "waits for its parallel branches to end" if frame.stage == "wait" else "ends its parallel branches"
-            return Spot(words, None, frame.node.span)
+            return PlaceTemplate(words, None, frame.node.span)
         case frames.Picking():
-            return Spot("decides", None, frame.node.span)
+            return PlaceTemplate("decides", None, frame.node.span)
         case frames.Open():
-            return Spot("decides", None, frame.condition.span)
+            return PlaceTemplate("decides", None, frame.condition.span)
         case frames.GuardOnly():
             assert isinstance(frame.node.action, ir.InterruptOn)
             words, reference = _guard(frame.node.action.branch, frame.context)
-            return Spot(words, reference, frame.node.action.branch.span)
-        case frames.Pass():
-            return Spot("goes on", None, frame.node.span)
+            return PlaceTemplate(words, reference, frame.node.action.branch.span)
+        case frames.InterruptPoint():
+            return PlaceTemplate("goes on", None, frame.node.span)
         case frames.Closing():
-            return Spot("goes on", None, frame.interrupt.node.span)
+            return PlaceTemplate("goes on", None, frame.interrupt.node.span)
         case frames.Split():
             first = frame.parts[0]
-            return Spot("computes", None, first.node.span if isinstance(first, frames.Put) else None)
+            return PlaceTemplate("computes", None, first.node.span if isinstance(first, frames.Put) else None)
         case frames.Load(what=frames.Risk() as risk):
-            return Spot("computes", None, risk.span)
+            return PlaceTemplate("computes", None, risk.span)
         case frames.Load(what=reference):
-            return Spot("looks at", reference)
+            return PlaceTemplate("looks at", reference)
         case frames.Store():
-            return Spot("assigns", frame.reference)
+            return PlaceTemplate("assigns", frame.reference)
         case frames.Foreign():
-            return Spot("decides what to do", None, frame.context.definition.definition.span)
+            return PlaceTemplate("decides what to do", None, frame.context.definition.definition.span)
         case frames.ForeignPort():
             reference = frame.context.ports[frame.element]
-            return Spot("waits to communicate on", reference, frame.context.definition.definition.span)
+            return PlaceTemplate("waits to communicate on", reference, frame.context.definition.definition.span)
         case frames.Diverges():
-            return Spot("goes round forever without a communication")
+            return PlaceTemplate("goes round forever without a communication")
         case frames.Idle():
-            return Spot("has not been started")
+            return PlaceTemplate("has not been started")
         case frames.Faulted():
-            return Spot("has ended by a fault")
+            return PlaceTemplate("has ended by a fault")
         case frames.Raised():
-            return Spot(f"raises {frame.exception}")
-        case frames.Either():
-            return Spot("was cancelled")
+            return PlaceTemplate(f"raises {frame.exception}")
+        case frames.MayEnd():
+            return PlaceTemplate("was cancelled")
         case frames.Ended() | frames.Over():
-            return Spot("has ended")
+            return PlaceTemplate("has ended")
         case (
             frames.Deciding() | frames.Offering() | frames.Compute() | frames.Interrupting() | frames.Interruptible()
-            | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.Again() | frames.Turns()
+            | frames.Interrupt() | frames.Storing() | frames.Assign() | frames.LoopEnd() | frames.Iterations()
             | frames.Catch() | frames.Leave()
         ):  # fmt: skip
             raise AssertionError(f"{frame} is a silent step")
@@ -100,32 +100,32 @@ def _spot(thread: Thread, frame: frames.Frame) -> Spot:
             assert_never(frame)
 
 
-def _action(frame: frames.Run) -> Spot:
+def _action(frame: frames.Run) -> PlaceTemplate:
     node, context = frame.node, frame.context
     action = node.action
     match action:
         case ir.ReadValue():
-            return Spot("waits to read", context.reference(action.source), node.span)
+            return PlaceTemplate("waits to read", context.reference(action.source), node.span)
         case ir.WaitStep():
-            return Spot(f"is in `{delay_text(action)}`", None, node.span)
+            return PlaceTemplate(f"is in `{delay_text(action)}`", None, node.span)
         case ir.StopStep():
-            return Spot("waits forever, at stop", None, node.span)
+            return PlaceTemplate("waits forever, at stop", None, node.span)
         case ir.ParallelSteps():
-            return Spot("starts its parallel branches", None, node.span)
+            return PlaceTemplate("starts its parallel branches", None, node.span)
         case _:
             raise AssertionError(f"{type(action).__name__} is a silent step")
 
 
-def _choice(frame: frames.Choosing) -> Spot:
+def _choice(frame: frames.Choosing) -> PlaceTemplate:
     node, context, decided = frame.node, frame.context, frame.decided
     assert isinstance(node.action, ir.Choice)
     branches = [branch for branch, on in zip(node.action.branches, decided, strict=True) if on is not None]
     if not branches:
-        return Spot("waits for an alternative of which no guard is enabled", None, node.span)
+        return PlaceTemplate("waits for an alternative of which no guard is enabled", None, node.span)
     if len(branches) == 1:
         words, reference = _guard(branches[0], context)
-        return Spot(words, reference, branches[0].span)
-    return Spot("waits for one of its guards", None, node.span)
+        return PlaceTemplate(words, reference, branches[0].span)
+    return PlaceTemplate("waits for one of its guards", None, node.span)
 
 
 def _guard(branch: ir.Branch, context: Context) -> tuple[str, Reference | None]:
@@ -142,7 +142,7 @@ def _guard(branch: ir.Branch, context: Context) -> tuple[str, Reference | None]:
             assert_never(branch.event)
 
 
-def _law(thread: Thread, frame: frames.Reading | frames.Writing) -> Spot:
+def _law(thread: Thread, frame: frames.Reading | frames.Writing) -> PlaceTemplate:
     context, node = frame.context, frame.node
     connections = context.definition.instances[frame.instance].connections
     law = thread.law(context, frame.instance)
@@ -152,5 +152,5 @@ def _law(thread: Thread, frame: frames.Reading | frames.Writing) -> Spot:
     names = {port.name for port in law.ports if port.direction == side}
     ends = [context.reference(c.attachment) for c in connections if c.port in names]
     waiting = [ends[position] for position in frame.remaining]
-    patient = [reference for reference in waiting if thread.medium(reference).kind in PATIENT] or waiting
-    return Spot("waits to read" if side == "in" else "waits to write", patient[0], node.span)
+    patient = [reference for reference in waiting if thread.medium(reference).kind in BLOCKING] or waiting
+    return PlaceTemplate("waits to read" if side == "in" else "waits to write", patient[0], node.span)
