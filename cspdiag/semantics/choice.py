@@ -46,7 +46,7 @@ class Choose(Request):
         ready.update(index for index, deadline in self.timeouts.items() if deadline <= self.world.due)
         return sorted(ready)
 
-    def may_go_on(self) -> bool:
+    def can_continue(self) -> bool:
         """Whether it has not chosen, and a guard is ready."""
         return self.chosen is None and bool(self.ready_guards())
 
@@ -193,9 +193,9 @@ class Interrupt(Request):
         """Whether the body, or the writer of a promised value, has not ended."""
         return not self.body.ended or (self.guard.promised and not self.guard.done)
 
-    def may_go_on(self) -> bool:
+    def can_continue(self) -> bool:
         """Whether the guard is ready for the first time, or again after the body has ended. «Interrupt» 2 and 4"""
-        return (self.body.ended or not self.triggered) and self.guard.may_go_on()
+        return (self.body.ended or not self.triggered) and self.guard.can_continue()
 
     def wake(self) -> None:
         """The guard is ready."""

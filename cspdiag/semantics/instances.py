@@ -144,9 +144,9 @@ class ProcessInstance:
         """The medium that a port of an instance inside is attached to. «The communication diagram»"""
         match connection.attachment:
             case ConstantEnd(value=value):
-                return media.AtOnce(self.world, "", self.value(value))
+                return media.NonBlocking(self.world, "", self.value(value))
             case DiscardEnd():
-                return media.AtOnce(self.world, "")
+                return media.NonBlocking(self.world, "")
             case end:  # A port or a channel.
                 return self.medium(end)
 
@@ -279,7 +279,7 @@ class ProcessInstance:
 
     def _read(self, source: act.End, target: act.Target) -> Steps:
         medium = self.medium(source)
-        if isinstance(medium, media.AtOnce) and not medium.communicates:
+        if isinstance(medium, media.NonBlocking) and not medium.communicates:
             self.assign(target, medium.value)
             return
         request = Communicate()
@@ -289,7 +289,7 @@ class ProcessInstance:
 
     def _write(self, sink: act.End, value: Expression) -> Steps:
         medium = self.medium(sink)
-        if isinstance(medium, media.AtOnce) and not medium.communicates:
+        if isinstance(medium, media.NonBlocking) and not medium.communicates:
             medium.write(self.value(value))
             return
         request = Communicate()

@@ -320,7 +320,7 @@ class Broadcast(Medium):
             self.complete(writer)
 
 
-class AtOnce(Medium):
+class NonBlocking(Medium):
     """A medium at which no process waits.
 
     Readers get ``value``. A plain read or write is not a communication, and no process is cancelled there.
@@ -356,7 +356,7 @@ class AtOnce(Medium):
         """Take a value that is written; ``_`` drops it."""
 
 
-class Variable(AtOnce):
+class Variable(NonBlocking):
     """A channel of kind ``var``.
 
     It holds one value, and is overwritten; accesses are not communications. Reading it before it is written is a fault.

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from cspdiag.model.sampling import Sampling
-from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer, World
+from cspdiag.semantics.media import EndKey, Medium, NonBlocking, Offer, World
 from cspdiag.semantics.values import FaultError, RaisedError
 
 
@@ -15,7 +15,7 @@ class MissedSampleError(RaisedError):
     """A sample was overwritten before it was taken: exception ``Timeout``. «Time»"""
 
 
-class EventOutput(AtOnce):
+class EventOutput(NonBlocking):
     """An output that hands each value over to the environment when it is written: an event port, or an ``immediate``
     one.
 
@@ -26,11 +26,11 @@ class EventOutput(AtOnce):
 
     def write(self, value: Any) -> None:
         """Hand the value over."""
-        _refuse_what_is_no_number(value)
+        _require_finite(value)
         self.world.hand_over(self.name, value)
 
 
-class SampledOutput(AtOnce):
+class SampledOutput(NonBlocking):
     """An output whose last value is latched, and handed over at the next tick. «Time»"""
 
     communicates = True
@@ -42,7 +42,7 @@ class SampledOutput(AtOnce):
 
     def write(self, value: Any) -> None:
         """Latch a value; the last one written in a period wins."""
-        _refuse_what_is_no_number(value)
+        _require_finite(value)
         self.latched = [value]
 
     def tick(self) -> None:
@@ -52,10 +52,10 @@ class SampledOutput(AtOnce):
         self.latched = []
 
 
-def _refuse_what_is_no_number(value: Any) -> None:
+def _require_finite(value: Any) -> None:
     if isinstance(value, tuple):
         for part in value:
-            _refuse_what_is_no_number(part)
+            _require_finite(part)
     elif isinstance(value, float) and not math.isfinite(value):
         raise FaultError(f"{value} for an output of the outermost process")
 

@@ -127,7 +127,7 @@ class Request:
     def attempt(self) -> None:
         """The process runs: continue as far as possible."""
 
-    def may_go_on(self) -> bool:
+    def can_continue(self) -> bool:
         """Whether something that the request waits for is there."""
         return False
 
@@ -189,7 +189,7 @@ class Communicate(Request):
         for offer in self.offers_now():
             offer.medium.retry(offer)
 
-    def may_go_on(self) -> bool:
+    def can_continue(self) -> bool:
         """Whether a sample or an event has arrived for one of the offers."""
         return any(offer.medium.wakes(offer) for offer in self.offers_now())
 
@@ -224,7 +224,7 @@ class Wait(Request):
             if self.duration <= 0:
                 self.finish()
 
-    def may_go_on(self) -> bool:
+    def can_continue(self) -> bool:
         """Whether its instant has been reached. «An instant»"""
         return self.duration is not None and self.until <= self.world.due
 

@@ -115,16 +115,16 @@ class Scheduler:
 
     def group_ended(self, path: str) -> None:
         """A named group has ended."""
-        self._tell_ended(path)
+        self._report_end(path)
 
     def process_ended(self, path: str) -> None:
         """A process has ended, and with it the sessions of its reading ends. «Time»"""
         for port in self.inputs:
             if isinstance(port, SampledInput):
                 port.process_ended(path)
-        self._tell_ended(path)
+        self._report_end(path)
 
-    def _tell_ended(self, path: str) -> None:
+    def _report_end(self, path: str) -> None:
         # A process that is left because the run is ended from outside has not ended itself.
         interrupted = sys.exception()
         if self.observer is not None and (interrupted is None or isinstance(interrupted, Exception)):
@@ -162,7 +162,7 @@ class Scheduler:
         for request in requests:
             task = request.task
             asleep = task is not self.running and task not in self.ready and not task.cancelled
-            if asleep and request in self.waiting and not request.completed and request.may_go_on():
+            if asleep and request in self.waiting and not request.completed and request.can_continue():
                 request.wake()
 
     def run_until_none_is_ready(self) -> None:
@@ -171,11 +171,11 @@ class Scheduler:
         """
         while self.ready:
             highest = min(task.rank() for task in self.ready)
-            task = self.next_of([task for task in self.ready if task.rank() == highest])
+            task = self.next_task([task for task in self.ready if task.rank() == highest])
             self.ready.remove(task)
             self._run(task)
 
-    def next_of(self, ready: Sequence[Task]) -> Task:
+    def next_task(self, ready: Sequence[Task]) -> Task:
         """The task to run: the first of those that are ready, in the order in which they became ready. «Scheduling and
         traces»
         """

@@ -216,12 +216,12 @@ def _function(function: str, arguments: list[Any]) -> Any:
         case "log", [x]:
             return -math.inf if x == 0 else math.nan if x < 0 else math.log(x)
         case _, [x]:
-            return _of_one_number(function, x)
+            return _unary_function(function, x)
         case _:
             raise AssertionError(function)
 
 
-def _of_one_number(function: str, x: float) -> float:
+def _unary_function(function: str, x: float) -> float:
     try:
         return float(getattr(math, function)(x))
     except OverflowError:

@@ -19,7 +19,7 @@ from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.network.ir.network import CreatedChoice, ExternalPort, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.fuse.code import Code, Failure, NotStaticError
-from cspdiag.optimize.fuse.media import AtOnce, Input, Medium, Offer, channel_medium
+from cspdiag.optimize.fuse.media import Input, Medium, NonBlocking, Offer, channel_medium
 from cspdiag.optimize.fuse.record import Recorder
 from cspdiag.optimize.fuse.walker import FailureError, Walker
 from cspdiag.semantics.choice import Choose
@@ -101,7 +101,7 @@ class SymbolicRun(Scheduler):
         self._ends: dict[EndKey, End] = {}
         self._media: dict[Place, Medium] = {}
         self._make_media(code.entry, ports)
-        self._waiting_media = [medium for medium in self._media.values() if not isinstance(medium, AtOnce)]
+        self._waiting_media = [medium for medium in self._media.values() if not isinstance(medium, NonBlocking)]
         self._period = math.lcm(*(port.sampling.period for port in self._sampled)) if self._sampled else 1
 
     def _make_media(self, entry: ProcessClass, ports: Sequence[ExternalPort]) -> None:
@@ -117,7 +117,7 @@ class SymbolicRun(Scheduler):
         for port in ports:
             place = (port.name.partition("[")[0], port.index)
             if port.direction == "out":
-                self._media[place] = AtOnce(self.record, self, port.name)
+                self._media[place] = NonBlocking(self.record, self, port.name)
             elif port.sampling is not None:
                 self._media[place] = self._input(port.name, port.sampling, readers.get(place, []))
 
@@ -174,11 +174,11 @@ class SymbolicRun(Scheduler):
         self.record.count_instruction()
         super().instant(now)
 
-    def next_of(self, ready: Sequence[Task]) -> Task:
+    def next_task(self, ready: Sequence[Task]) -> Task:
         """The task of the next turn, after a check for a repeated state."""
         self._walkers = [walker for walker in self._walkers if not walker.task.ended]
         self.remember()
-        return super().next_of(ready)
+        return super().next_task(ready)
 
     def followed_since(self) -> dict[End, int]:
         """The instants at which the ends of sampled inputs were first read or waited for."""

@@ -96,7 +96,7 @@ class Medium(media.Medium):
         self.record.communicate(self.name, writer.value, as_offer(reader))
 
 
-class AtOnce(Medium, media.AtOnce):
+class NonBlocking(Medium, media.NonBlocking):
     """A medium that never waits: a variable, or an output to the environment."""
 
     def arrive(self, offer: media.Offer) -> None:
@@ -199,7 +199,7 @@ def channel_medium(record: Records, world: World, channel: LocalChannel, ends: S
             assert channel.capacity is not None
             medium = Fifo(record, world, channel.name, channel.capacity, channel.kind == "overwrite")
         case "var":
-            medium = AtOnce(record, world, channel.name)
+            medium = NonBlocking(record, world, channel.name)
         case _:
             assert_never(channel.kind)
     for end in ends:

@@ -32,7 +32,7 @@ def outcomes_of_meaning(network: Network) -> set[Outcome]:
     decisions = Decisions()
 
     class AnyOrder(Scheduler):
-        def next_of(self, ready: Sequence[Task]) -> Task:
+        def next_task(self, ready: Sequence[Task]) -> Task:
             return ready[decisions.choose(len(ready))]
 
         def fair(self, ready: Sequence[int], last: int) -> int:

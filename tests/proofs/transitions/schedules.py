@@ -76,7 +76,7 @@ def random_run(network: Network, seed: int, until: int) -> Execution:
     timeouts = not network.environments or any(entry.on_miss == "timeout" for entry in network.environments)
 
     class AnyOrder(Scheduler):
-        def next_of(self, ready: Sequence[Task]) -> Task:
+        def next_task(self, ready: Sequence[Task]) -> Task:
             return random.choice(ready)
 
         def fair(self, ready: Sequence[int], last: int) -> int:

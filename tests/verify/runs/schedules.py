@@ -27,7 +27,7 @@ def endings(network: Network, most: int) -> set[str]:
     decisions = Decisions()
 
     class AnyOrder(Scheduler):
-        def next_of(self, ready: Sequence[Task]) -> Task:
+        def next_task(self, ready: Sequence[Task]) -> Task:
             return ready[decisions.choose(len(ready))] if len(ready) > 1 else ready[0]
 
         def fair(self, ready: Sequence[int], last: int) -> int:
