@@ -61,9 +61,9 @@ def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | N
     unknown: list[Unknown] = []
     for at, method in enumerate(methods):
         if method == "invariants" and chosen is None:
-            brief = _searched_briefly(question, limits)
+            brief = _brief_search_verdict(question, limits)
             if not isinstance(brief, Unknown):
-                return _shortened(question, _noted(brief, unknown), limits)
+                return _shortened(question, _with_solver_note(brief, unknown), limits)
         share = _share(limits, len(methods) - at)
         verdict = _asked(method, question, share)
         if isinstance(verdict, Unknown):
@@ -71,7 +71,7 @@ def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | N
             is_last = "invariants" not in methods[at + 1 :]
             verdict = _followed(question, verdict, share, MOST_STATES if is_last else 0)
         if not isinstance(verdict, Unknown):
-            return _shortened(question, _noted(verdict, unknown), limits)
+            return _shortened(question, _with_solver_note(verdict, unknown), limits)
         unknown.append(verdict)
         if limits.remaining <= 0:
             break
@@ -86,14 +86,14 @@ def _asked(method: Method, question: StuckQuestion, limits: Limits) -> Verdict:
         return Unknown(method, str(limit))
 
 
-def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
+def _with_solver_note(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
     """The verdict, with a note if a method was skipped because no solver is installed."""
     if isinstance(verdict, Proved) and any(before.reason == MISSING for before in unknown):
         return replaced(verdict, reason=f"{verdict.reason}; {MISSING}")
     return verdict
 
 
-def _searched_briefly(question: StuckQuestion, limits: Limits) -> Verdict:
+def _brief_search_verdict(question: StuckQuestion, limits: Limits) -> Verdict:
     """The verdict of a search that ends before the solver for invariants would have started."""
     brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory, time.process_time)
     if question.structure.fails and not question.together:

@@ -9,7 +9,7 @@ import pytest
 from cspdiag.base.record import replaced
 from cspdiag.proofs.reduce import minimization, parallel_machines
 from cspdiag.proofs.reduce.branching_bisimulation import Machine, minimized
-from cspdiag.proofs.reduce.parallel_machines import Pairs, part_of, without_the_restless
+from cspdiag.proofs.reduce.parallel_machines import Pairs, part_of, with_divergent_states_merged
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.proofs.systems import known, naive
@@ -142,6 +142,6 @@ def test_a_knot_beside_a_loop_is_seen_and_a_trace_to_it_searched() -> None:
 def test_states_that_never_stand_still_are_one() -> None:
     turns = ((INTERNAL, 3),)
     machine = Machine((((0, 1), (1, 2)), ((INTERNAL, 3), (0, 3)), ((INTERNAL, 3), (0, 4)), turns, ()), (False,) * 5)
-    assert without_the_restless(machine) == Machine(
+    assert with_divergent_states_merged(machine) == Machine(
         (((0, 3), (1, 1)), ((INTERNAL, 3), (0, 2)), (), ((INTERNAL, 3),)), (False,) * 4
     )

@@ -171,15 +171,15 @@ def _candidate(question: Question, system: System, unknown: Unknown) -> tuple[st
 
 def not_followed(answer: Answer, divergence: str) -> Answer:
     """The answer if the program itself does not follow its counterexample."""
-    return _not_believed(answer, f"the program does not follow it: {divergence}")
+    return _unconfirmed(answer, f"the program does not follow it: {divergence}")
 
 
 def not_replayed(answer: Answer, stop: LimitError) -> Answer:
     """The answer if a limit of time or memory was reached before its counterexample was replayed."""
-    return _not_believed(answer, f"it was not replayed: {stop}")
+    return _unconfirmed(answer, f"it was not replayed: {stop}")
 
 
-def _not_believed(answer: Answer, but: str) -> Answer:
+def _unconfirmed(answer: Answer, but: str) -> Answer:
     found = answer.counterexample
     assert found is not None
     left_open = "; ".join(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
@@ -187,10 +187,10 @@ def _not_believed(answer: Answer, but: str) -> Answer:
     reason = f"a counterexample was found{believed}, but {but}"
     if left_open:
         reason += f" (left open in the proof: {left_open})"
-    return replaced(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_supposed(found))
+    return replaced(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_supposed_lines(found))
 
 
-def _supposed(found: Counterexample) -> tuple[str, ...]:
+def _supposed_lines(found: Counterexample) -> tuple[str, ...]:
     from cspdiag.proofs.counterexamples.words import supposed_lines
 
     return tuple(supposed_lines(found))

@@ -100,16 +100,16 @@ def counterexample(
     system: System, refuted: Refuted, failure: Failure, process: str = "", reason: str = ""
 ) -> Counterexample:
     """The counterexample of a refuted system with ``process`` as its outermost process."""
-    teller = _Teller(system, process)
+    describer = _Describer(system, process)
     state = list(system.initial)
-    steps = tuple(teller.steps(state, refuted.trace))
+    steps = tuple(describer.steps(state, refuted.trace))
     stopped = tuple(state)
-    cycle = tuple(teller.steps(state, refuted.cycle))
-    waiting = tuple(teller.waiting(stopped, refuted.stuck))
+    cycle = tuple(describer.steps(state, refuted.cycle))
+    waiting = tuple(describer.waiting(stopped, refuted.stuck))
     return Counterexample(failure, steps, cycle, waiting, ring(waiting), process, reason)
 
 
-class _Teller:
+class _Describer:
     """Components, events and states in the words of the diagram."""
 
     def __init__(self, system: System, process: str) -> None:
@@ -150,7 +150,7 @@ class _Teller:
                 for event in sorted(offered[index] - {INTERNAL})
                 for other in self._system.events[event].parties
                 if event not in offered[other]
-                for partner in who_could_come(self._system, other, self._system.events[event].role(index))
+                for partner in absent_processes(self._system, other, self._system.events[event].role(index))
             )
             channels = dict.fromkeys(
                 self._system.events[event].channel for event in sorted(offered[index] - {INTERNAL})
@@ -172,7 +172,7 @@ class _Teller:
         return all(event.kind in ("end", "cancel") and event.parties[0] != index for event in events)
 
 
-def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
+def absent_processes(system: System, absent: int, role: str) -> Iterable[int]:
     """The processes that would have to take part for a party that is absent: the party itself, or, if it is the memory
     of a channel, the processes on the other side of the channel than the one with ``role`` that waits.
     """

@@ -23,12 +23,12 @@ from cspdiag.proofs.search.traces import causes
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move
 
-_SHORT_LOOK = 3000
+_BRIEF_SEARCH_STATES = 3000
 """The number of states of the short search."""
 
 Edges = npt.NDArray[np.int64]
 State: TypeAlias = tuple[int, ...]
-Way: TypeAlias = tuple[Move, State]
+Successor: TypeAlias = tuple[Move, State]
 
 
 @record
@@ -56,7 +56,7 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
     part = looping_part(system, events)
     if part is None:
         return Finite("rules")
-    found = _short_look(system, part, limits)
+    found = _brief_search(system, part, limits)
     if found is not None:
         return found
     if is_large(system) and _is_excluded_outside(system, set(events), limits):
@@ -64,17 +64,17 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
     return _among_all_states(system, part, limits)
 
 
-def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
+def _brief_search(system: System, part: System, limits: Limits) -> Endless | None:
     """The shorter run of those that two walks find: one along stubborn sets, one in which the components that moved
     last move again.
     """
     sets = ClosedSets(system, limits)
     allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
 
-    def stubborn(state: State, moves: Sequence[Move]) -> list[Way]:
+    def stubborn(state: State, moves: Sequence[Move]) -> list[Successor]:
         return [way for event in sets.smallest(state) for way in sets.moves(state, event)]
 
-    def last_movers(state: State, moves: Sequence[Move]) -> list[Way]:
+    def last_movers(state: State, moves: Sequence[Move]) -> list[Successor]:
         moved = {party: at for at, move in enumerate(moves) for party, _ in move.moves}
         ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
         return sorted(ways, key=lambda way: max(moved.get(party, -1) for party, _ in way[0].moves))
@@ -88,7 +88,7 @@ def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
 
 
 def _walk(
-    initial: State, ways_of: Callable[[State, Sequence[Move]], list[Way]], allowed: set[int], limits: Limits
+    initial: State, successors_of: Callable[[State, Sequence[Move]], list[Successor]], allowed: set[int], limits: Limits
 ) -> Endless | None:
     """Searches depth first for a while, the last successor first; a state that is on the path already closes
     a cycle.
@@ -96,8 +96,8 @@ def _walk(
     moves: list[Move] = []
     on_path = {initial: 0}
     seen = {initial}
-    path = [(initial, ways_of(initial, moves))]
-    while path and len(seen) < _SHORT_LOOK:
+    path = [(initial, successors_of(initial, moves))]
+    while path and len(seen) < _BRIEF_SEARCH_STATES:
         limits.check()
         state, ways = path[-1]
         if not ways:
@@ -116,7 +116,7 @@ def _walk(
             seen.add(after)
             on_path[after] = len(path)
             moves.append(move)
-            path.append((after, ways_of(after, moves)))
+            path.append((after, successors_of(after, moves)))
     return None
 
 

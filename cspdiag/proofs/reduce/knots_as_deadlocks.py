@@ -54,7 +54,7 @@ def _stopping(
         for state, edges in enumerate(component.edges)
     )
     stuck = tuple(
-        tuple(dict.fromkeys(edge for event, _ in edges for edge in _ways_out(event, asked, turns)))
+        tuple(dict.fromkeys(edge for event, _ in edges for edge in _refutations_of_stuck(event, asked, turns)))
         for edges in component.edges
     )
     left_out = tuple(
@@ -77,7 +77,7 @@ def _stopping(
     )
 
 
-def _ways_out(event: int, asked: list[dict[int, int]], turns: int) -> list[Edge]:
+def _refutations_of_stuck(event: int, asked: list[dict[int, int]], turns: int) -> list[Edge]:
     """The edges that show that a component which offers an event is not stuck."""
     if event == INTERNAL or not asked[event]:
         return [(INTERNAL, turns)]

@@ -49,7 +49,7 @@ def _decide(
     if reduction.too_large:
         reason = f"no two of the last {len(remaining)} parts have at most {MOST_STATES} states together"
         return Unknown("minimization", reason)
-    if not _stands_still(remaining):
+    if not _can_deadlock(remaining):
         reason = (
             f"put together two by two and made minimal, the processes never had more than {reduction.largest} states"
         )
@@ -60,7 +60,7 @@ def _decide(
     return Unknown("minimization", "some processes can be stuck, but the search for a trace to it reached a limit")
 
 
-def _stands_still(parts: list[MachineInSystem]) -> bool:
+def _can_deadlock(parts: list[MachineInSystem]) -> bool:
     """Whether all parts, which share no events, can be without a step at once although some process has not ended."""
     ways = [
         {ended for ended, edges in zip(part.machine.ended, part.machine.edges, strict=True) if not edges}

@@ -55,7 +55,7 @@ def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[in
     return MachineInSystem(Machine(tuple(edges), ended), tuple(events))
 
 
-def without_the_restless(machine: Machine) -> Machine:
+def with_divergent_states_merged(machine: Machine) -> Machine:
     """The machine with all states merged from which internal steps are possible forever, whatever other machines do.
 
     Such a state has only an internal loop, or it has an internal step to such a state, and no steps except to such
@@ -68,22 +68,22 @@ def without_the_restless(machine: Machine) -> Machine:
             before[target].append(state)
     turning = [any(event == INTERNAL for event, _ in edges) for edges in machine.edges]
     pending = [state for state, edges in enumerate(machine.edges) if (INTERNAL, state) in edges]
-    restless: set[int] = set()
+    divergent: set[int] = set()
     while pending:
         state = pending.pop()
-        if state not in restless and turning[state] and ahead[state] <= restless:
-            restless.add(state)
+        if state not in divergent and turning[state] and ahead[state] <= divergent:
+            divergent.add(state)
             pending += before[state]
-    if len(restless) < 2:
+    if len(divergent) < 2:
         return machine
-    return _with_one(machine, restless)
+    return _with_one(machine, divergent)
 
 
-def _with_one(machine: Machine, restless: Collection[int]) -> Machine:
+def _with_one(machine: Machine, divergent: Collection[int]) -> Machine:
     """The machine with one looping state in place of all these."""
-    if 0 in restless:
+    if 0 in divergent:
         return Machine((((INTERNAL, 0),),), (False,))
-    kept = [state for state in range(len(machine.edges)) if state not in restless]
+    kept = [state for state in range(len(machine.edges)) if state not in divergent]
     number = {state: at for at, state in enumerate(kept)}
     turns = len(kept)
     edges = (
@@ -133,7 +133,7 @@ class Pairs:
 
     def _smallest(self, machine: Machine) -> Machine:
         if self._only_deadlocks:
-            machine = without_the_restless(machine)
+            machine = with_divergent_states_merged(machine)
         return self._same(minimized(machine, self._limits))
 
     def _same(self, machine: Machine) -> Machine:

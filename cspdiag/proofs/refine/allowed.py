@@ -11,13 +11,13 @@ from collections.abc import Iterable, Sequence
 from cspdiag.base.record import record
 from cspdiag.proofs.refine.labels import END, Label, Labels
 from cspdiag.proofs.refine.normal_form import State, Walk, smallest
-from cspdiag.proofs.refine.words import done_too_much, ended_too_soon, refused_too_much
+from cspdiag.proofs.refine.words import ended_too_soon, forbidden_event, forbidden_refusal
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits
 
 
 @record
-class Rest:
+class RunEnd:
     """The state at the end of a run: whether all processes have ``ended``, and what they ``offer`` otherwise; None if
     they continue by themselves, and so refuse nothing.
     """
@@ -27,7 +27,7 @@ class Rest:
 
 
 def violation(
-    specification: System, labels: Labels, trace: Iterable[Label], rest: Rest, limits: Limits, *, failures: bool
+    specification: System, labels: Labels, trace: Iterable[Label], rest: RunEnd, limits: Limits, *, failures: bool
 ) -> str | None:
     """How a run does what the specification forbids or, with ``failures``, refuses what the specification demands; None
     if it does neither. Raises LimitError.
@@ -40,7 +40,7 @@ def violation(
     for label in trace:
         reached = walk.closure(walk.after(states, label), limits)
         if not reached:
-            return done_too_much(label, _allowed(walk, states, labels))
+            return forbidden_event(label, _allowed(walk, states, labels))
         states = reached
     resting = [walk.offers(state) for state in states if walk.is_stable(state)]
     if rest.ended:
@@ -48,7 +48,7 @@ def violation(
     acceptances = smallest(resting)
     if not failures or rest.offers is None or _offers_enough(rest.offers, acceptances):
         return None
-    return refused_too_much(rest.offers, acceptances)
+    return forbidden_refusal(rest.offers, acceptances)
 
 
 def _allowed(walk: Walk, states: Iterable[State], labels: Labels) -> frozenset[Label]:

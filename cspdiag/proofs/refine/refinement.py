@@ -18,7 +18,7 @@ from cspdiag.proofs.properties.livelock import livelock_free
 from cspdiag.proofs.reduce.reduction import is_large, seen_from_outside
 from cspdiag.proofs.refine.labels import END, Label, Labels, is_open
 from cspdiag.proofs.refine.normal_form import NormalNode, normal_form
-from cspdiag.proofs.refine.words import done_too_much, ended_too_soon, refused_too_much
+from cspdiag.proofs.refine.words import ended_too_soon, forbidden_event, forbidden_refusal
 from cspdiag.proofs.search.breadth_first import Exploration, explore, trace_to
 from cspdiag.proofs.search.packed_conditions import Deadlocks
 from cspdiag.proofs.search.packing import Flags, Packing, Words
@@ -238,7 +238,7 @@ def _violation(search: Exploration, seen: dict[int, Label], nodes: tuple[NormalN
     last = search.state(search.found)
     if last[-1] == len(nodes):
         before = end_of(search.packing.system.initial, trace[:-1])
-        reason = done_too_much(seen[trace[-1].event], nodes[before[-1]].after)
+        reason = forbidden_event(seen[trace[-1].event], nodes[before[-1]].after)
     else:
         reason = _refusal(search.packing, search.found, search, seen, nodes[last[-1]], system)
     watcher = len(system.components)
@@ -253,4 +253,4 @@ def _refusal(
     offers = {seen[step.event] for step in packing.steps if step.event in seen and step.enabled(here)[0]}
     if not offers and Deadlocks(packing)(here, np.zeros(1, np.bool_)) is None:
         return ended_too_soon(node.after)
-    return refused_too_much(offers, node.acceptances)
+    return forbidden_refusal(offers, node.acceptances)

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from cspdiag.proofs.refine.labels import Label, words
 
 
-def done_too_much(label: Label, allowed: Collection[Label]) -> str:
+def forbidden_event(label: Label, allowed: Collection[Label]) -> str:
     """The process does something that is not among what the specification allows."""
     return f"it does {words(label)}, where the specification {_allows(allowed)}"
 
@@ -17,7 +17,7 @@ def ended_too_soon(allowed: Collection[Label]) -> str:
     return f"it ends, where the specification {_allows(allowed)}"
 
 
-def refused_too_much(offers: Collection[Label], acceptances: Collection[Collection[Label]]) -> str:
+def forbidden_refusal(offers: Collection[Label], acceptances: Collection[Collection[Label]]) -> str:
     """The process waits and offers none of the acceptances, of which the specification demands one."""
     offered = f"only {_list(offers)}" if offers else "nothing"
     if not acceptances:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.proofs.rules import forms as rules_forms
-from cspdiag.proofs.rules.runs import PeriodicRun, at_rest, moves_of, the_run, unsteady
+from cspdiag.proofs.rules.runs import PeriodicRun, at_rest, first_unsteady, moves_of, only_run
 from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.structure.question import StuckQuestion
 from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict, counted
@@ -26,7 +26,7 @@ def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
     try:
         if is_settled(question):
             return Proved("rules", _order_in_words(question))
-        chooses = unsteady(question.structure)
+        chooses = first_unsteady(question.structure)
         if chooses is not None:
             name = question.system.components[chooses].name
             return Unknown("rules", f"`{name}` has an alternative, and processes may wait for each other in a circle")
@@ -35,7 +35,7 @@ def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
                 "rules",
                 "a missed sample or a fault may end the wait of those who seem stuck, which the only run does not show",
             )
-        run = question.structure.remembered("run", lambda: the_run(question.structure, limits, MOST_MOVES))
+        run = question.structure.cached("run", lambda: only_run(question.structure, limits, MOST_MOVES))
         if run is None:
             return Unknown("rules", f"the only run that there is has not begun anew within {MOST_MOVES} communications")
         return _judged(question, run)
@@ -47,7 +47,7 @@ def is_settled(question: StuckQuestion) -> bool:
     """Whether the orders of waiting alone exclude that any process is stuck."""
     shapes, left = question.structure.shapes, question.waiting.left
     if not question.together:
-        return all(states.isdisjoint(shape.asking) for shape, states in zip(shapes, left, strict=True))
+        return all(states.isdisjoint(shape.requesting) for shape, states in zip(shapes, left, strict=True))
     if not all(left):
         return True
     return not any(shape.process and not states <= shape.terminal for shape, states in zip(shapes, left, strict=True))
@@ -59,7 +59,7 @@ def _judged(question: StuckQuestion, run: PeriodicRun) -> Verdict:
     if question.together:
         if not run.period:
             stuck = [at for at, part in enumerate(components) if part.process and run.state[at] not in part.terminal]
-    elif any(run.state[at] in question.structure.shapes[at].asking for at in at_rest(question.structure, run)):
+    elif any(run.state[at] in question.structure.shapes[at].requesting for at in at_rest(question.structure, run)):
         stuck = OffersByState(question.system).knot(run.state)
     if stuck:
         return Refuted("rules", moves_of(question.structure, run), tuple(stuck))
@@ -78,7 +78,9 @@ def _order_in_words(question: StuckQuestion) -> str:
         return "no process ever waits for another"
     order = [at for at in question.waiting.order if structure.neighbours[at]]
     settled = set(order)
-    if any(shape.asking and at not in settled for at, shape in enumerate(structure.shapes) if structure.neighbours[at]):
+    if any(
+        shape.requesting and at not in settled for at, shape in enumerate(structure.shapes) if structure.neighbours[at]
+    ):
         processes = [at for at in question.waiting.order if structure.shapes[at].process]
         if question.together and processes:
             return f"{_names(question, processes)} can always go on"

@@ -70,7 +70,7 @@ def _taken_while_held(structure: Structure, user: int) -> Iterator[tuple[int, in
             free = structure.shapes[resource.component].initial
             if free not in resource.reached.get(state, ()):
                 held.append(resource.component)
-            elif state in resource.asks:
+            elif state in resource.requests:
                 wanted.append(resource.component)
         yield from ((one, other) for one in held for other in wanted)
 

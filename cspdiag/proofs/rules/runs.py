@@ -52,7 +52,7 @@ def _meet(shape: Shape, event: int, beside: int, other: int, after: int) -> bool
     return first is not None and first == second
 
 
-def unsteady(structure: Structure) -> int | None:
+def first_unsteady(structure: Structure) -> int | None:
     """The first component that is not steady; None if all are."""
     known: dict[int, bool] = {}
     for component, shape in enumerate(structure.shapes):
@@ -64,13 +64,13 @@ def unsteady(structure: Structure) -> int | None:
     return None
 
 
-def the_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRun | None:
+def only_run(structure: Structure, limits: Limits, most_moves: int) -> PeriodicRun | None:
     """The run of a network of steady components, in rounds in each of which everything happens that can; None if it
     takes more than ``most_moves``.
 
     Raises LimitError when the time is up.
     """
-    run = _Running(structure)
+    run = _RunInProgress(structure)
     marked_at, distance = 0, 1
     while run.possible:
         limits.check()
@@ -125,7 +125,7 @@ just been taken.
 """
 
 
-class _Running:
+class _RunInProgress:
     """A run in progress. ``possible`` are the events that can happen now, and the complements of components with an
     internal step.
 

@@ -105,7 +105,7 @@ class _Exclusion:
         """Proved if no goal has a candidate left; ``known`` is the number of invariants used from the start."""
         shapes, encoding = self.question.structure.shapes, self.encoding
         for component, goal in encoding.goals:
-            if goal and encoding.left[component].isdisjoint(shapes[component].asking):
+            if goal and encoding.left[component].isdisjoint(shapes[component].requesting):
                 continue
             left = self.left(goal)
             if isinstance(left, Unknown) and left.candidate is not None:

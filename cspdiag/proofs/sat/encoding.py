@@ -40,12 +40,12 @@ class Encoding:
             structure.limits.check()
             for neighbour in neighbours:
                 if self.together:
-                    self._wait_together(component, neighbour)
+                    self._exclude_pairs_that_continue(component, neighbour)
                 else:
-                    self._stand_together(component, neighbour)
+                    self._exclude_unreachable_pairs(component, neighbour)
                     self._wait_for(component, neighbour)
-        self._wait_in_meetings()
-        self._have_somebody_wait()
+        self._wait_at_multiway_events()
+        self._require_waiting()
 
     def fresh(self) -> int:
         """A new variable."""
@@ -79,7 +79,7 @@ class Encoding:
             self.clauses += [[-seen, following], [-variable, following]]
             seen = following
 
-    def _wait_together(self, component: int, neighbour: Neighbour) -> None:
+    def _exclude_pairs_that_continue(self, component: int, neighbour: Neighbour) -> None:
         if component > neighbour.component:
             return
         others = self.variables[neighbour.component]
@@ -88,7 +88,7 @@ class Encoding:
             if len(allowed) < len(others):
                 self.clauses.append([-variable, *allowed])
 
-    def _stand_together(self, component: int, neighbour: Neighbour) -> None:
+    def _exclude_unreachable_pairs(self, component: int, neighbour: Neighbour) -> None:
         if component > neighbour.component or not neighbour.complete:
             return
         others = self.variables[neighbour.component]
@@ -100,17 +100,17 @@ class Encoding:
     def _wait_for(self, component: int, neighbour: Neighbour) -> None:
         others, left = self.variables[neighbour.component], self.left[neighbour.component]
         stuck, partner = self.stuck[component], self.stuck[neighbour.component]
-        for state in neighbour.asks:
+        for state in neighbour.requests:
             if state in self.left[component]:
                 here = [-stuck, -self.variables[component][state]]
                 self.clauses.append([*here, partner])
                 self.clauses.append(here + [others[other] for other in neighbour.blocked[state] if other in left])
-        for state, spared in neighbour.spared.items():
+        for state, without_failure in neighbour.without_failure.items():
             if state in self.left[component]:
                 here = [-stuck, -self.variables[component][state]]
-                self.clauses.append(here + [others[other] for other in spared])
+                self.clauses.append(here + [others[other] for other in without_failure])
 
-    def _wait_in_meetings(self) -> None:
+    def _wait_at_multiway_events(self) -> None:
         """Adds clauses for events with three or more parties: a process that offers one waits for a party that is stuck
         and does not offer it.
         """
@@ -141,19 +141,19 @@ class Encoding:
         offering = [variables[state] for state in self.left[party] if number in offers[state]]
         return offering, [variables[state] for state in self.left[party] if number not in offers[state]]
 
-    def _have_somebody_wait(self) -> None:
+    def _require_waiting(self) -> None:
         somebody = []
         for component, (shape, left, variables, stuck) in enumerate(
             zip(self.structure.shapes, self.left, self.variables, self.stuck, strict=True)
         ):
             if self.together:
                 somebody += [variables[state] for state in left if shape.process and state not in shape.terminal]
-            elif left and left <= shape.asking:
+            elif left and left <= shape.requesting:
                 self.goals.append((component, [stuck]))
-            elif asking := [variables[state] for state in left if state in shape.asking]:
-                asks = self.fresh()
-                self.clauses += [[-asks, stuck], [-asks, *asking]]
-                self.goals.append((component, [asks]))
+            elif requesting := [variables[state] for state in left if state in shape.requesting]:
+                requests = self.fresh()
+                self.clauses += [[-requests, stuck], [-requests, *requesting]]
+                self.goals.append((component, [requests]))
         if self.together:
             self.clauses.append(somebody)
             self.goals = [(-1, [])]

@@ -22,7 +22,7 @@ from cspdiag.proofs.verdict import ONE_REACHABLE, LimitError, Limits, Move, Prov
 CHUNK = 1 << 15
 """The number of states that take a step together, so the vectors of one step fit into a processor's cache."""
 
-Seen: TypeAlias = Callable[[Words, Flags], Flags | None]
+Condition: TypeAlias = Callable[[Words, Flags], Flags | None]
 """The condition of a search: given states, and whether each has a step, which of them are sought; None if none is."""
 
 
@@ -72,7 +72,7 @@ def _search(system: System, limits: Limits, condition: Callable[[Packing], Deadl
         return Unknown("breadth-first", str(stop))
 
 
-def explore(packing: Packing, limits: Limits, seen: Seen) -> Exploration:
+def explore(packing: Packing, limits: Limits, seen: Condition) -> Exploration:
     """Reaches all states, or those up to the first that satisfies the condition ``seen``. Raises LimitError."""
     search = Exploration(packing, StateTable(packing.words, limits))
     search.table.add(packing.pack([packing.system.initial]))

@@ -29,7 +29,7 @@ failure.
 LARGEST_PRODUCT = 250_000
 """Pairs with more states than this are taken to reach all of them."""
 
-LARGEST_MEETING = 4
+LARGEST_MULTIWAY = 4
 """Any two parties of an event with at most this number of parties are a pair; of larger events only the first party
 with each of the others.
 """
@@ -110,7 +110,7 @@ class Shape:
         )
 
     @cached_property
-    def asking(self) -> frozenset[int]:
+    def requesting(self) -> frozenset[int]:
         """The states in which a process that has not ended waits for an event: only a knot with such a state is
         reported.
         """
@@ -123,38 +123,42 @@ class Pair:
     """Two shapes joined by events: ``reached[s]`` are the states that the second can be in while the first is in state
     ``s``, and ``reached_back`` the other way round.
 
-    ``blocked[s]`` are those among them in which both wait and have no event together. ``first_asks`` are the states of
-    the first in which it offers an event that only the second can refuse. A failure is not waited for; if the first
-    takes part in a failure in state ``s``, ``first_spared[s]`` are the states of the second in which that failure is
-    not possible.
+    ``blocked[s]`` are those among them in which both wait and have no event together. ``first_requests`` are the states
+    of the first in which it offers an event that only the second can refuse. A failure is not waited for; if the first
+    takes part in a failure in state ``s``, ``first_without_failure[s]`` are the states of the second in which that
+    failure is not possible.
     """
 
     def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...], limits: Limits) -> None:
         self.complete = len(first.reachable) * len(second.reachable) <= LARGEST_PRODUCT
         self.reached = _reached(first, second, links, limits) if self.complete else _all(first, second)
-        self.reached_back = _turned(self.reached)
+        self.reached_back = _transposed(self.reached)
         self.blocked = _blocked(first, second, links, self.reached)
-        self.blocked_back = _turned(self.blocked)
-        self.first_asks = _asked(first, [own for own, _, only, fails in links if only and not fails])
-        self.second_asks = _asked(second, [other for _, other, only, fails in links if only and not fails])
+        self.blocked_back = _transposed(self.blocked)
+        self.first_requests = _requested(first, [own for own, _, only, fails in links if only and not fails])
+        self.second_requests = _requested(second, [other for _, other, only, fails in links if only and not fails])
         failures = [(own, other) for own, other, only, fails in links if only and fails]
-        self.first_spared = _spared(first, second, failures, self.reached)
-        self.second_spared = _spared(second, first, [(other, own) for own, other in failures], self.reached_back)
-        self.first_hopeless = tuple(state for state in first.waiting if not self.blocked.get(state))
-        self.second_hopeless = tuple(state for state in second.waiting if not self.blocked_back.get(state))
+        self.first_without_failure = _without_failure(first, second, failures, self.reached)
+        self.second_without_failure = _without_failure(
+            second, first, [(other, own) for own, other in failures], self.reached_back
+        )
+        self.first_never_blocked = tuple(state for state in first.waiting if not self.blocked.get(state))
+        self.second_never_blocked = tuple(state for state in second.waiting if not self.blocked_back.get(state))
 
     def seen_from_first(self, second: int) -> Neighbour:
         """The pair from the first's point of view, with component ``second`` as its neighbour."""
         return Neighbour(
             second, self.reached, self.blocked, self.blocked_back,
-            self.first_asks, self.second_asks, self.first_hopeless, self.first_spared, self.complete,
+            self.first_requests, self.second_requests, self.first_never_blocked, self.first_without_failure,
+            self.complete,
         )  # fmt: skip
 
     def seen_from_second(self, first: int) -> Neighbour:
         """The pair from the second's point of view, with component ``first`` as its neighbour."""
         return Neighbour(
             first, self.reached_back, self.blocked_back, self.blocked,
-            self.second_asks, self.first_asks, self.second_hopeless, self.second_spared, self.complete,
+            self.second_requests, self.first_requests, self.second_never_blocked, self.second_without_failure,
+            self.complete,
         )  # fmt: skip
 
 
@@ -193,28 +197,30 @@ def _blocked(
     waiting = set(second.waiting)
     answer = {}
     for state in first.waiting:
-        asked = {partner[event] for event in first.offers[state] if event in partner}
+        requested = {partner[event] for event in first.offers[state] if event in partner}
         others = (other for other in reached.get(state, ()) if other in waiting)
-        answer[state] = tuple(other for other in others if second.targets[other].keys().isdisjoint(asked))
+        answer[state] = tuple(other for other in others if second.targets[other].keys().isdisjoint(requested))
     return answer
 
 
-def _asked(shape: Shape, shared: Iterable[int]) -> frozenset[int]:
+def _requested(shape: Shape, shared: Iterable[int]) -> frozenset[int]:
     """The waiting states that offer an event that only the other shape of the pair can refuse."""
     wanted = set(shared)
     return frozenset(state for state in shape.waiting if not wanted.isdisjoint(shape.offers[state]))
 
 
-def _spared(
+def _without_failure(
     first: Shape, second: Shape, failures: list[tuple[int, int]], reached: dict[int, tuple[int, ...]]
 ) -> dict[int, tuple[int, ...]]:
-    spared: dict[int, tuple[int, ...]] = {}
+    without_failure: dict[int, tuple[int, ...]] = {}
     for state in first.waiting if failures else ():
         partners = {other for own, other in failures if own in first.offers[state]}
         if partners:
             others = reached.get(state, ())
-            spared[state] = tuple(other for other in others if second.targets[other].keys().isdisjoint(partners))
-    return spared
+            without_failure[state] = tuple(
+                other for other in others if second.targets[other].keys().isdisjoint(partners)
+            )
+    return without_failure
 
 
 def _grouped(pairs: Iterable[tuple[int, int]]) -> dict[int, tuple[int, ...]]:
@@ -224,7 +230,7 @@ def _grouped(pairs: Iterable[tuple[int, int]]) -> dict[int, tuple[int, ...]]:
     return {one: tuple(others) for one, others in groups.items()}
 
 
-def _turned(groups: dict[int, tuple[int, ...]]) -> dict[int, tuple[int, ...]]:
+def _transposed(groups: dict[int, tuple[int, ...]]) -> dict[int, tuple[int, ...]]:
     return _grouped((two, one) for one, others in groups.items() for two in others)
 
 
@@ -232,19 +238,19 @@ class Neighbour(NamedTuple):
     """A neighbour of a component, which shares an event with it: the tables of ``Pair`` from the component's point of
     view.
 
-    ``asks`` are the states of the component in which it waits for the neighbour alone, ``asked`` those of the neighbour
-    in which it waits for the component alone; ``hopeless`` are waiting states of the component in which the neighbour
-    never waits for it at the same time; ``spared`` as in ``Pair``.
+    ``requests`` are the states of the component in which it waits for the neighbour alone, ``requested`` those of the
+    neighbour in which it waits for the component alone; ``never_blocked`` are waiting states of the component in which
+    the neighbour never waits for it at the same time; ``without_failure`` as in ``Pair``.
     """
 
     component: int
     reached: dict[int, tuple[int, ...]]
     blocked: dict[int, tuple[int, ...]]
     blocked_back: dict[int, tuple[int, ...]]
-    asks: frozenset[int]
-    asked: frozenset[int]
-    hopeless: tuple[int, ...]
-    spared: dict[int, tuple[int, ...]]
+    requests: frozenset[int]
+    requested: frozenset[int]
+    never_blocked: tuple[int, ...]
+    without_failure: dict[int, tuple[int, ...]]
     complete: bool
 
 
@@ -274,7 +280,7 @@ class Structure:
             self.shapes.append(shape)
             self.events.append(events)
 
-    def remembered(self, what: str, find: Callable[[], T]) -> T:
+    def cached(self, what: str, find: Callable[[], T]) -> T:
         """The result of the first call of ``find``, which must depend on the system alone."""
         if what not in self._remembered:
             self._remembered[what] = find()
@@ -305,7 +311,7 @@ class Structure:
             if len(roles) == 2:
                 (first, own), (second, other) = roles
                 links.setdefault((first, second), []).append((own, other, True, event.kind == "failure"))
-            elif len(roles) <= LARGEST_MEETING:
+            elif len(roles) <= LARGEST_MULTIWAY:
                 for (first, own), (second, other) in combinations(roles, 2):
                     links.setdefault((first, second), []).append((own, other, False, False))
             else:

@@ -23,15 +23,15 @@ class WaitingOrder:
 
     def __init__(self, structure: Structure, *, together: bool) -> None:
         self._structure = structure
-        self._striking = _Striking(structure, together)
-        self._striking.begin()
-        self._striking.follow()
-        self.left: list[set[int]] = self._striking.left
+        self._elimination = _Elimination(structure, together)
+        self._elimination.begin()
+        self._elimination.follow()
+        self.left: list[set[int]] = self._elimination.left
 
     @property
     def order(self) -> tuple[int, ...]:
         """The components without remaining waiting states."""
-        return tuple(self._striking.order)
+        return tuple(self._elimination.order)
 
     def exclude(self, component: int) -> list[int]:
         """Strikes off the states in which a component requests something, because it has been proved in another way
@@ -39,11 +39,11 @@ class WaitingOrder:
 
         Returns the components that lost their last state.
         """
-        before = len(self._striking.order)
-        for state in self._structure.shapes[component].asking:
-            self._striking.strike(component, state)
-        self._striking.follow()
-        return self._striking.order[before:]
+        before = len(self._elimination.order)
+        for state in self._structure.shapes[component].requesting:
+            self._elimination.strike(component, state)
+        self._elimination.follow()
+        return self._elimination.order[before:]
 
 
 def waiting_states(structure: Structure, *, together: bool) -> WaitingOrder:
@@ -53,7 +53,7 @@ def waiting_states(structure: Structure, *, together: bool) -> WaitingOrder:
     return WaitingOrder(structure, together=together)
 
 
-class _Meeting:
+class _MultiwayEvent:
     """An event with three or more parties: ``refusing[i]`` counts the remaining states in which party ``i`` waits
     without offering it.
     """
@@ -70,7 +70,7 @@ class _Meeting:
             return self.parties <= 1
         return False
 
-    def helpless(self) -> list[int]:
+    def parties_not_refused(self) -> list[int]:
         """The parties to which no other party can refuse the event any longer."""
         if self.parties > 1:
             return []
@@ -79,7 +79,7 @@ class _Meeting:
         return [component for component, count in self.refusing.items() if count]
 
 
-class _Striking:
+class _Elimination:
     """The elimination in progress. ``counts`` has the number of states of a neighbour that still support a state of a
     component; entries are made when first needed.
     """
@@ -90,11 +90,11 @@ class _Striking:
         self.counts: dict[tuple[int, int, int], int] = {}
         self.struck: deque[tuple[int, int]] = deque()
         self.order: list[int] = []
-        self.meetings: dict[int, _Meeting] = {}
-        self.meetings_of: dict[int, list[tuple[int, int]]] = {}
-        self._find_meetings()
+        self.multiway_events: dict[int, _MultiwayEvent] = {}
+        self.multiway_events_of: dict[int, list[tuple[int, int]]] = {}
+        self._find_multiway_events()
 
-    def _find_meetings(self) -> None:
+    def _find_multiway_events(self) -> None:
         counts: dict[tuple[int, int], int] = {}
         for event, (roles, entry) in enumerate(zip(self.structure.roles, self.structure.system.events, strict=True)):
             if len(roles) < 3 or (entry.kind == "failure" and not self.together):
@@ -106,8 +106,8 @@ class _Striking:
                 if key not in counts:
                     counts[key] = sum(number not in shape.offers[state] for state in shape.waiting)
                 refusing[party] = counts[key]
-                self.meetings_of.setdefault(party, []).append((event, number))
-            self.meetings[event] = _Meeting(refusing)
+                self.multiway_events_of.setdefault(party, []).append((event, number))
+            self.multiway_events[event] = _MultiwayEvent(refusing)
 
     def strike(self, component: int, state: int) -> None:
         if state in self.left[component]:
@@ -130,29 +130,29 @@ class _Striking:
         self.order += [component for component, states in enumerate(self.left) if not states]
         for component, neighbours in enumerate(self.structure.neighbours):
             for neighbour in neighbours:
-                for state in neighbour.hopeless:
-                    if self.together or state in neighbour.asks:
+                for state in neighbour.never_blocked:
+                    if self.together or state in neighbour.requests:
                         self.strike(component, state)
-                for state, others in neighbour.spared.items():
+                for state, others in neighbour.without_failure.items():
                     if not others:
                         self.strike(component, state)
-        for event, meeting in self.meetings.items():
-            self.strike_offers(event, meeting.helpless())
+        for event, multiway_event in self.multiway_events.items():
+            self.strike_offers(event, multiway_event.parties_not_refused())
 
     def follow(self) -> None:
         while self.struck:
             self.structure.limits.check()
             component, state = self.struck.popleft()
             self._withdraw_support(component, state)
-            for event, number in self.meetings_of.get(component, ()):
+            for event, number in self.multiway_events_of.get(component, ()):
                 refused = number not in self.structure.shapes[component].offers[state]
-                if refused and self.meetings[event].lose(component):
-                    self.strike_offers(event, self.meetings[event].helpless())
+                if refused and self.multiway_events[event].lose(component):
+                    self.strike_offers(event, self.multiway_events[event].parties_not_refused())
 
     def _withdraw_support(self, component: int, state: int) -> None:
         for neighbour in self.structure.neighbours[component]:
             for other in neighbour.blocked.get(state, ()):
-                if not self.together and other not in neighbour.asked:
+                if not self.together and other not in neighbour.requested:
                     continue
                 key = (neighbour.component, other, component)
                 count = self.counts.get(key)

@@ -15,8 +15,8 @@ from cspdiag.proofs.counterexamples.counterexample import (
     Counterexample,
     Party,
     Step,
+    absent_processes,
     ring,
-    who_could_come,
 )
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Place, System
 from cspdiag.verify.guided.script import Actor, Happened, Standing
@@ -122,7 +122,7 @@ class _Follower:
             for event in events
             for party in event.parties
             if party != number
-            for partner in who_could_come(self._system, party, event.role(number))
+            for partner in absent_processes(self._system, party, event.role(number))
         )
         channels = dict.fromkeys(event.channel for event in events)
         name = component.name.removeprefix(self._prefix)

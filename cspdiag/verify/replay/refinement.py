@@ -9,7 +9,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.proofs.answers.question import Question
-from cspdiag.proofs.refine.allowed import Rest, violation
+from cspdiag.proofs.refine.allowed import RunEnd, violation
 from cspdiag.proofs.refine.labels import Label, Labels
 from cspdiag.proofs.transitions.classes.distinguished import Distinction, Distinguished
 from cspdiag.proofs.transitions.systems.system import System
@@ -44,7 +44,7 @@ def judge(
         labels = Labels(specification, question.unseen)
         texts = [(name, _text(value, ports[name])) for name, value in seen]
         trace = (labels.of_value(name, text) if name in inputs else (name, text) for name, text in texts)
-        stands = Rest(rest is None, _offers(labels, ports, rest))
+        stands = RunEnd(rest is None, _offers(labels, ports, rest))
         return violation(specification, labels, trace, stands, limits, failures=question.model == "failures")
 
     return judged

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.proofs.refine.allowed import Rest, violation
+from cspdiag.proofs.refine.allowed import RunEnd, violation
 from cspdiag.proofs.refine.labels import Label, Labels
-from cspdiag.proofs.refine.words import refused_too_much
+from cspdiag.proofs.refine.words import forbidden_refusal
 from cspdiag.proofs.transitions.systems.system import Component, Event, System
 from cspdiag.proofs.verdict import LimitError, Limits
 from tests.proofs.systems.known import compose, cycle
@@ -24,14 +24,14 @@ LAMP = System(
 )
 """Switched on and off, and never on twice; it may end when it is off."""
 
-ENDED = Rest(ended=True)
-BUSY = Rest(ended=False)
+ENDED = RunEnd(ended=True)
+BUSY = RunEnd(ended=False)
 
 
 def said(
     specification: System,
     trace: list[Label],
-    rest: Rest = BUSY,
+    rest: RunEnd = BUSY,
     *,
     hidden: tuple[str, ...] = (),
     failures: bool = False,
@@ -62,7 +62,7 @@ def test_an_end_is_judged_by_the_end_of_the_specification() -> None:
 
 
 def test_a_refusal_counts_in_failures_and_at_rest_only() -> None:
-    rest = Rest(ended=False, offers=frozenset({("accept", None)}))
+    rest = RunEnd(ended=False, offers=frozenset({("accept", None)}))
     trace: list[Label] = [("accept", None)]
     assert said(ONE_PLACE, trace, rest) is None
     assert said(ONE_PLACE, trace, BUSY, failures=True) is None
@@ -72,8 +72,8 @@ def test_a_refusal_counts_in_failures_and_at_rest_only() -> None:
 
 
 def test_who_offers_any_value_offers_each() -> None:
-    any_value = Rest(ended=False, offers=frozenset({("level", None)}))
-    one_value = Rest(ended=False, offers=frozenset({("level", "on")}))
+    any_value = RunEnd(ended=False, offers=frozenset({("level", None)}))
+    one_value = RunEnd(ended=False, offers=frozenset({("level", "on")}))
     on: list[Label] = [("level", "on")]
     assert said(LAMP, on, any_value, failures=True) is None
     told = said(LAMP, on, one_value, failures=True)
@@ -86,5 +86,5 @@ def test_the_limits_hold() -> None:
 
 
 def test_a_value_that_nobody_knows_may_be_the_wrong_one() -> None:
-    told = refused_too_much({("level", None)}, [{("level", "on")}])
+    told = forbidden_refusal({("level", None)}, [{("level", "on")}])
     assert told == "it refuses `level.on` and offers only `level`, where the specification demands `level.on`"

@@ -74,7 +74,7 @@ def test_endless_runs_are_found_as_the_plain_interpretation_finds_them(
     large: bool,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cycles, "_SHORT_LOOK", short_look)
+    monkeypatch.setattr(cycles, "_BRIEF_SEARCH_STATES", short_look)
     monkeypatch.setattr(reduction, "_WORTH_WHILE", 0 if large else 10**6)
     true = 0
     for seed in SEEDS:

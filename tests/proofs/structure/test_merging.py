@@ -6,7 +6,7 @@ import pytest
 
 from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
-from cspdiag.proofs.rules.runs import moves_of, the_run
+from cspdiag.proofs.rules.runs import moves_of, only_run
 from cspdiag.proofs.structure.merging import representatives
 from cspdiag.proofs.structure.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import Edge, System
@@ -70,6 +70,6 @@ def test_a_system_and_its_split_one_get_the_same_answers(form: str) -> None:
 def test_the_run_of_a_split_system_can_be_followed() -> None:
     system = split(known.milner(4))
     structure = Structure(system)
-    run = the_run(structure, Limits(), 10_000)
+    run = only_run(structure, Limits(), 10_000)
     assert run is not None
     assert naive.replay(system, moves_of(structure, run)) == run.state

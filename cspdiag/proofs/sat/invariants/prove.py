@@ -39,9 +39,9 @@ def by_invariants(question: StuckQuestion, limits: Limits, examine: Examination 
     """
     structure = question.structure
     problem = problem_of(structure)
-    known: list[Weights] = structure.remembered("invariants", list)
+    known: list[Weights] = structure.cached("invariants", list)
     try:
-        balanced = structure.remembered("balanced", lambda: invariants_with_equality(structure, limits))
+        balanced = structure.cached("balanced", lambda: invariants_with_equality(structure, limits))
     except LimitError as limit:
         return Unknown("invariants", str(limit))
 
