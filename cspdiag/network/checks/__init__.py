@@ -1,1 +1,1 @@
-"""What can be wrong with a program once its shapes are known."""
+"""Checks of programs whose shapes are known."""

@@ -1,7 +1,7 @@
-"""Definite assignment: no variable is read before it was written, and no part is unreachable.
+"""Definite assignment: no variable is read before it has been written, and no part is unreachable.
 
-Of a part that may be abandoned (``interrupt``, ``catch``) it is assumed that it ended: how far it got cannot
-be known. That parallel branches share a variable is a race, and reported as one.
+A part that may be abandoned (``interrupt``, ``catch``) is assumed to have ended: how far it got cannot be known. A
+variable that parallel branches share is reported as a race.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from cspdiag.network.shapes import InstanceShape, Key, PortElement, Shape, attac
 
 @record(kw_only=True)
 class Flow:
-    """What a run of a shape reads and writes, seen from outside, as bits of its ``outputs``.
+    """What a run of a shape reads and writes, seen from outside; outputs are bits, by ``outputs``.
 
-    ``reads``: inputs that it reads, each with the outputs that it has surely written before. ``writes``: outputs that
-    it has surely written when it ends. ``ends``: whether it can end.
+    ``reads``: inputs that it reads, each with the outputs that have certainly been written before. ``writes``: outputs
+    that have certainly been written when it ends. ``ends``: whether it can end.
     """
 
     outputs: Mapping[Key, int]
@@ -41,7 +41,7 @@ class Flow:
 def check_assignment(
     shape: Shape, uses: UsesByKey, inside: Mapping[Shape, Flow], report: Report, agreement: Agreement
 ) -> Flow:
-    """Report reads before writes, and find unreachable parts of a shape; ``inside`` has the flows of its process
+    """Report reads before writes, and find unreachable parts of a shape; ``inside`` gives the flows of its process
     instances.
     """
     inputs = {key for port, _, key in shape.port_elements() if port.direction == "in"}
@@ -84,7 +84,9 @@ class _Process:
         }
 
     def written_by(self, instruction: Instruction) -> int:
-        """An element of an array is as good as the whole: which ones were written cannot be known."""
+        """The bits that an instruction writes. An element of an array counts as the whole array, because indexes are
+        unknown.
+        """
         if isinstance(instruction, Call):
             keys = self._written_by_instance(self.instances[instruction.step.instance])
         else:
@@ -92,7 +94,7 @@ class _Process:
         return reduce(or_, (self.bits.get(key, 0) for key in keys), 0)
 
     def read_by(self, instruction: Instruction) -> Iterator[tuple[Key, Span, str]]:
-        """With the place, and with the instance that reads, if it is one."""
+        """The reads of an instruction, each with its place and with the instance that reads, if there is one."""
         if isinstance(instruction, Call):
             instance = self.instances[instruction.step.instance]
             yield from ((key, instruction.span, instance.name) for key in self._read_by_instance(instance))
@@ -111,7 +113,7 @@ class _Process:
                 yield outer
 
     def _read_by_instance(self, instance: InstanceShape) -> Iterator[Key]:
-        """What it has not written itself before."""
+        """The reads of an instance, except of what it has written itself before."""
         flow = self.inside.get(instance.shape)
         written: dict[Key, int] = {}
         if flow is not None:
@@ -122,8 +124,8 @@ class _Process:
                 yield outer
 
     def _attached(self, instance: InstanceShape, direction: Direction) -> Iterator[tuple[Key, Key]]:
-        """The ports of an instance in one direction, with the port or channel of the process that each is
-        attached to.
+        """The ports of an instance in one direction, each with the port or channel of the process that it is attached
+        to.
         """
         shape = instance.shape
         ports = self._ports.get((shape, direction))
@@ -142,9 +144,9 @@ def _check_reached(code: Code, before: list[int | None], agreement: Agreement) -
         for position, step in enumerate(sequence.steps):
             if before[starts[position]] is None:
                 if position > 0:
-                    agreement.found(Unreachable(span=step.span, endless=sequence.steps[position - 1].span))
+                    agreement.claim(Unreachable(span=step.span, endless=sequence.steps[position - 1].span))
                 break
-            agreement.refuted(Unreachable, step.span)
+            agreement.refute(Unreachable, step.span)
 
 
 def _check_read(shape: Shape, uses: UsesByKey, key: Key, span: Span, reader: str, report: Report) -> None:

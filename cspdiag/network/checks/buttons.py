@@ -1,4 +1,4 @@
-"""Guards on buttons: a `bool` event comes when it is pressed and when it is released, and the value says which."""
+"""Guards on buttons: a `bool` event occurs on a press and on a release, and its value distinguishes them."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from cspdiag.network.shapes import attached_key
 
 
 def check_releases(placed: Placed, agreement: Agreement) -> None:
-    """Find guards on `bool` events whose value is not looked at; where the event is read elsewhere too, that may
-    be the release.
+    """Find guards on `bool` events whose value is not used; an event that is also read elsewhere is excepted, because
+    that may be the release.
     """
     shape = placed.shape
     if shape.body is None or shape.incomplete:
@@ -28,27 +28,27 @@ def check_releases(placed: Placed, agreement: Agreement) -> None:
         return
     attached = [attached_key(a) for instance in shape.instances.values() for a in instance.attachments.values()]
     reads = Counter([*own_reads(shape), *attached])
-    looked_at = {*attached, *(value.channel for value in variables_read(shape.body))}
+    variables = {*attached, *(value.channel for value in variables_read(shape.body))}
     for branch, is_interrupt in guards:
         assert isinstance(branch.event, InputEvent)
         key, variable = end_key(branch.event.source), branch.event.target.channel
-        if variable not in looked_at and reads[key] == 1:
-            agreement.found(
+        if variable not in variables and reads[key] == 1:
+            agreement.claim(
                 ReleaseNotDistinguished(span=branch.event.span, port=key, variable=variable, is_interrupt=is_interrupt)
             )
         else:
-            agreement.refuted(ReleaseNotDistinguished, branch.event.span)
+            agreement.refute(ReleaseNotDistinguished, branch.event.span)
 
 
 def _guards(code: Code) -> Iterator[tuple[Branch, bool]]:
-    """With whether it is that of an interrupt."""
+    """The guards, each with whether it is that of an interrupt."""
     for instruction in code.instructions:
         match instruction:
             case Select(step=choice):
                 yield from ((branch, False) for branch in choice.branches)
             case Watch(step=InterruptOn(branch=branch)):
                 yield branch, True
-            case _:  # Nothing else has guards.
+            case _:  # No other instruction has guards.
                 pass
 
 

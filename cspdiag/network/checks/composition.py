@@ -25,7 +25,7 @@ from cspdiag.syntax.walk import nodes
 
 
 def check_runs(shape: Shape, uses: UsesByKey, report: Report) -> None:
-    """Every instance runs somewhere, and never twice at the same time."""
+    """Report instances that never run, or that may run twice at the same time."""
     if shape.is_external or shape.is_submodel:
         return
     if shape.body is None:
@@ -55,7 +55,7 @@ def _is_named_in_composition(shape: Shape, instance: InstanceShape) -> bool:
 
 
 def _excuse(shape: Shape, instance: InstanceShape) -> None:
-    """Nothing more is reported for the channels of an instance that never runs."""
+    """Suppress further reports about the channels of an instance that never runs."""
     for attached in instance.attachments.values():
         key = attached_key(attached)
         if key in shape.channels:
@@ -78,7 +78,7 @@ def check_progress(placed: Placed, waiting: MayWait, report: Report, agreement: 
                 _check_time_outs(placed, choice, agreement)
             case Watch(step=ir.InterruptOn(branch=branch)):
                 _never_holds(branch, agreement)
-            case _:  # Nothing else has guards.
+            case _:  # No other instruction has guards.
                 pass
 
 
@@ -90,15 +90,15 @@ def _check_loop(
     report: Report,
     agreement: Agreement,
 ) -> None:
-    """A loop that may never wait is endless when nothing inside changes its condition.
+    """A loop that may never wait is endless if nothing inside changes its condition.
 
-    Where that follows from the values of parameters, it is refused only if all instances are given such values.
+    If that follows from the values of parameters, it is refused only if all instances have such values.
     """
     condition = loop.until if isinstance(loop, ir.Repeat) else loop.condition
     once = [one for one in _delays(inside) if is_one_instant(one[1])]
-    passes_once = bool(once) and condition is not None and _looks_at_time(condition)
+    passes_once = bool(once) and condition is not None and _depends_on_time(condition)
     if waiting.action(placed, loop.body) or passes_once or _may_end(placed, loop, condition, inside):
-        agreement.refuted(EndlessLoop, loop.span)
+        agreement.refute(EndlessLoop, loop.span)
         return
     delays = once or [one for one in _delays(inside) if is_over_at_once(placed, one[1])]
     endless = EndlessLoop(
@@ -112,7 +112,7 @@ def _check_loop(
     )
     causes = [duration for _, duration in delays] + ([] if condition is None else [condition])
     if any(isinstance(part, ParameterValue) for cause in causes for part in walk(cause)):
-        agreement.found(endless)
+        agreement.claim(endless)
     else:
         report.add(endless)
 
@@ -123,8 +123,8 @@ def _may_end(
     condition: Expression | None,
     inside: Sequence[Instruction],
 ) -> bool:
-    """Whether a loop may not begin at all, or end: what its condition looks at is changed inside, or has other values
-    in other instances.
+    """Whether a loop may be skipped or may end: its condition depends on something that changes inside, or differs
+    between instances.
     """
     if condition is None:
         return False
@@ -134,15 +134,15 @@ def _may_end(
         return True
     if holds == {not ends}:
         return False
-    looked_at = {value.channel for value in variables_read(condition)}
-    if not looked_at and not _looks_at_time(condition):
-        # Constants that have no value: the loop ends with a fault.
+    variables = {value.channel for value in variables_read(condition)}
+    if not variables and not _depends_on_time(condition):
+        # Its constants have no value: the loop ends with a fault.
         return True
     written = _written_in(placed.shape, inside)
-    return not looked_at.isdisjoint(written) or any(is_open(placed, key) for key in looked_at)
+    return not variables.isdisjoint(written) or any(is_open(placed, key) for key in variables)
 
 
-def _looks_at_time(condition: Expression) -> bool:
+def _depends_on_time(condition: Expression) -> bool:
     return any(isinstance(part, PresentTime) for part in walk(condition))
 
 
@@ -152,7 +152,7 @@ def _delays(inside: Sequence[Instruction]) -> Iterator[tuple[Span, Expression]]:
         match instruction:
             case Delay(step=ir.WaitStep() as timed) | Take(branch=ir.Branch(event=ir.AfterEvent() as timed)):
                 yield timed.span, timed.duration
-            case _:  # Nothing else waits for time to pass.
+            case _:  # No other instruction waits for time to pass.
                 pass
 
 
@@ -167,16 +167,16 @@ def _written_in(shape: Shape, inside: Sequence[Instruction]) -> set[Key]:
 
 
 def _check_branches(placed: Placed, choice: ir.Choice[ir.CoreAction], report: Report, agreement: Agreement) -> None:
-    """A prioritized alternative never goes past a guard that is always ready."""
+    """A prioritized alternative never reaches the guards after one that is always ready."""
     always: ir.Branch[ir.CoreAction] | None = None
     seen: dict[tuple[str, Key], ir.Branch] = {}
     for branch in choice.branches:
         if _never_holds(branch, agreement):
             continue
         if always is not None and choice.prioritized:
-            agreement.found(BranchNeverChosen(span=branch.event.span, earlier=always.event.span))
+            agreement.claim(BranchNeverChosen(span=branch.event.span, earlier=always.event.span))
             continue
-        agreement.refuted(BranchNeverChosen, branch.event.span)
+        agreement.refute(BranchNeverChosen, branch.event.span)
         end = _end_of(branch.event)
         if end is not None and branch.condition is None:
             if end in seen:
@@ -189,18 +189,18 @@ def _check_branches(placed: Placed, choice: ir.Choice[ir.CoreAction], report: Re
 
 
 def _check_time_outs(placed: Placed, choice: ir.Choice[ir.CoreAction], agreement: Agreement) -> None:
-    """A time-out next to samples, a shorter one or a branch that is always ready must come before them to be chosen at
-    all.
+    """A time-out next to samples, a shorter time-out or a branch that is always ready must come before these to be
+    chosen at all.
     """
     late = {found.place: found for found in overtaken(placed, choice)}
     for place, branch in enumerate(choice.branches):
         found = late.get(place)
         if found is None:
-            agreement.refuted(TimeOutNeverElapses, branch.event.span)
+            agreement.refute(TimeOutNeverElapses, branch.event.span)
             continue
-        # Behind one that is always ready nothing has a turn, and that is said already.
+        # Branches after one that is always ready have already been reported.
         if found.period or not found.has_priority:
-            agreement.found(
+            agreement.claim(
                 TimeOutNeverElapses(
                     span=branch.event.span,
                     waits=found.waits,
@@ -216,9 +216,9 @@ def _never_holds(branch: ir.Branch[ir.CoreAction], agreement: Agreement) -> bool
     if condition is None or condition.span is None:
         return False
     if isinstance(condition, LiteralValue) and condition.value is False:
-        agreement.found(BranchNeverChosen(span=condition.span, earlier=None))
+        agreement.claim(BranchNeverChosen(span=condition.span, earlier=None))
         return True
-    agreement.refuted(BranchNeverChosen, condition.span)
+    agreement.refute(BranchNeverChosen, condition.span)
     return False
 
 

@@ -1,4 +1,4 @@
-"""Whether a program surely never ends by itself."""
+"""Whether a program certainly never ends by itself."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from cspdiag.network.ir.walk import parts
 
 
 def never_ends(network: Network) -> bool:
-    """Whether no path leads to the end of the outermost process: some part before it always runs forever. Missed
-    samples and faults are not considered, and a program that raises exceptions of its own is not judged.
+    """Whether no path leads to the end of the outermost process, because some part before it always runs forever.
+
+    Missed samples and faults are not considered, and for a program with a ``raise`` of its own the answer is False.
     """
     processes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
-    # After a `raise` parts end that would not.
+    # A `raise` may end parts that would otherwise run forever.
     if any(isinstance(part, RaiseException) for part in parts([process.body for process in processes])):
         return False
     endless: set[str] = set()

@@ -1,10 +1,9 @@
 """A ready guard promises a read: the process behind ``port -> P`` begins by reading that port.
 
-The rule: on every path through ``P``, the port is read before anything that may have to wait. What never waits may come
+On every path through ``P`` the port must be read before anything that may have to wait. What never waits may come
 first: ``skip``, ``:=``, ``reset``, reading a ``var`` channel or a default, writing an output of the outermost process.
 A submodel reads all its inputs at once; besides the port of the guard it may read what never waits, and sampled inputs
-of the same period that this process reads nowhere else but together with that port, for they are ready at the same
-instant.
+of the same period that this process reads only together with that port, because they are ready at the same instant.
 """
 
 from __future__ import annotations
@@ -25,30 +24,30 @@ from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attache
 
 
 @record
-class Reads:
+class ReadsPort:
     """The port is read before anything that may wait."""
 
 
 @record
-class Silent:
-    """Nothing that may wait was met, nor the port."""
+class NeverWaits:
+    """Neither the port is read, nor anything waits."""
 
 
 @record
-class Other:
-    """Something that may wait comes first; ``what`` says it in words."""
+class WaitsFirst:
+    """Something that may wait comes first; ``what`` describes it."""
 
     span: Span
     what: str
-    beside: str | None = None
-    """An input that is read at once with the guard's port and may not be ready."""
+    other_input: str | None = None
+    """An input that is read together with the guard's port and may not be ready."""
 
 
-Beginning: TypeAlias = Reads | Silent | Other
+Beginning: TypeAlias = ReadsPort | NeverWaits | WaitsFirst
 
-_READS, _SILENT = Reads(), Silent()
-_DEEPEST = 100
-"""Levels of hierarchy that are looked into; what begins deeper is given credit."""
+_READS_PORT, _NEVER_WAITS = ReadsPort(), NeverWaits()
+_LARGEST_DEPTH = 100
+"""Levels of hierarchy that are searched; deeper processes are assumed to read the port first."""
 
 
 def check_guards(placed: Placed, report: Report) -> None:
@@ -68,19 +67,21 @@ def _check(placed: Placed, branch: ir.Branch[ir.CoreAction], report: Report) -> 
         return
     found = _Beginnings(placed, key, 0).of(branch.body)
     match found:
-        case Reads():
+        case ReadsPort():
             return
-        case Silent():
-            found = Other(branch.body.span, "the branch ends without reading it")
-        case Other():
+        case NeverWaits():
+            found = WaitsFirst(branch.body.span, "the branch ends without reading it")
+        case WaitsFirst():
             pass
         case _:
             assert_never(found)
-    report.add(GuardNotRead(span=branch.event.span, port=key, first=found.span, what=found.what, beside=found.beside))
+    report.add(
+        GuardNotRead(span=branch.event.span, port=key, first=found.span, what=found.what, beside=found.other_input)
+    )
 
 
 class _Beginnings:
-    """How actions of one process begin with regard to one port or channel."""
+    """How actions of one process begin, with regard to one port or channel."""
 
     def __init__(self, placed: Placed, key: Key | None, depth: int) -> None:
         self.placed = placed
@@ -99,13 +100,13 @@ class _Beginnings:
             case ir.WriteValue():
                 key = end_key(action.sink)
                 waits = write_may_wait(self.placed, key) and not is_open(self.placed, key)
-                return Other(action.span, f"the branch writes `{key}` first") if waits else _SILENT
+                return WaitsFirst(action.span, f"the branch writes `{key}` first") if waits else _NEVER_WAITS
             case ir.AssignValue() | ir.SkipStep() | ir.ResetInstance():
-                return _SILENT
+                return _NEVER_WAITS
             case ir.WaitStep() if is_over_at_once(self.placed, action.duration):
-                return _SILENT
+                return _NEVER_WAITS
             case ir.WaitStep() | ir.StopStep() | ir.RaiseException():
-                return Other(action.span, "the branch does not begin by reading it")
+                return WaitsFirst(action.span, "the branch does not begin by reading it")
             case ir.SequentialSteps():
                 return self._first(action.steps)
             case ir.ParallelSteps():
@@ -117,7 +118,9 @@ class _Beginnings:
             case ir.WhileLoop():
                 found = self.of(action.body)
                 return (
-                    Other(action.span, "the branch may end without reading it") if isinstance(found, Reads) else found
+                    WaitsFirst(action.span, "the branch may end without reading it")
+                    if isinstance(found, ReadsPort)
+                    else found
                 )
             case ir.IfElse():
                 return _of_alternatives(map(self.of, (action.then, action.otherwise)), action.span)
@@ -129,26 +132,26 @@ class _Beginnings:
     def _first(self, steps: tuple[ir.CoreAction, ...]) -> Beginning:
         for step in steps:
             found = self.of(step)
-            if not isinstance(found, Silent):
+            if not isinstance(found, NeverWaits):
                 return found
-        return _SILENT
+        return _NEVER_WAITS
 
     def _branch(self, branch: ir.Branch[ir.CoreAction]) -> Beginning:
         match branch.event:
             case ir.ReadyEvent() | ir.InputEvent() as event if end_key(event.source) == self.key:
-                return _READS
+                return _READS_PORT
             case ir.SkipEvent():
                 return self.of(branch.body)
             case ir.ReadyEvent() | ir.InputEvent() | ir.OutputEvent() | ir.AfterEvent():
-                return Other(branch.span, "the branch may choose something else first")
+                return WaitsFirst(branch.span, "the branch may choose something else first")
             case _:
                 assert_never(branch.event)
 
     def _read(self, key: Key, span: Span) -> Beginning:
         if key == self.key:
-            return _READS
+            return _READS_PORT
         waits = read_may_wait(self.placed, key) and not is_open(self.placed, key)
-        return Other(span, f"the branch reads `{key}` first") if waits else _SILENT
+        return WaitsFirst(span, f"the branch reads `{key}` first") if waits else _NEVER_WAITS
 
     def _law(self, instance: InstanceShape, span: Span) -> Beginning:
         keys = [key for key in inputs_of(instance) if key is not None]
@@ -158,21 +161,21 @@ class _Beginnings:
                 continue
             if not (reads and self._is_companion(key)):
                 if reads:
-                    return Other(span, f"`{instance.name}` also reads `{key}`, which may not be ready", key)
-                return Other(span, f"`{instance.name}` reads `{key}` first")
+                    return WaitsFirst(span, f"`{instance.name}` also reads `{key}`, which may not be ready", key)
+                return WaitsFirst(span, f"`{instance.name}` reads `{key}` first")
         if reads:
-            return _READS
+            return _READS_PORT
         outputs = (
             attached_key(a) for e, a in instance.attachments.items() if instance.shape.ports[e[0]].direction == "out"
         )
         for output in outputs:
             if output is not None and not is_open(self.placed, output) and write_may_wait(self.placed, output):
-                return Other(span, f"`{instance.name}` writes `{output}` first")
-        return _SILENT
+                return WaitsFirst(span, f"`{instance.name}` writes `{output}` first")
+        return _NEVER_WAITS
 
     def _is_companion(self, key: Key) -> bool:
-        """Whether ``key`` is a sampled input ready whenever the guard's port is: read only together with it, at its
-        instants.
+        """Whether ``key`` is a sampled input that is ready whenever the guard's port is: with the same sample instants,
+        and only read together with it.
         """
         assert self.key is not None
         (kind, samples), (guard_kind, guard_samples) = self.placed.facts[key], self.placed.facts[self.key]
@@ -189,8 +192,8 @@ class _Beginnings:
 
     def _process(self, instance: InstanceShape, action: ir.RunInstance) -> Beginning:
         body = instance.shape.body
-        if body is None or instance.shape.incomplete or self.depth >= _DEEPEST:
-            return _READS
+        if body is None or instance.shape.incomplete or self.depth >= _LARGEST_DEPTH:
+            return _READS_PORT
         inside = self.placed.inside[instance.name]
         ports = [
             element_name(*element)
@@ -198,27 +201,27 @@ class _Beginnings:
             if self.key is not None and attached_key(attached) == self.key
         ]
         found = _Beginnings(inside, ports[0] if ports else None, self.depth + 1).of(body)
-        if isinstance(found, Other):
-            return Other(action.span, found.what.replace("the branch", f"`{instance.name}`", 1))
+        if isinstance(found, WaitsFirst):
+            return WaitsFirst(action.span, found.what.replace("the branch", f"`{instance.name}`", 1))
         return found
 
 
 def _of_parallel(found: Iterable[Beginning]) -> Beginning:
-    """All branches begin at once, so one that reads the port is enough."""
+    """All branches begin at once, so it is enough if one of them reads the port."""
     all_found = list(found)
-    if any(isinstance(one, Reads) for one in all_found):
-        return _READS
-    return next((one for one in all_found if isinstance(one, Other)), _SILENT)
+    if any(isinstance(one, ReadsPort) for one in all_found):
+        return _READS_PORT
+    return next((one for one in all_found if isinstance(one, WaitsFirst)), _NEVER_WAITS)
 
 
 def _of_alternatives(found: Iterable[Beginning], span: Span) -> Beginning:
     """Every path has to read the port."""
     all_found = list(found)
-    other = next((one for one in all_found if isinstance(one, Other)), None)
+    other = next((one for one in all_found if isinstance(one, WaitsFirst)), None)
     if other is not None:
         return other
-    if all(isinstance(one, Reads) for one in all_found):
-        return _READS
-    if any(isinstance(one, Reads) for one in all_found):
-        return Other(span, "the branch may end without reading it")
-    return _SILENT
+    if all(isinstance(one, ReadsPort) for one in all_found):
+        return _READS_PORT
+    if any(isinstance(one, ReadsPort) for one in all_found):
+        return WaitsFirst(span, "the branch may end without reading it")
+    return _NEVER_WAITS

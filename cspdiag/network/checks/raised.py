@@ -1,4 +1,4 @@
-"""Which exceptions come out of a composition, and handlers of those that never do."""
+"""The exceptions that may leave a composition, and handlers of exceptions that are never raised."""
 
 from __future__ import annotations
 
@@ -15,27 +15,28 @@ from cspdiag.syntax.walk import nodes
 
 @record
 class _Catch:
-    """A ``catch`` of a declared exception that never reaches it, in one of the shapes of its process."""
+    """A ``catch`` that a declared exception never reaches, in one of the shapes of its process."""
 
     process: ast.ProcessDefinition
     is_caught_inside: bool
 
 
 class RaisedExceptions:
-    """Follows the exceptions of a program, its processes inside out. ``Timeout`` and ``Fault`` may come from nearly any
-    step and are ignored.
+    """Follows the exceptions of a program, through its processes from the inside out.
+
+    ``Timeout`` and ``Fault`` may come from almost any step and are ignored.
     """
 
     def __init__(self, program: Program, report: Report) -> None:
         self._program = program
         self._report = report
         self._by_shape: dict[Shape, Exceptions] = {}
-        """What may come out of a process; None: anything."""
+        """The exceptions that may leave a process; None: any."""
         self._idle: dict[Span, _Catch] = {}
         self._useful: set[Span] = set()
 
     def process(self, shape: Shape) -> None:
-        """Look at a process; those of its instances were looked at before."""
+        """Analyse a process; the processes of its instances must have been analysed before."""
         if shape.body is None or shape.incomplete:
             self._by_shape[shape] = None
             return
@@ -49,7 +50,7 @@ class RaisedExceptions:
             self._note(shape, found)
 
     def warn(self) -> None:
-        """Report handlers that run in no shape of their process."""
+        """Report handlers that never run in any shape of their process."""
         processes = dict.fromkeys(found.process for found in self._idle.values())
         catches = {node.span: node for node in nodes(*processes) if isinstance(node, ast.Catch)}
         for span, found in self._idle.items():

@@ -1,8 +1,8 @@
-"""Control laws of different rates that wait for each other over a channel: the faster one misses samples.
+"""Control laws of different rates that wait for each other over a channel, so the faster one misses samples.
 
-A law keeps a pace where a loop of its process runs it and nothing else there reads one of its sampled inputs. From each
-channel and port, inside out, to the one such law that writes or reads it; where a channel joins two paces, the faster
-law waits.
+A law keeps a pace if a loop of its process runs it and nothing else there reads one of its sampled inputs. Each channel
+and port is traced, inside out, to the single law with a pace that writes or reads it; if a channel connects two
+different paces, the faster law waits.
 """
 
 from __future__ import annotations
@@ -32,32 +32,32 @@ class Pace:
     period: int
     sampled: Key
     span: Span
-    """Where the sampled input is connected to it."""
+    """The connection of the sampled input to the law."""
 
 
 @record
 class LawEnd:
-    """The one law that writes or reads a channel, with the path of its port."""
+    """The only law that writes or reads a channel, with the path of its port."""
 
     pace: Pace
     port: str
     span: Span
-    """Where the channel is connected to it, or to the process that it is in."""
+    """The connection of the channel to the law, or to the process that contains it."""
 
 
 _Ends = dict[tuple[Key, Direction], LawEnd | None]
-"""For each channel or port that is written or read; None where it is not one law that keeps a pace."""
+"""The law for each channel or port that is written or read; None if it is not a single law with a pace."""
 
 
 class RateBoundaries:
-    """Looks for channels between laws of different rates; the contexts of instances come first."""
+    """Finds channels between laws of different rates; the contexts of instances must be processed first."""
 
     def __init__(self, report: Report) -> None:
         self.report = report
         self._known: dict[Placed, _Ends] = {}
 
     def process(self, placed: Placed) -> None:
-        """Report the channels of a process that hold up a law."""
+        """Report the channels of a process that delay a law."""
         shape = placed.shape
         ends: _Ends = {}
         self._known[placed] = ends
@@ -78,7 +78,7 @@ class RateBoundaries:
     def _ends_of(
         self, placed: Placed, instance: InstanceShape, pace: Pace | None
     ) -> Iterator[tuple[Key, Direction, LawEnd | None]]:
-        """The laws behind the ports of an instance: itself, or those inside it."""
+        """The laws at the ports of an instance: the instance itself, or those inside it."""
         inside = None if instance.shape.is_submodel else self._known.get(placed.inside[instance.name], {})
         for element, attached in instance.attachments.items():
             key, direction = attached_key(attached), instance.shape.ports[element[0]].direction
@@ -141,7 +141,7 @@ def _paces(placed: Placed, read_by_process: frozenset[Key]) -> dict[str, Pace]:
 
 
 def _agrees(placed: Placed, instance: InstanceShape, period: int) -> bool:
-    """Whether the law is connected to nets of this period only; two were reported."""
+    """Whether the law is connected only to nets of this period; other cases have already been reported."""
     keys = map(attached_key, instance.attachments.values())
     samplings = [placed.sampling(key) for key in keys if key is not None]
     return all(sampling is None or sampling.period == period for sampling in samplings)
@@ -155,7 +155,7 @@ def _inputs(instance: InstanceShape) -> Iterator[tuple[Key, Span]]:
 
 
 def _repeated(body: ir.CoreAction) -> Iterator[str]:
-    """The instances that every iteration of a loop runs, whatever is chosen elsewhere."""
+    """The instances that run in every iteration of a loop."""
     pending = [(body, False)]
     while pending:
         action, is_repeated = pending.pop()

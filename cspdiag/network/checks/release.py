@@ -1,4 +1,4 @@
-"""Looks for processes that end with the last value of a control law on a sampled output.
+"""Finds processes that may end with the last value of a control law on a sampled output.
 
 At each point of the composition it is known where each port may have been written last.
 """
@@ -32,14 +32,14 @@ from cspdiag.syntax import ast
 from cspdiag.syntax.walk import declared_in
 
 Written: TypeAlias = Mapping[PortSymbol, frozenset[tuple[int, bool]]]
-"""The instructions that may have written an output last, each with whether it is a submodel in a loop."""
+"""The instructions that may have written an output last; True if it was a submodel in a loop."""
 
 _SHOWN = 4
-"""Elements of an array that are written out in what is suggested."""
+"""The number of elements of an array that are written out in a suggestion."""
 
 
 def check_release(program: Program, shapes: Iterable[Shape], report: Report) -> None:
-    """Warn of every sampled output that a process leaves as a loop of a submodel wrote it last."""
+    """Warn of every sampled output that keeps the last value of a submodel in a loop when its process ends."""
     for shape in shapes:
         if shape.body is not None and isinstance(shape.definition, ast.ProcessDefinition):
             _check_process(program, shape, shape.definition, report)
@@ -88,7 +88,7 @@ def _sampled_output(program: Program, part: ast.Node) -> PortSymbol | None:
 
 
 def _release_value(type_: Type) -> str:
-    """Zero, false, the first literal of an enumeration, and the same in each field and element."""
+    """Zero, false, the first literal of an enumeration, and the same for each field and element."""
     match type_:
         case BoolType():
             return "false"
@@ -115,7 +115,7 @@ def _release_value(type_: Type) -> str:
 def _driven_at_end(
     shape: Shape, outputs: Mapping[ast.Instance, tuple[PortSymbol, ...]]
 ) -> Iterator[tuple[PortSymbol, RunInstance]]:
-    """The outputs that a submodel in a loop may have written last, with where it was run."""
+    """The outputs that a submodel in a loop may have written last, with the run of that submodel."""
     code = shape.flow
     looping = {i for action, inside in code.decisions if isinstance(action, Repeat | WhileLoop) for i in inside}
     parallels = {i.fork: range(i.fork, index) for index, i in enumerate(code.instructions) if isinstance(i, Join)}

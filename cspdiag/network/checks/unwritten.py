@@ -1,7 +1,7 @@
-"""Variables that a run may read before they were written, which is then a fault.
+"""Variables that may be read before they have been written, which is then a fault.
 
-The checks of a program follow its composition as if what may be abandoned had ended; here nothing is assumed about the
-body of a ``catch`` or ``interrupt``. Where a program has neither, every variable is written before it is read.
+The checks of a program assume that a part which may be abandoned has ended; here nothing is assumed about the body of a
+``catch`` or ``interrupt``. In a program with neither of them, every variable is written before it is read.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from cspdiag.network.ir.walk import parts
 
 
 def may_be_unwritten(network: Network) -> dict[str, frozenset[str]]:
-    """By class, its variables that may be read without a value; a variable that an instance is attached to may whenever
-    it has no initial value.
+    """The variables of each class that may be read without a value; this includes every variable without an initial
+    value to which an instance is attached.
     """
     classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
     abandoned = any(isinstance(part, CatchException | InterruptOn) for part in parts([entry.body for entry in classes]))
@@ -24,7 +24,7 @@ def may_be_unwritten(network: Network) -> dict[str, frozenset[str]]:
 
 
 def ports_of_unwritten(network: Network) -> dict[str, frozenset[tuple[str, int | None]]]:
-    """By class, the input ports (and the index in an array) behind which such a variable may be."""
+    """The input ports of each class, with the index in an array, that may be connected to such a variable."""
     variables = may_be_unwritten(network)
     found: dict[str, set[tuple[str, int | None]]] = {entry.name: set() for entry in network.classes}
     inputs = {(entry.name, port.name) for entry in network.classes for port in entry.ports if port.direction == "in"}

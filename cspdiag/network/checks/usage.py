@@ -1,4 +1,4 @@
-"""Names that are not used, and channels that are looked at as if they kept a value."""
+"""Names that are not used, and channels that are read as if they kept a value."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def check_usage(
 ) -> None:
     """Find ports and variables of a process that are not used; refuse conditions on channels that keep no value.
 
-    A port that a specification does not use is one at which it allows nothing. ``named`` are the declarations that are
-    named anywhere, be it in a part that is repeated no times in this shape.
+    A specification allows no communication at a port that it does not use. ``named`` are the declarations that are
+    named anywhere, even in a part that is repeated zero times in this shape.
     """
     if shape.body is None or shape.incomplete:
         return
@@ -39,10 +39,10 @@ def check_usage(
         if is_specification:
             continue
         if key in uses or key in shape.port_spans:
-            agreement.refuted(PortUnused, port.span, key)
+            agreement.refute(PortUnused, port.span, key)
         else:
             unused = PortUnused(span=port.span, port=key, process=shape.name, direction=port.direction)
-            agreement.found(unused, key)
+            agreement.claim(unused, key)
     connected = {attached_key(a) for instance in shape.instances.values() for a in instance.attachments.values()}
     for channel in shape.channels.values():
         use = uses.get(channel.name)
@@ -50,9 +50,9 @@ def check_usage(
             continue
         is_one_of_several = bool(channel.replicators)
         if use is None and channel.name not in connected and (is_one_of_several or channel.declaration not in named):
-            agreement.found(VariableUnused(span=channel.span, name=channel.name), channel.name)
+            agreement.claim(VariableUnused(span=channel.span, name=channel.name), channel.name)
         else:
-            agreement.refuted(VariableUnused, channel.span, channel.name)
+            agreement.refute(VariableUnused, channel.span, channel.name)
 
 
 def _check_values(shape: Shape, body: CoreAction, report: Report) -> None:

@@ -1,1 +1,1 @@
-"""Samples that are not taken: what a process does between two reads takes longer than the samples come."""
+"""Missed samples: a process that takes longer between two reads of an input than its samples are apart."""

@@ -1,9 +1,9 @@
-"""The beginning of the outermost process, stepped through as far as nothing in it is left open: there it is known when
-each sample comes.
+"""The beginning of the outermost process, executed as long as it is deterministic: there the instants of samples are
+known.
 
-It starts at time 0. A first read waits for the next sample, unless the process follows that period already; a process
-that comes two periods after the sample that was read last has missed one. Where anything else decides (data, events,
-partners, parallel parts) nothing more is reported.
+It starts at time 0. A first read waits for the next sample, unless the process already follows that period; a process
+that reads two periods after the last sample that it took has missed one. As soon as anything else matters (data,
+events, partners, parallel parts) nothing more is reported.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key
 
 _STEPS = 200
-"""How many steps are looked at, in loops too."""
+"""The largest number of steps that are executed, in loops too."""
 
 
 @record
 class Late:
-    """A sample of ``port`` that is missed: nanoseconds since its last read, and what took most of them, waiting for
+    """A missed sample of ``port``: the nanoseconds since its last read, and the cause of most of them, waiting for
     ``slower`` if that was a read.
     """
 
@@ -40,19 +40,19 @@ class Late:
 
 @record
 class _Step:
-    """What took time."""
+    """A step that took time."""
 
     waits: int
     span: Span
     port: Key | None
 
 
-class _LeftOpenError(Exception):
-    """What comes next is not known."""
+class _UndecidedError(Exception):
+    """The next step is not known."""
 
 
 class _CutOffError(Exception):
-    """A time-out has come."""
+    """A time-out has occurred."""
 
 
 class _MissedError(Exception):
@@ -64,38 +64,40 @@ class _MissedError(Exception):
 def first_late(placed: Placed, body: ir.CoreAction) -> Late | None:
     """The first sample that every run of an outermost process misses, as far as that is known without data."""
     try:
-        _Beginning(placed).do(body)
+        _KnownBeginning(placed).do(body)
     except _MissedError as missed:
         return missed.late
-    except (_LeftOpenError, _CutOffError):
+    except (_UndecidedError, _CutOffError):
         pass
     return None
 
 
-class _Beginning:
+class _KnownBeginning:
     def __init__(self, placed: Placed) -> None:
         self.placed = placed
         self.now = 0
         self.left = _STEPS
         self.ends: tuple[int, ...] = ()
-        """When the time-outs come that end what is done now."""
+        """The instants of the time-outs that end the present actions."""
         self.opened: dict[Sampling, int] = {}
-        """By their sample instants, when the first books were opened."""
+        """The instant at which the first session was opened, by sample instants."""
         self.taken: dict[Key, tuple[int, int, Span, int]] = {}
-        """Of each input the tick of the sample that was taken last, when, where, and how many steps there were."""
+        """For each input the tick of the sample that was taken last, when and where that was, and the number of steps
+        then.
+        """
         self.steps: list[_Step] = []
 
     def do(self, action: ir.CoreAction) -> None:
         self.left -= 1
         if not self.left:
-            raise _LeftOpenError
+            raise _UndecidedError
         match action:
             case ir.ReadValue():
                 self._read(end_key(action.source), action.span)
             case ir.WaitStep():
                 waits = known_duration(self.placed, action.duration)
                 if not waits:
-                    raise _LeftOpenError
+                    raise _UndecidedError
                 self._pass(waits, action.span, None)
             case ir.SkipStep():
                 pass
@@ -113,13 +115,13 @@ class _Beginning:
                         continue
                     ends = decided(self.placed, action.until)
                     if ends is None:
-                        raise _LeftOpenError
+                        raise _UndecidedError
                     if ends:
                         return
             case ir.InterruptOn():
                 self._interrupt(action)
             case _:
-                raise _LeftOpenError
+                raise _UndecidedError
 
     def _all(self, steps: Sequence[ir.CoreAction]) -> None:
         for step in steps:
@@ -129,7 +131,7 @@ class _Beginning:
         event = action.branch.event
         waits = known_duration(self.placed, event.duration) if isinstance(event, ir.AfterEvent) else 0
         if not waits or not decided(self.placed, action.branch.condition) or self.ends:
-            raise _LeftOpenError
+            raise _UndecidedError
         self.ends = (self.now + waits,)
         try:
             self.do(action.body)
@@ -142,7 +144,7 @@ class _Beginning:
         then = self.now + waits
         for end in self.ends:
             if then == end:
-                raise _LeftOpenError
+                raise _UndecidedError
             if then > end:
                 self.steps.append(_Step(end - self.now, span, port))
                 self.now = end
@@ -153,7 +155,7 @@ class _Beginning:
     def _read(self, key: Key, span: Span) -> None:
         samples = samples_of(self.placed, key)
         if samples is None:
-            raise _LeftOpenError
+            raise _UndecidedError
         period = samples.period
         present = samples.latest_tick(self.now)
         if key not in self.taken:
@@ -161,7 +163,7 @@ class _Beginning:
             if present == samples.latest_tick(opened):
                 present += period
                 if any(end <= present for end in self.ends):
-                    raise _LeftOpenError
+                    raise _UndecidedError
         else:
             last, when, earlier, steps = self.taken[key]
             if present > last + period:

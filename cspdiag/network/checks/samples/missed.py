@@ -1,11 +1,10 @@
-"""Processes that must miss samples: what they do between two reads of a sampled input takes longer than the samples
-come.
+"""Processes that are certain to miss samples: between two reads of a sampled input they take longer than its period.
 
-From its first read on, and until the process ends, each sample of an input is taken before the next one comes. So a
-sequential part is summed up by what lies before its reads of each input, after them, and between (``sample_reads``).
-Paths are those that may be taken: whatever the conditions, and with events at any time, but only one between two
-reads. Times are the least that is certain: what is not known (a partner, computing) takes no time, and a loop without
-reads one iteration. What parallel branches both read has books of its own in each, and is left alone.
+From its first read on, and until the process ends, each sample of an input must be taken before the next one arrives.
+So a sequential part is summarized by the gaps before, after and between its reads of each input (``reads``). Paths are
+those that may be taken: under any conditions, and with events at any time, but only one between two reads. Times are
+lower bounds: what is not known (a partner, computation) takes no time, and a loop without reads takes one iteration.
+Parallel branches that both read an input have different sessions, and are not compared with each other.
 """
 
 from __future__ import annotations
@@ -23,15 +22,15 @@ from cspdiag.network.checks.samples.reads import (
     INSTANT,
     MANY,
     NEVER_ENDS,
-    Book,
     Part,
     Reads,
-    any_way,
-    beside,
+    Session,
     endless,
-    free_book,
+    free_session,
+    in_parallel,
     least_time,
     not_read,
+    on_some_path,
     one_of,
     one_of_exits,
     one_read,
@@ -49,14 +48,14 @@ from cspdiag.network.shapes import InstanceShape, Key
 
 
 class MissedSamples:
-    """Looks for samples that must be missed; the contexts of instances come first."""
+    """Finds samples that are certainly missed; the contexts of instances must be processed first."""
 
     def __init__(self, report: Report) -> None:
         self.report = report
         self._known: dict[Placed, Part] = {}
 
     def process(self, placed: Placed, *, is_outermost: bool) -> None:
-        """Report what a process does between reads of an input and takes longer than its samples come."""
+        """Report where a process takes longer between two reads of an input than its samples are apart."""
         body = placed.shape.body
         if body is None or placed.shape.incomplete:
             return
@@ -67,15 +66,15 @@ class MissedSamples:
 
 
 class _Process(Sequences):
-    """Sums up the parts of one process."""
+    """Summarizes the parts of one process."""
 
     def __init__(self, placed: Placed, known: Mapping[Placed, Part], report: Report) -> None:
         super().__init__(placed, Findings(placed, report))
         self.known = known
         self.ready: frozenset[Key] = frozenset()
-        """Events that a guard has found ready, so that the next read of them does not wait."""
+        """Events that a guard has found ready, so the next read of them does not wait."""
         self._bodies: dict[tuple[int, frozenset[Key], bool], Part] = {}
-        """What follows guards, which may be looked at on several paths."""
+        """The bodies of branches, which may be analysed on several paths."""
 
     def part(self, action: ir.CoreAction) -> Part:
         match action:
@@ -96,28 +95,28 @@ class _Process(Sequences):
             case ir.SequentialSteps():
                 return self.sequence(map(self.part, action.steps))
             case ir.ParallelSteps():
-                return beside(map(self._apart, action.steps))
+                return in_parallel(map(self._optional_part, action.steps))
             case ir.Choice():
                 return self._choice(action)
             case ir.Repeat():
-                body = self._apart(action.body)
+                body = self._optional_part(action.body)
                 ends = action.until is not None and decided(self.placed, action.until)
                 if ends:
                     return body
-                self.findings.check_turns(body, is_endless=action.until is None)
+                self.findings.check_iterations(body, is_endless=action.until is None)
                 return endless(body) if action.until is None else repeated(body)
             case ir.WhileLoop():
                 if decided(self.placed, action.condition) is False:
                     return INSTANT
-                body = self._apart(action.body)
-                self.findings.check_turns(body, is_endless=False)
+                body = self._optional_part(action.body)
+                self.findings.check_iterations(body, is_endless=False)
                 return one_of([INSTANT, repeated(body)])
             case ir.CountedLoop():
-                return self._turns(action)
+                return self._counted_loop(action)
             case ir.IfElse():
                 holds = decided(self.placed, action.condition)
-                ways = [action.then] * (holds is not False) + [action.otherwise] * (holds is not True)
-                return one_of([self._apart(way) for way in ways])
+                paths = [action.then] * (holds is not False) + [action.otherwise] * (holds is not True)
+                return one_of([self._optional_part(path) for path in paths])
             case ir.CatchException():
                 return self._catch(action)
             case ir.InterruptOn():
@@ -127,13 +126,13 @@ class _Process(Sequences):
             case _:
                 assert_never(action)
 
-    def _turns(self, loop: ir.CountedLoop[ir.CoreAction]) -> Part:
-        """What was ready before the first iteration may be read in it; the others begin all alike."""
+    def _counted_loop(self, loop: ir.CountedLoop[ir.CoreAction]) -> Part:
+        """An event that was ready before the first iteration may be read in it; all other iterations begin alike."""
         first = self.part(loop.body)
         return self.sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
 
-    def _apart(self, action: ir.CoreAction) -> Part:
-        """A part that is not taken on every path: an event that was ready before it may still be so afterwards."""
+    def _optional_part(self, action: ir.CoreAction) -> Part:
+        """A part that is not on every path: an event that was ready before it may still be ready afterwards."""
         was_ready = self.ready
         found = self.part(action)
         self.ready = was_ready
@@ -143,7 +142,7 @@ class _Process(Sequences):
         return self._read([key for key in inputs_of(instance) if key is not None], span)
 
     def _read(self, keys: Iterable[Key], span: Span) -> Part:
-        """Reads that begin at once: a sample is taken when it is there, and then the events are waited for."""
+        """Reads that begin immediately: a sample is taken when it is there, and then the events are waited for."""
         keys = list(keys)
         event = next((key for key in keys if self._is_event(key)), None)
         time = NOTHING if event is None else Gap(0, event, span)
@@ -151,7 +150,7 @@ class _Process(Sequences):
         return part(time, {(key, 0): one_read(self.period(key), time, span) for key in keys if self.period(key)})
 
     def _process(self, action: ir.RunInstance) -> Part:
-        """A process keeps books of its own; here it takes time, and may wait for events."""
+        """A process has sessions of its own; here it only takes time, and may wait for events."""
         inside = self.known.get(self.placed.inside[action.instance])
         if inside is None:
             return INSTANT
@@ -162,8 +161,8 @@ class _Process(Sequences):
         return self.placed.facts[key][0] == "event" and key not in self.ready
 
     def _choice(self, action: ir.Choice[ir.CoreAction]) -> Part:
-        """One of the branches that are possible, whether the conditions of samples hold or not."""
-        return one_of([self._chosen(way) for way in ways_of_samples(self.placed, action)])
+        """One of the possible branches, with and without the conditions of samples."""
+        return one_of([self._chosen(path) for path in ways_of_samples(self.placed, action)])
 
     def _chosen(self, action: ir.Choice[ir.CoreAction]) -> Part:
         """One of the branches, after what is waited for before it can be chosen."""
@@ -173,7 +172,7 @@ class _Process(Sequences):
         if branches and len(events) == len(branches):
             waits = Gap(0, self._event_of(events[0]), events[0].event.span)
             return self.sequence((part(waits), one_of([self._branch(branch, NOTHING, {}) for branch in branches])))
-        # Until which moment an event may come: a sample or a time-out is chosen then.
+        # The moment until which an event may occur: then a sample or a time-out is chosen.
         until = NOTHING
         if len(events) + len(time_outs) == len(branches):
             until = min(filter(None, map(self._time_out, time_outs)), key=lambda gap: gap.duration, default=NOTHING)
@@ -189,14 +188,14 @@ class _Process(Sequences):
                 is_first = action.prioritized and place < sample
                 is_last = action.prioritized and not is_first
                 instead[key, 0] = self._instead_of(key, branch, waits=is_waiting, is_first=is_first, is_last=is_last)
-            parts.append(self._branch(branch, until.perhaps if branch in events else NOTHING, instead))
+            parts.append(self._branch(branch, until.maybe_shorter if branch in events else NOTHING, instead))
         self.findings.tolerated = was_tolerated
         chosen = one_of(parts)
         if is_certain:
             return chosen
-        # Whether a sample comes before a time-out, or is there already, depends on how late one is, of which only a
+        # Whether a sample arrives before a time-out, or is already there, depends on the lateness, of which only a
         # bound is known.
-        reads = {book: any_way(book, parts, found.span) for book, found in chosen.reads.items()}
+        reads = {session: on_some_path(session, parts, found.span) for session, found in chosen.reads.items()}
         return part(least_time(parts), reads, chosen.exits)
 
     def _event_of(self, branch: ir.Branch[ir.CoreAction]) -> Key | None:
@@ -207,7 +206,7 @@ class _Process(Sequences):
         return key if self._is_event(key) else None
 
     def _samples(self, branches: Iterable[ir.Branch[ir.CoreAction]]) -> dict[Key, int]:
-        """The sampled inputs that guards wait for, with the places of these."""
+        """The sampled inputs that guards wait for, with the positions of these guards."""
         guarded = {
             end_key(branch.event.source): place
             for place, branch in enumerate(branches)
@@ -221,10 +220,11 @@ class _Process(Sequences):
         return Gap(waits, None, branch.event.span) if waits else None
 
     def _branch(
-        self, branch: ir.Branch[ir.CoreAction], until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT
+        self, branch: ir.Branch[ir.CoreAction], until: Gap, instead: Mapping[Session, Reads], parallel: Part = INSTANT
     ) -> Part:
-        """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples; its guard
-        stands ``beside`` a part, with a book of its own.
+        """What follows when a branch is chosen, at the latest at the moment ``until``, and ``instead`` of samples.
+
+        Its guard waits in parallel with the part ``parallel``, with a session of its own.
         """
         event = branch.event
         if isinstance(event, ir.InputEvent | ir.ReadyEvent):
@@ -234,8 +234,8 @@ class _Process(Sequences):
             following = self._following(branch)
             self.ready = was_ready
             if self.period(key):
-                book = free_book(key, beside)
-                taken = part(NOTHING, {book: one_read(self.period(key), NOTHING, event.span)})
+                session = free_session(key, parallel)
+                taken = part(NOTHING, {session: one_read(self.period(key), NOTHING, event.span)})
                 return following if isinstance(event, ir.ReadyEvent) else self.sequence((taken, following))
         else:
             following = self._following(branch)
@@ -245,15 +245,15 @@ class _Process(Sequences):
     def _following(self, branch: ir.Branch[ir.CoreAction]) -> Part:
         place = id(branch.body), self.ready, self.findings.tolerated
         if place not in self._bodies:
-            self._bodies[place] = self._apart(branch.body)
+            self._bodies[place] = self._optional_part(branch.body)
         return self._bodies[place]
 
     def _instead_of(
         self, sample: Key, chosen: ir.Branch[ir.CoreAction], *, waits: bool, is_first: bool, is_last: bool
     ) -> Reads:
-        """What becomes of a sample where something else is chosen: an event comes at any time, up to the next sample.
+        """The reads of a sample if something else is chosen: an event may occur at any time, up to the next sample.
 
-        One that ``is_first`` is chosen also where the sample is there already, one that ``is_last`` only before.
+        One that ``is_first`` is chosen even if the sample is already there, one that ``is_last`` only before.
         """
         event = self._event_of(chosen) if waits else None
         span = chosen.event.span
@@ -264,16 +264,16 @@ class _Process(Sequences):
         branch = action.branch
         holds = decided(self.placed, branch.condition)
         if holds is False:
-            return self._apart(action.body)
+            return self._optional_part(action.body)
         if holds and is_always_ready(self.placed, branch.event):
-            return self._replaced_at_once(action)
+            return self._replaced_immediately(action)
         is_time_out = isinstance(branch.event, ir.AfterEvent)
         longest = self._longest(branch) if holds else 0
         was_limit = self.findings.limit
         self.findings.limit = min(was_limit, longest) if longest else was_limit
-        body = self._apart(action.body)
+        body = self._optional_part(action.body)
         self.findings.limit = was_limit
-        handler = self._following(branch) if is_time_out else self._branch(branch, NOTHING, {}, beside=body)
+        handler = self._following(branch) if is_time_out else self._branch(branch, NOTHING, {}, parallel=body)
         if body.time is NOTHING and not body.reads:
             return body
         event = self._event_of(branch)
@@ -290,19 +290,21 @@ class _Process(Sequences):
             return replaced(left, exits=one_of_exits((body.exits, left.exits)))
         return one_of([within(body, limit) if is_time_out else body, left])
 
-    def _replaced_at_once(self, action: ir.InterruptOn[ir.CoreAction]) -> Part:
-        """A body that is cancelled before it reads or waits, and the branch that follows; only by an exception can it
-        end before.
+    def _replaced_immediately(self, action: ir.InterruptOn[ir.CoreAction]) -> Part:
+        """The handler after a body that is cancelled before it reads or waits; only an exception can end the body
+        earlier.
         """
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = True
-        body = self._apart(action.body)
+        body = self._optional_part(action.body)
         self.findings.tolerated = was_tolerated
         following = self._following(action.branch)
         return replaced(following, exits=one_of_exits((body.exits, following.exits)))
 
     def _longest(self, branch: ir.Branch[ir.CoreAction]) -> int:
-        """After how many nanoseconds a guard surely comes that is a time-out or a sample; 0 where that is not known."""
+        """The number of nanoseconds after which a guard certainly occurs, for a time-out or a sample; 0 if it is not
+        known.
+        """
         if isinstance(branch.event, ir.AfterEvent):
             return known_duration(self.placed, branch.event.duration)
         return (
@@ -310,33 +312,33 @@ class _Process(Sequences):
         )
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
-        """A body that an event ends: at any time, at the latest with the next sample that the body waits for."""
-        time = Gap(0, event, span) if body.time is None else body.time.perhaps
+        """A body that an event ends, at any time up to the next sample that the body waits for."""
+        time = Gap(0, event, span) if body.time is None else body.time.maybe_shorter
         reads = {}
-        for book, found in body.reads.items():
-            held = Gap(0, None, span, -self.period(book[0]), event)
+        for session, found in body.reads.items():
+            held = Gap(0, None, span, -self.period(session[0]), event)
             again = found.most > 1 and found.before is not None
-            past = NOTHING if body.time is None or found.before is not None else body.time.perhaps
-            reads[book] = replaced(
+            past = NOTHING if body.time is None or found.before is not None else body.time.maybe_shorter
+            reads[session] = replaced(
                 found, past=past, after=held if again else None, least=0, drift=None, held=held, pending=None
             )
         return part(time, reads)
 
     def _cut_off(self, body: Part, limit: Gap) -> Part:
-        """A body that is left somewhere, after no more than ``limit``: nothing certain follows its reads."""
+        """A body that is left somewhere, after at most ``limit``: nothing is certain after its reads."""
         is_longer = body.time is None or body.time.rank >= limit.rank
         reads = {}
-        for book, found in body.reads.items():
+        for session, found in body.reads.items():
             is_read = found.before is not None and found.before.rank <= limit.rank
             waits = found.past is None and is_read
-            reads[book] = replaced(
+            reads[session] = replaced(
                 found,
                 before=found.before if is_read else None,
                 past=None if waits and limit is not NOTHING else limit if is_longer else found.past,
                 after=NOTHING if is_read or found.after is not None else None,
                 least=0,
                 drift=None,
-                held=limit if waits and limit.duration < self.period(book[0]) else None,
+                held=limit if waits and limit.duration < self.period(session[0]) else None,
                 pending=None,
             )
         return part(limit if is_longer else body.time, reads)
@@ -344,9 +346,9 @@ class _Process(Sequences):
     def _catch(self, action: ir.CatchException[ir.CoreAction]) -> Part:
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = was_tolerated or action.exception == "Timeout"
-        body = self._apart(action.body)
+        body = self._optional_part(action.body)
         self.findings.tolerated = was_tolerated
-        handler = self._apart(action.handler)
+        handler = self._optional_part(action.handler)
         if action.exception == "Timeout":
             caught = {
                 key: replaced(found, before=None, most=MANY, drift=None, pending=None)

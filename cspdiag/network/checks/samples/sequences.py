@@ -1,4 +1,4 @@
-"""Parts of a process one after another, with a look at what lies between the reads of each input."""
+"""Sequences of parts of a process, with a check of the gaps between the reads of each input."""
 
 from __future__ import annotations
 
@@ -6,7 +6,17 @@ from collections.abc import Iterable, Mapping
 
 from cspdiag.network.checks.samples.findings import Findings
 from cspdiag.network.checks.samples.gaps import Elapsed, either, then
-from cspdiag.network.checks.samples.reads import INSTANT, Book, Part, Reads, earlier, joined, later, one_of_exits, part
+from cspdiag.network.checks.samples.reads import (
+    INSTANT,
+    Part,
+    Reads,
+    Session,
+    earlier,
+    joined,
+    later,
+    one_of_exits,
+    part,
+)
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import sample_period
 from cspdiag.network.shapes import Key
@@ -20,14 +30,14 @@ class Sequences:
         self.findings = findings
 
     def period(self, key: Key) -> int:
-        """In which samples of an input come, in nanoseconds; 0 where that is not known."""
+        """The sample period of an input in nanoseconds; 0 if it is not known."""
         return sample_period(self.placed, key)
 
     def sequence(self, parts: Iterable[Part]) -> Part:
-        """One after another, with a look at what lies between the reads of each input."""
+        """One part after the other, with a check of the gaps between the reads of each input."""
         elapsed = Elapsed()
-        reads: dict[Book, Reads] = {}
-        since: dict[Book, int] = {}
+        reads: dict[Session, Reads] = {}
+        since: dict[Session, int] = {}
         exits: list[Mapping[str, Part]] = []
         for each in parts:
             if each.exits and (first := elapsed.since(0)) is not None:
@@ -48,16 +58,16 @@ class Sequences:
     def _then(self, one: Part, other: Part) -> Part:
         return other if one is INSTANT else self.sequence((one, other))
 
-    def _joined(self, book: Book, one: Reads, other: Reads) -> Reads:
-        is_reported = self.findings.check(book, then(one.after, other.before), one, other)
+    def _joined(self, session: Session, one: Reads, other: Reads) -> Reads:
+        is_reported = self.findings.check(session, then(one.after, other.before), one, other)
         held = then(one.held, other.before)
-        pending = either(one.pending, held if held is not None and held.late >= 2 * self.period(book[0]) else None)
+        pending = either(one.pending, held if held is not None and held.late >= 2 * self.period(session[0]) else None)
         if one.after is not None:
-            is_reported = is_reported or self.findings.check(book, other.pending, one, other)
+            is_reported = is_reported or self.findings.check(session, other.pending, one, other)
         else:
             pending = either(pending, other.pending)
         return joined(one, other, None if is_reported else pending)
 
 
-def _until_now(reads: Mapping[Book, Reads], since: Mapping[Book, int], elapsed: Elapsed) -> dict[Book, Reads]:
+def _until_now(reads: Mapping[Session, Reads], since: Mapping[Session, int], elapsed: Elapsed) -> dict[Session, Reads]:
     return {key: later(found, elapsed.since(since[key])) for key, found in reads.items()}
