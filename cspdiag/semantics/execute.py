@@ -9,9 +9,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.external import external_bodies
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
-from cspdiag.network.ir.walk import parts
 from cspdiag.semantics import outside
 from cspdiag.semantics.environment import Plant
 from cspdiag.semantics.instances import ProcessInstance, Program, exception_name
@@ -104,9 +103,8 @@ def waits(network: Network, environment: str | None, until: int | None, communic
 
 def has_bodies_of_other_languages(network: Network, environment: str | None) -> bool:
     """Whether anything in the network, or the environment, is written by hand. «Environments and drivers»"""
-    chosen = next((e for e in network.environments if environment in (None, e.name)), None)
-    written = [part for part in parts((network.classes, chosen)) if isinstance(part, ExternalBody)]
-    return bool(written)
+    chosen = [item for item in network.environments if environment in (None, item.name)][:1]
+    return any(True for _ in external_bodies(network.classes, chosen))
 
 
 def _external(world: Scheduler, port: ExternalPort, plant: Plant | None) -> Medium:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import assert_never, overload
+from collections.abc import Iterator, Sequence
+from typing import Any, TypeVar, assert_never, overload
 
 from cspdiag.base.record import field_names, is_record
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, PresentTime, VariableValue
+
+T = TypeVar("T")
 
 
 def parts(item: object) -> Iterator[object]:
@@ -17,10 +19,11 @@ def parts(item: object) -> Iterator[object]:
     pending: list[object] = [item]
     while pending:
         part = pending.pop()
-        names = _INSIDE.get(type(part))
-        if names is None:
+        try:
+            names = _INSIDE[type(part)]
+        except KeyError:
             names = _INSIDE[type(part)] = _names_inside(part)
-        if names:
+        if names is not None:
             yield part
             for name in names:
                 inner = getattr(part, name)
@@ -28,17 +31,30 @@ def parts(item: object) -> Iterator[object]:
                     pending.append(inner)
         elif isinstance(part, tuple | list):
             pending.extend(reversed(part))
-        elif is_record(part):
-            yield part
 
 
-_INSIDE: dict[type, tuple[str, ...]] = {}
-"""By type, the fields that are looked into, the last one first: networks have millions of parts."""
+class PartsByType:
+    """What `parts` finds, gone through once for all who look for something in it."""
+
+    def __init__(self, item: object) -> None:
+        self._found: dict[type, list[Any]] = {}
+        for part in parts(item):
+            self._found.setdefault(type(part), []).append(part)
+
+    def of(self, kind: type[T]) -> Sequence[T]:
+        """Those of exactly this type, in the order of the text."""
+        return self._found.get(kind, ())
 
 
-def _names_inside(part: object) -> tuple[str, ...]:
+_INSIDE: dict[type, tuple[str, ...] | None] = {}
+"""By type, the fields of a record that are looked into, the last one first, and None for what is no record: networks
+have millions of parts.
+"""
+
+
+def _names_inside(part: object) -> tuple[str, ...] | None:
     if not is_record(part):
-        return ()
+        return None
     annotations = {
         name: kind for cls in type(part).__mro__ for name, kind in getattr(cls, "__annotations__", {}).items()
     }

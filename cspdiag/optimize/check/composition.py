@@ -10,6 +10,7 @@ from cspdiag.model.types import BOOL, TIME, ArrayType, IntType, Type
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import Direction, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.check.expressions import Names, agrees, expression_problems
@@ -134,7 +135,7 @@ class CompositionCheck:
             case ir.RunLaw():
                 yield from self._law(action)
             case ir.ResetStates():
-                calls = {part.name for part in parts(self.process.body) if isinstance(part, ExternalCall)}
+                calls = {call.name for call in external_calls(self.process)}
                 for name in action.states:
                     if name not in calls and name not in {state.name for state in self.process.states}:
                         yield f"there is no state `{name}`"

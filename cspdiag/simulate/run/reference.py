@@ -5,9 +5,8 @@ from __future__ import annotations
 from time import perf_counter
 
 from cspdiag.base.errors import CspdiagError
-from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.external import external_bodies
 from cspdiag.network.ir.network import CoreNetwork, Environment
-from cspdiag.network.ir.walk import parts
 from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.stopping import Stopped, stopping
 from cspdiag.runtime.outcome import Ending, Outcome
@@ -63,12 +62,11 @@ def simulate(network: CoreNetwork, *, environment: str | None, until: int | None
 
 
 def _refuse_other_languages(network: CoreNetwork, environment: Environment | None) -> None:
-    for part in parts((network.classes, environment)):
-        if isinstance(part, ExternalBody):
-            raise NoMeaningError(
-                f"-O reference runs what the language says, which is nothing of `{part.target}`, a body in another "
-                "language: run it with -O0"
-            )
+    for body in external_bodies(network.classes, [] if environment is None else [environment]):
+        raise NoMeaningError(
+            f"-O reference runs what the language says, which is nothing of `{body.target}`, a body in another "
+            "language: run it with -O0"
+        )
 
 
 def _outcome(done: Execution, environment: str, places: Whereabouts) -> Outcome:

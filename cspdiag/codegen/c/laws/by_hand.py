@@ -18,9 +18,9 @@ from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.statements import lines, run
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
-from cspdiag.network.ir.equations import ExternalBody, ExternalCall
-from cspdiag.network.ir.network import Network, SubmodelClass
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.external import external_calls
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass
 
 FILE = "types_by_hand.c"
 
@@ -65,7 +65,7 @@ def _members(network: Network, names: PackageNames, types: CTypes) -> Iterator[_
         if isinstance(class_, SubmodelClass):
             if class_.external is not None and class_.external.language == "c":
                 yield from _of_class(class_, class_.external, names)
-            yield from _of_calls(class_.equations, names, types)
+            yield from _of_calls(class_, names, types)
     for environment in network.environments:
         yield from _of_calls(environment, names, types)
 
@@ -79,9 +79,9 @@ def _of_class(class_: SubmodelClass, body: ExternalBody, names: PackageNames) ->
         yield _Member(body, names.classes[class_.name], members[port.name], port.type, port.name, where)
 
 
-def _of_calls(part: object, names: PackageNames, types: CTypes) -> Iterator[_Member]:
-    for called in parts(part):
-        if not isinstance(called, ExternalCall) or called.external.language != "c":
+def _of_calls(owner: SubmodelClass | Environment, names: PackageNames, types: CTypes) -> Iterator[_Member]:
+    for called in external_calls(owner):
+        if called.external.language != "c":
             continue
         where = names.place(called.span.file, called.span.line)
         ports = [

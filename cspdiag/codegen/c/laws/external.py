@@ -9,24 +9,15 @@ from collections.abc import Iterator, Mapping
 
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody
-from cspdiag.network.ir.network import Network, SubmodelClass
-from cspdiag.network.ir.walk import parts
-
-
-def compositions_and_laws(network: Network) -> list[object]:
-    """Of each class the parts in which a body in another language can be named: large networks have far
-    more instances.
-    """
-    return [entry if isinstance(entry, SubmodelClass) else (entry.body, entry.external) for entry in network.classes]
+from cspdiag.network.ir.external import external_bodies
+from cspdiag.network.ir.network import Network
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
     """The bodies in C that a network names, each once."""
-    found: dict[ExternalBody, None] = {}
-    for part in parts((compositions_and_laws(network), network.environments)):
-        if isinstance(part, ExternalBody) and part.language == "c":
-            found[part] = None
-    yield from found
+    yield from dict.fromkeys(
+        body for body in external_bodies(network.classes, network.environments) if body.language == "c"
+    )
 
 
 def source_paths(body: ExternalBody) -> tuple[str, str]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cspdiag.codegen.c.laws.external import compositions_and_laws
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.types import TextType
-from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import Environment, Network, ProcessClass
-from cspdiag.network.ir.walk import parts
 
 
 def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
@@ -42,10 +41,10 @@ def _bodies(network: Network) -> Iterator[tuple[str, str, ExternalBody]]:
         if class_.external is not None:
             kind = "process" if isinstance(class_, ProcessClass) else "submodel"
             yield kind, class_.definition, class_.external
-    systems = [environment.system for environment in network.environments if not environment.drivers]
-    for part in parts((compositions_and_laws(network), systems)):
-        if isinstance(part, ExternalCall):
-            yield "submodel", part.definition, part.external
+    environments = (environment for environment in network.environments if not environment.drivers)
+    for owner in (*network.classes, *environments):
+        for call in external_calls(owner):
+            yield "submodel", call.definition, call.external
 
 
 def _refusal(kind: str, definition: str, body: ExternalBody) -> str:

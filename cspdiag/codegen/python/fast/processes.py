@@ -11,7 +11,6 @@ from cspdiag.codegen.python.fast.actions import Composition
 from cspdiag.codegen.python.fast.cancellation import checked_classes
 from cspdiag.codegen.python.fast.communications import Communications
 from cspdiag.codegen.python.fast.expressions import FastPrinter
-from cspdiag.codegen.python.fast.laws.in_place import external_calls
 from cspdiag.codegen.python.fast.spelling import Spelling, is_alternated, is_inline
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.storage import rerun_classes
@@ -64,6 +63,7 @@ from cspdiag.codegen.python.text.types import annotation
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, ParallelSteps, PortEnd
+from cspdiag.network.ir.external import external_calls
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
@@ -187,7 +187,7 @@ class _ProcessWriter(ConstructorWriter):
         states = tuple(self._initial_states()) if not spelling.runs_again else ()
         declared = tuple(self._declared_variables())
         memories = tuple(assign(name, WholeNumber(0)) for name in self.composition.memories.values())
-        for item in external_calls(process.body):
+        for item in external_calls(process):
             spelling.bind(spelling.signal_name(item.name))
         bound = tuple(assign(name, own(name)) for name in spelling.bound)
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
@@ -320,7 +320,7 @@ class _ProcessWriter(ConstructorWriter):
             yield assign(own(self.spelling.parts[law]), call(class_, path(law), source=source))
 
     def _external_calls(self) -> Iterator[Statement]:
-        for item in external_calls(self.process.body):
+        for item in external_calls(self.process):
             given = {name: self.initial.print(value) for name, value in item.arguments}
             made = self.modules.construct(item.external, given, self.imports)
             yield assign(own(self.spelling.signal_name(item.name)), made)

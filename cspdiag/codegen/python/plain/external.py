@@ -16,8 +16,8 @@ from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import Statement, unpack
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.external import external_bodies
 from cspdiag.network.ir.network import Network
-from cspdiag.network.ir.walk import parts
 
 
 @record
@@ -101,8 +101,7 @@ def external_call(
 @lru_cache(maxsize=1)
 def bodies(network: Network) -> tuple[ExternalBody, ...]:
     """All bodies in Python that a network names, each once; cached because several parts of a package need them."""
-    found = (part for part in parts((network.classes, network.environments)) if isinstance(part, ExternalBody))
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(external_bodies(network.classes, network.environments)))
 
 
 def source_path(body: ExternalBody) -> str | None:

@@ -33,7 +33,6 @@ from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import FunctionCall
 from cspdiag.network.ir.network import ProcessClass
-from cspdiag.network.ir.walk import parts
 
 _SECOND = 1_000_000_000
 
@@ -183,12 +182,6 @@ def reset_statements(
         state = states.get(name)
         if state is not None:
             yield from assigned(printer.signal(name), printer, state.initial, place(state))
-
-
-def external_calls(action: object) -> list[ExternalCall]:
-    """The external bodies that laws in an action call, each once by name, in order."""
-    found = {part.name: part for part in parts(action) if isinstance(part, ExternalCall)}
-    return list(found.values())
 
 
 def signals_of(law: RunLaw) -> set[str]:

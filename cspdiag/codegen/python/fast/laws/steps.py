@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.python.fast.laws.in_place import InlineLaw, external_calls, reset_statements
+from cspdiag.codegen.python.fast.laws.in_place import InlineLaw, reset_statements
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.fast.values import Values
 from cspdiag.codegen.python.text.code import Code, Constant, Name, call
@@ -13,6 +13,7 @@ from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.statements import RAISE, Block, Statement, assign, if_, run, try_
 from cspdiag.network.ir.actions import Action, End, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir.expressions import LiteralValue, ParameterValue, SignalValue
+from cspdiag.network.ir.external import external_calls
 
 
 @dataclass
@@ -70,7 +71,7 @@ class LawSteps(Values):
 
     def _reset(self, states: Sequence[str]) -> Iterator[Statement]:
         yield from reset_statements(states, self.spelling.process, self.printer, self.place_of)
-        external = {item.name for item in external_calls(self.spelling.process.body)}
+        external = {item.name for item in external_calls(self.spelling.process)}
         for name in states:
             if name in external:
                 spelled = self.spelling.signal(name)

@@ -1,0 +1,44 @@
+"""The bodies in other languages that a network names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import assert_never
+
+from cspdiag.network.ir.actions import RunLaw
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.network import Environment, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import all_actions
+
+
+def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[ExternalCall, ...]:
+    """The parts of a control law, of the laws inlined into a process, or of an environment that are bodies in other
+    languages: each once, wherever its law runs, in the order of the text.
+    """
+    laws: list[SubmodelClass | RunLaw] = []
+    match owner:
+        case ProcessClass():
+            if owner.body is not None:
+                laws += (action for action in all_actions(owner.body) if isinstance(action, RunLaw))
+        case SubmodelClass():
+            laws.append(owner)
+        case Environment():
+            if owner.system is not None:
+                laws.append(owner.system)
+        case _:
+            assert_never(owner)
+    equations = (equation for law in laws for equation in law.equations)
+    return tuple({call.name: call for call in equations if isinstance(call, ExternalCall)}.values())
+
+
+def external_bodies(
+    classes: Iterable[ProcessClass | SubmodelClass], environments: Iterable[Environment]
+) -> Iterator[ExternalBody]:
+    """The bodies of processes, control laws and devices, as often as they are named."""
+    for class_ in classes:
+        yield from (call.external for call in external_calls(class_))
+        if class_.external is not None:
+            yield class_.external
+    for environment in environments:
+        yield from (call.external for call in external_calls(environment))
+        yield from (driver.external for driver in environment.drivers)
