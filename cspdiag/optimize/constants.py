@@ -123,7 +123,8 @@ def _known_signals(entry: ProcessClass) -> dict[str, Known]:
         if isinstance(part, ir.RunLaw):
             for equation in (*part.equations, *part.derivative_equations):
                 if isinstance(equation, SubmodelEquation):
-                    same = repr(found.setdefault(equation.name, equation.value)) == repr(equation.value)
+                    other = found.setdefault(equation.name, equation.value)
+                    same = other is equation.value or repr(other) == repr(equation.value)
                     found[equation.name] = equation.value if same else None
         elif isinstance(part, ir.InputRead):
             found[part.name] = None

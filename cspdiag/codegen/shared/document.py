@@ -230,11 +230,7 @@ def _length_up_to(document: Document, most: int) -> int:
                 if length > most:
                     break
             return max(length, 0)
-        case Nest(content=content) | Group(content=content):
-            return _length_up_to(content, most)
-        case FirstThatFits(layouts=layouts):
-            return _length_up_to(layouts[0], most)
-        case str() | Line() | Flat():
+        case str() | Line() | Nest() | Group() | FirstThatFits() | Flat():
             return len(flat(document))
     assert_never(document)
 

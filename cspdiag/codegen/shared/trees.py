@@ -37,13 +37,14 @@ class Outline:
 
 def nodes(item: object) -> Iterator[object]:
     """All nodes of a tree, of expressions and of statements."""
-    if isinstance(item, tuple | list):
-        for part in item:
-            yield from nodes(part)
-    elif is_record(item):
-        yield item
-        for name in field_names(item):
-            yield from nodes(getattr(item, name))
+    pending = [item]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, tuple | list):
+            pending += reversed(part)
+        elif is_record(part):
+            yield part
+            pending += [getattr(part, name) for name in reversed(field_names(part))]
 
 
 def outline(item: object) -> Outline:

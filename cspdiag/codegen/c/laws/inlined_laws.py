@@ -181,7 +181,7 @@ class _Run:
             count = code("steps")
             found.append(define("const int64_t", "steps", sub_steps(sample, float(action.step))))
             found.append(define("const double", "h", infix("/", PRODUCT, sample, cast("double", count))))
-        found += integration.steps(self._slopes_printer(integration), self.printer.signal, count)
+        found += integration.steps(self.printer.signal, count)
         for state in integration.states:
             moved = code(integration.local(state))
             found.append(store(moved, call("csp_real", moved)))

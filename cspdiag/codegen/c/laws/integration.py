@@ -17,7 +17,6 @@ from cspdiag.codegen.c.text.code import (
     cast,
     code,
     infix,
-    mentions_self,
 )
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.statements import (
@@ -33,8 +32,9 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import SubmodelEquation
-from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.walk import PartsByType
 
 LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
 """Names that an integration uses itself."""
@@ -96,7 +96,7 @@ class Integration:
         if self.several:
             members = tuple(define("double", self.local(state)) for state in self.states)
             found += [Block(members, f"struct {self.name}", "};"), Blank()]
-        parameters = [f"const struct {self.owner} *self"] if self._mentions_owner(printer) else []
+        parameters = [f"const struct {self.owner} *self"] if self._needs_owner else []
         parameters += [f"double {self.local(state)}" for state in self._states_read]
         parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in self._held_read]
         parameters += ["double time"] if self.timed else []
@@ -118,18 +118,23 @@ class Integration:
             body.append(give("slopes"))
         return [*found, Function(f"static inline {result} {self.name}", tuple(parameters), tuple(body))]
 
-    def _mentions_owner(self, printer: Printer) -> bool:
-        values = [value for _, value in self.derivatives] + [equation.value for equation in self.equations]
-        return any(mentions_self((found.setup, found.code)) for found in map(printer.evaluate, values))
+    @cached_property
+    def _needs_owner(self) -> bool:
+        """Whether the slopes depend on more than what the function is given: on members of the struct."""
+        if not self.owner:
+            return False
+        given = {*self.states, *self.held, *(equation.name for equation in self.equations)}
+        inside = PartsByType((self.derivatives, self.equations))
+        read = {part.name for part in inside.of(SignalValue)}
+        read |= {part.name for part in inside.of(ParameterValue)}
+        return bool(inside.of(VariableValue)) or not read <= given
 
-    def steps(
-        self, printer: Printer, outer: Callable[[str], Code], count: Code | None, owner: str = "self"
-    ) -> list[Statement]:
+    def steps(self, outer: Callable[[str], Code], count: Code | None) -> list[Statement]:
         """The statements that move the states, which are local variables, over ``count`` sub-steps of ``h`` seconds.
 
-        ``printer`` is that of the function, ``outer`` gives the lvalues of what is held where the statements stand.
+        ``outer`` gives the lvalues of what is held where the statements stand.
         """
-        shared: list[Code] = [Atom(owner)] if self._mentions_owner(printer) else []
+        shared: list[Code] = [Atom("self")] if self._needs_owner else []
         kept = [outer(name) for name in self._held_read]
         found: list[Statement] = []
         if self.method != "euler":

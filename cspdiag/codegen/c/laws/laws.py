@@ -330,7 +330,7 @@ class LawFiles:
         step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])
         count = own(_STEPS) if self._sub_steps else None
         found: list[Statement] = [define("const double", "h", step)]
-        found += self._integration.steps(self._slopes_printer(), printer.signal, count)
+        found += self._integration.steps(printer.signal, count)
         for name in self._continuous:
             moved = code(self.members[name])
             found.append(store(moved, call("csp_real", moved)))
@@ -343,10 +343,6 @@ class LawFiles:
             moved, kind = code(self.members[name]), self.types.type_name(self.kinds[name])
             found.append(store(own(self.members[name]), moved if kind == "double" else cast(kind, moved)))
         return found
-
-    def _slopes_printer(self) -> Printer:
-        moving = [*self._continuous, *(equation.name for equation in self.class_.derivative_equations)]
-        return self._printer([*moving, *self._integration.held])
 
     def _hoisted(self) -> list[str]:
         """States that are read after they have changed, and so become local variables first."""

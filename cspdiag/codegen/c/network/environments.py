@@ -290,7 +290,7 @@ class EnvironmentFiles:
             rounded = infix("-", SUM, infix("+", SUM, elapsed, step), code("1"))
             found.append(define("const int64_t", "steps", infix("/", PRODUCT, rounded, step)))
             found.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
-        found += self._integration.steps(self._slopes_printer, printer.signal, count)
+        found += self._integration.steps(printer.signal, count)
         states = self._integration.states
         for state in states:
             moved = code(self._members[state])

@@ -128,7 +128,7 @@ class _Initialization:
             tuple(channel.initial for channel in process.channels if channel.initial is not None),
             tuple(instance.arguments for instance in process.instances),
             tuple(c.attachment for instance in process.instances for c in instance.connections),
-            tuple(part for part in parts(process.body) if isinstance(part, AfterEvent)),
+            tuple(self.members.inside.of(AfterEvent)),
         )
         return {part.name for part in parts(evaluated) if isinstance(part, ParameterValue)}
 

@@ -12,7 +12,7 @@ from typing import assert_never
 from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import Action, ParallelSteps, RunInstance
 from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import actions_inside, parts
+from cspdiag.network.ir.walk import actions_inside, all_actions
 
 
 class Levels:
@@ -68,7 +68,7 @@ class Levels:
         found: set[str] = set()
         for entry in network.classes:
             if isinstance(entry, ProcessClass) and entry.body is not None:
-                own = any(isinstance(part, ParallelSteps) and part.prioritized for part in parts(entry.body))
+                own = any(isinstance(step, ParallelSteps) and step.prioritized for step in all_actions(entry.body))
                 if own or any(instance.class_name in found for instance in entry.instances):
                     found.add(entry.name)
         return found

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.port_layout import TAKEN, PortLayout, elements
-from cspdiag.codegen.c.process.signals import kept_signals, signals_of
+from cspdiag.codegen.c.process.signals import kept_signals, made_signals
 from cspdiag.codegen.c.process.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import Code, address, code, own, target
 from cspdiag.codegen.c.text.expressions import Printer
@@ -40,7 +40,7 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
     channels_of,
 )
-from cspdiag.network.ir.walk import parts
+from cspdiag.network.ir.walk import PartsByType
 
 T = TypeVar("T", LocalChannel, InstanceOf)
 
@@ -85,6 +85,7 @@ class Members:
 
     def __post_init__(self) -> None:
         process = self.process
+        self.inside = PartsByType(process.body)
         self.layout = PortLayout(process)
         self.names = self.layout.names
         self.parameters = self.layout.parameters
@@ -105,9 +106,7 @@ class Members:
         self._end_names: dict[End, str] = {}
         self._name_ends()
         self._uniform = self.layout.uniform
-        self._scopes = {
-            end: part.instance for part in parts(process.body) if isinstance(part, ProcessScope) for end in part.ends
-        }
+        self._scopes = {end: scope.instance for scope in self.inside.of(ProcessScope) for end in scope.ends}
         sampled = [end for end in self.created if self.access(end) == "sampled"]
         self.has_samples = any(end not in self._scopes for end in sampled)
         self._samples = {
@@ -119,8 +118,11 @@ class Members:
 
     def _prepare_signals(self) -> None:
         process = self.process
-        self.signal_types = signals_of(process)
-        kept = [item.name for item in (*process.constants, *process.states)] + kept_signals(process.body)
+        assert process.body is not None
+        made = made_signals(process.body)
+        self.signal_types = {item.name: item.type for item in process.constants}
+        self.signal_types |= {item.name: item.type for item in process.states} | made
+        kept = kept_signals(process, made, self.inside)
         self.signal_members = {name: self.names.fresh(name) for name in kept}
         local = Names({*self.types.names.globals, *TAKEN, "self", "h"})
         self.local_signals = {name: local.fresh(name) for name in self.signal_types if name not in self.signal_members}
@@ -134,13 +136,13 @@ class Members:
 
     def stored_parameters(self) -> list[str]:
         """Parameters that step functions use."""
-        used = {part.name for part in parts(self.process.body) if isinstance(part, ParameterValue)}
+        used = {part.name for part in self.inside.of(ParameterValue)}
         return [name for name in self.parameters if name in used]
 
     def used_ports(self) -> list[tuple[Port, int | None]]:
         """Ports, or elements of arrays of ports, that step functions use themselves."""
         used: set[tuple[str, int | None]] = set()
-        for part in (*parts(self.process.body), *self.ends_of_laws()):
+        for part in (*self.inside.of(PortEnd), *self.ends_of_laws()):
             if isinstance(part, PortEnd):
                 used.add((part.port, part.index))
         places = ((port, index) for port in self.process.ports for index in elements(port))

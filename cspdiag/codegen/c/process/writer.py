@@ -38,7 +38,6 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import Action, InterruptOn, ParallelSteps, RunInstance, Step
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import parts
 
 
 @dataclass
@@ -70,7 +69,8 @@ class Writer:
         process = self.members.process
         assert process.body is not None
         self.states = Names(self.names.globals)
-        self.alone = not any(isinstance(part, ParallelSteps | InterruptOn) for part in parts(process.body))
+        inside = self.members.inside
+        self.alone = not inside.of(ParallelSteps) and not inside.of(InterruptOn)
         self.number = Names((*TAKEN, *self.names.globals)).fresh("number")
         """What step functions call the number of their branch, where branches share one."""
         self.depth = 0
