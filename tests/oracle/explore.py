@@ -255,7 +255,7 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         tuple(sorted(st.buffers.items())),
         tuple(sorted(st.laws.items())),
         None if free else tuple(sorted(st.chosen.items())),
-        tuple(sorted(st.books.items())),
+        tuple(sorted(st.sessions.items())),
         tuple(sorted(st.samples.items())),
         tuple(sorted(st.offered.items())) if clock.grid else None,
         tuple(sorted(st.events.items())),

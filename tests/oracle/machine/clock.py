@@ -1,4 +1,4 @@
-"""Time: instants at which something is due, samples with the books of their readers, events and latched outputs."""
+"""Time: instants at which something is due, samples with the sessions of their readers, events and latched outputs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import lcm
 from tests.oracle.machine.channels import Channels
 from tests.oracle.machine.link import Linked
 from tests.oracle.machine.policy import Policy
-from tests.oracle.machine.state import Book, Choice, Delay, Joint, State, Thread, Tid
+from tests.oracle.machine.state import Choice, Delay, Joint, Session, State, Thread, Tid
 from tests.oracle.machine.values import NOW, zero
 from tests.oracle.programs.tree import Port, Value, last_instant
 
@@ -101,10 +101,10 @@ class Clock:
 
     def _sample(self, st: State, port: Port) -> None:
         st.samples[port.name] = self.policy.sample(port, st.now)
-        for key, book in st.books.items():
+        for key, session in st.sessions.items():
             if key[1] == port.name:
-                st.books[key] = Book(fresh=True, missed=book.missed or book.fresh, ticked=True)
-                st.missed = st.missed or book.fresh
+                st.sessions[key] = Session(fresh=True, missed=session.missed or session.fresh, ticked=True)
+                st.missed = st.missed or session.fresh
         self._wake(st, port.name)
 
     def _offer(self, st: State, port: Port) -> None:
@@ -138,20 +138,20 @@ class Clock:
     # ---- external ports ----
 
     def follow(self, st: State, me: Thread, name: str, number: int) -> None:
-        """Opens the books of a sampled input, if they are not open."""
+        """Begins the session of a sampled input, unless it has begun."""
         key = (self._process(me.tid), name, number)
-        if key not in st.books:
-            st.books[key] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
+        if key not in st.sessions:
+            st.sessions[key] = Session(fresh=self._follows(st, me, name), missed=False, ticked=False)
 
     def _follows(self, st: State, me: Thread, name: str) -> bool:
-        """Whether the process has any book of the period and offset of a port, in any part, opened before the latest
+        """Whether the process has any session of the period and offset of a port, in any part, begun before the latest
         tick.
         """
         ticks = self.linked.ports[name].ticks
         same = {port.name for port in self.linked.program.ports if port.input and port.ticks == ticks}
         return any(
-            book.ticked and other in same and process == self._process(me.tid)
-            for (process, other, _), book in st.books.items()
+            session.ticked and other in same and process == self._process(me.tid)
+            for (process, other, _), session in st.sessions.items()
         )
 
     def _process(self, tid: Tid) -> int:
@@ -161,10 +161,10 @@ class Clock:
         return tid[0][1] if tid and tid[0][1] in self.linked.program.boxed else -1
 
     def close(self, st: State, process: Thread) -> None:
-        """A process has ended, and its books with it."""
-        for key in list(st.books):
+        """A process has ended, and its sessions with it."""
+        for key in list(st.sessions):
             if key[0] == self._process(process.tid):
-                del st.books[key]
+                del st.sessions[key]
 
     def available(self, st: State, me: Thread, name: str, number: int) -> bool:
         port = self.linked.ports[name]
@@ -174,8 +174,8 @@ class Clock:
                 if value is not None:
                     self.bring(st, port, value)
             return name in st.events
-        book = st.books.get((self._process(me.tid), name, number))
-        return self._follows(st, me, name) if book is None else book.fresh or book.missed
+        session = st.sessions.get((self._process(me.tid), name, number))
+        return self._follows(st, me, name) if session is None else session.fresh or session.missed
 
     def read(self, st: State, me: Thread, name: str, number: int) -> Value:
         """Takes what is available."""
@@ -184,12 +184,12 @@ class Clock:
             value = st.events.pop(name)
         else:
             key = (self._process(me.tid), name, number)
-            book = st.books[key]
-            if book.missed:
-                st.books[key] = book._replace(missed=False)
+            session = st.sessions[key]
+            if session.missed:
+                st.sessions[key] = session._replace(missed=False)
                 st.timeout = True
                 raise MissedSampleError
-            st.books[key] = book._replace(fresh=False)
+            st.sessions[key] = session._replace(fresh=False)
             value = st.samples[name]
         self.made.append((name, value))
         self.policy.passed(name, value, external=True)

@@ -20,14 +20,14 @@ class Guards(Core):
         st.seq += 1
         match guard.event:
             case Read(channel, _):
-                return Offer(index, "read", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
+                return Offer(index, "read", channel, None, 0, st.seq, self.linked.sessions.get((node.id, channel), 0))
             case Write(channel, value):
                 return Offer(index, "write", channel, stored(evaluate(value, st.variables)), 0, st.seq)
             case After(time, at):
                 due = nanoseconds(time, st.variables) + (0 if at else st.now)
                 return Offer(index, "after", "", None, due, st.seq)
             case Ready(channel):
-                return Offer(index, "ready", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
+                return Offer(index, "ready", channel, None, 0, st.seq, self.linked.sessions.get((node.id, channel), 0))
             case _:
                 return Offer(index, "skip", "", None, 0, st.seq)
 
@@ -51,7 +51,7 @@ class Guards(Core):
             case "write" if offer.channel in self.linked.ports:
                 return True
             case _ if offer.channel in self.linked.ports:
-                return self.clock.available(st, thread, offer.channel, offer.book)
+                return self.clock.available(st, thread, offer.channel, offer.session)
             case _:
                 return self.channels.possible(st, offer, thread)
 
@@ -60,7 +60,7 @@ class Guards(Core):
         if not ready:
             for offer in choice.offers:
                 if self._sampled(offer):
-                    self.clock.follow(st, thread, offer.channel, offer.book)
+                    self.clock.follow(st, thread, offer.channel, offer.session)
                 self.channels.listens(st, offer)
             raise MustWaitError
         node = self.linked.nodes[choice.node]
@@ -74,7 +74,7 @@ class Guards(Core):
         st.chosen[node.id] = offer.place
         thread.wait = None
         if self._sampled(offer):
-            self.clock.follow(st, thread, offer.channel, offer.book)
+            self.clock.follow(st, thread, offer.channel, offer.session)
         value: Value | None = None
         if offer.kind in ("read", "write"):
             value = self._take(st, thread, offer)
@@ -84,7 +84,7 @@ class Guards(Core):
         if offer.channel not in self.linked.ports:
             return self.channels.take(st, offer, thread)
         if offer.kind == "read":
-            return self.clock.read(st, thread, offer.channel, offer.book)
+            return self.clock.read(st, thread, offer.channel, offer.session)
         assert offer.value is not None
         self.clock.write(st, offer.channel, offer.value)
         return None

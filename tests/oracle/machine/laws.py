@@ -37,11 +37,11 @@ class Laws(Core):
         ops: list[Op] = []
         for channel, value in wanted:
             st.seq += 1
-            op = Op(channel, end, value, st.seq, book=self.linked.books.get((frame.node, channel), 0))
+            op = Op(channel, end, value, st.seq, session=self.linked.sessions.get((frame.node, channel), 0))
             if channel not in self.linked.ports:
                 op = self.channels.attempt(st, op, thread)
             elif end == "?" and self.linked.ports[channel].period is not None:
-                self.clock.follow(st, thread, channel, op.book)
+                self.clock.follow(st, thread, channel, op.session)
             ops.append(op)
         thread.wait = Joint(tuple(ops))
         return ("retry",)
@@ -57,8 +57,8 @@ class Laws(Core):
                 assert op.value is not None
                 self.clock.write(st, op.channel, op.value)
                 ops[index] = op._replace(done=True)
-            elif self.clock.available(st, thread, op.channel, op.book):
-                ops[index] = op._replace(done=True, value=self.clock.read(st, thread, op.channel, op.book))
+            elif self.clock.available(st, thread, op.channel, op.session):
+                ops[index] = op._replace(done=True, value=self.clock.read(st, thread, op.channel, op.session))
         thread.wait = Joint(tuple(ops))
         if not all(op.done for op in ops):
             raise MustWaitError

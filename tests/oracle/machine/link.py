@@ -136,7 +136,7 @@ class Linked:
     variables: tuple[str, ...]
     # Of a broadcast, the branches of the outermost parallel that read it: its ends, in the order of the program.
     ends: dict[str, tuple[int, ...]]
-    books: dict[tuple[int, str], int]  # by the place that reads a sampled input, and the port
+    sessions: dict[tuple[int, str], int]  # by the place that reads a sampled input, and the port
 
 
 def link(program: Program) -> Linked:
@@ -163,7 +163,7 @@ def link(program: Program) -> Linked:
 
 
 def _books(program: Program, root: Node, laws: dict[str, Law]) -> dict[tuple[int, str], int]:
-    """For each place, in the order of the text, the first of the books of its port that no place beside it has."""
+    """For each place, in the order of the text, the first of the sessions of its port that no place beside it has."""
     sampled = {port.name for port in program.ports if port.input and port.period}
     given: dict[tuple[int, str], int] = {}
     before: list[tuple[str, int, tuple[tuple[Node, int], ...]]] = []

@@ -60,7 +60,7 @@ class Machine(Parallels, Guards, Laws):
             buffers={},
             laws={law.name: tuple(initial for _, _, initial, _ in law.states) for law in program.laws},
             chosen={},
-            books={},
+            sessions={},
             samples={},
             offered={},
             events={},

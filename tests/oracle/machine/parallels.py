@@ -116,7 +116,7 @@ class Parallels(Guards):
         if self._is_ready(st, thread, offer):
             self.fire(st, thread, len(thread.stack) - 1)
         elif self._sampled(offer):
-            self.clock.follow(st, thread, offer.channel, offer.book)
+            self.clock.follow(st, thread, offer.channel, offer.session)
         raise MustWaitError
 
     def fire(self, st: State, thread: Thread, depth: int) -> None:

@@ -20,7 +20,7 @@ class Op(NamedTuple):
     seq: int
     done: bool = False
     pending: tuple[int, ...] = ()  # of a broadcast: the ends that have not taken it yet
-    book: int = 0  # of a sampled input: the number of its books
+    session: int = 0  # of a sampled input: the number of its session
 
 
 class Offer(NamedTuple):
@@ -32,7 +32,7 @@ class Offer(NamedTuple):
     value: Value | None
     due: int
     seq: int
-    book: int = 0  # of a sampled input: the number of its books
+    session: int = 0  # of a sampled input: the number of its session
 
 
 class Joint(NamedTuple):
@@ -96,10 +96,10 @@ class Thread:
         return Thread(self.tid, self.priority, self.branch, self.stack, self.signal, self.wait, self.cancel)
 
 
-BookKey = tuple[int, str, int]  # the process, the port, and which of the books that the process keeps of it
+SessionKey = tuple[int, str, int]  # the process, the port, and which of the sessions that the process keeps of it
 
 
-class Book(NamedTuple):
+class Session(NamedTuple):
     """What a process knows of a sampled input that it follows."""
 
     fresh: bool
@@ -116,7 +116,7 @@ class State:
     buffers: dict[str, tuple[Value, ...]]
     laws: dict[str, tuple[Value, ...]]
     chosen: dict[int, int]  # which guard a fair alternative chose last
-    books: dict[BookKey, Book]
+    sessions: dict[SessionKey, Session]
     samples: dict[str, Value]  # of the latest tick
     offered: dict[str, Value]  # what the environment offered last
     events: dict[str, Value]  # offered and not read yet
@@ -136,7 +136,7 @@ class State:
             dict(self.buffers),
             dict(self.laws),
             dict(self.chosen),
-            dict(self.books),
+            dict(self.sessions),
             dict(self.samples),
             dict(self.offered),
             dict(self.events),

@@ -69,7 +69,7 @@ def test_an_event_may_come_while_a_process_runs() -> None:
     assert decide(program, "deadlock free").holds is False
 
 
-def test_parts_in_sequence_share_the_books_of_an_input() -> None:
+def test_parts_in_sequence_share_the_session_of_an_input() -> None:
     """`wait 12 ms || x ? v`, and then `x ? w`: the second read finds the sample of 10 ms taken and waits for
     the next.
     """
