@@ -6,12 +6,15 @@ import pytest
 
 from tests.support.verifying import answer_to
 
-PROGRAM = """process Main {{
+PROGRAM = """exception Ends
+
+process Main {{
   in x : double @ 10 ms
 
   communication {{
     var v : double = 0
     var n : int    = 0
+    var late : bool = false
     var pause : time = 1 ms
   }}
 
@@ -55,6 +58,16 @@ STOPS = "wait 5 ms ; (if now >= 5 ms then stop)"
         ("mu (x ? v -> skip [] at 25 ms -> wait 30 ms)", "schedulable", {"refuted", "unknown"}),
         ("mu (x ? v -> skip []> at 25 ms -> stop)", "schedulable", {"refuted", "unknown"}),
         ("mu (wait until n * -1 ms ; n := 1)", "livelock free", {"refuted"}),
+        ("while now < 3 ms do wait 1 ms", "terminates", {"proved", "unknown"}),
+        ("mu (wait 1 ms) until now > 3 ms", "terminates", {"proved", "unknown"}),
+        ("mu (x ? v) until now >= 2 s", "terminates", {"proved", "unknown"}),
+        ("mu (wait 1 ms ; if 3 ms < now then raise Ends)", "terminates", {"proved", "unknown"}),
+        ("mu (when now > 3 ms & skip -> n := 1 []> after 1 ms -> skip) until n == 1", "terminates", {"unknown"}),
+        ("mu (wait 1 ms ; late := now > 3 ms) until late", "terminates", {"proved", "unknown"}),
+        ("mu (wait 1 ms ; n := 6 / (if now == 4 ms then 0 else 1))", "terminates", {"proved", "unknown"}),
+        ("wait until 7 ms ; mu (wait 1 ms ; n := 1)", "terminates", {"refuted"}),
+        ("(if now < 3 ms then n := 1) ; mu (wait 1 ms ; n := 1)", "terminates", {"refuted"}),
+        ("mu (wait 1 ms ; pause := now)", "terminates", {"refuted"}),
     ],
 )
 def test_no_answer_about_the_present_instant_is_wrong(composition: str, claim: str, allowed: set[str]) -> None:

@@ -1,5 +1,5 @@
 """Whether a run is back at a state in which it was: every task is where it was, and what decides how it continues has
-the same values.
+the same values; the present instant as well, as long as something depends on it.
 
 A state does not include what a run is free to choose: which process of one level is next, and which guard of ``[]`` is
 taken.
@@ -27,6 +27,7 @@ from cspdiag.model.types import (
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.proofs.transitions.classes.counting import is_wide
 from cspdiag.proofs.transitions.classes.facts import deciding
+from cspdiag.proofs.transitions.classes.present_time import last_deciding_instant
 from cspdiag.proofs.transitions.classes.program import Program
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.kernel.scheduler import Task
@@ -44,13 +45,15 @@ class Recurrence:
 
     def __init__(self, network: CoreNetwork, *, exact: bool) -> None:
         self._ignored = _deciding_nothing(network) if exact else frozenset()
+        self._last_deciding_instant = last_deciding_instant(network)
 
     def state(self, outermost: Any, root: Task) -> State:
         """The state of a run in which ``root`` executes the process ``outermost``."""
         remembered = memory(outermost)
         kept = ((name, _kept(value)) for name, value in remembered.items() if name not in self._ignored)
         counts = ((name, len(value)) for name, value in remembered.items() if isinstance(value, tuple))
-        return tuple(_standing(root)), tuple(sorted(counts)), tuple(sorted(kept, key=lambda entry: entry[0]))
+        clock = min(root.scheduler.now, self._last_deciding_instant + 1)
+        return clock, tuple(_standing(root)), tuple(sorted(counts)), tuple(sorted(kept, key=lambda entry: entry[0]))
 
 
 def _kept(value: object) -> str:
