@@ -9,7 +9,7 @@ from cspdiag.runtime.channels.variable import Variable
 from cspdiag.runtime.kernel.exceptions import Fault
 from cspdiag.runtime.process import Process, Submodel
 
-_BOOKS = frozenset({"name", "source", "runs_now", "enclosing", "ends", "has_computed"})
+_OF_THE_RUNTIME = frozenset({"name", "source", "runs_now", "enclosing", "ends", "has_computed"})
 
 
 def memory(outermost: Any) -> dict[str, object]:
@@ -30,7 +30,7 @@ def memory(outermost: Any) -> dict[str, object]:
             found[part.name] = tuple(part._stored)
         elif isinstance(part, Process):
             for name, value in vars(part).items():
-                if name in _BOOKS:
+                if name in _OF_THE_RUNTIME:
                     continue
                 if isinstance(part, Submodel) and isinstance(value, bool | int | float | str | tuple):
                     found[f"{part.name}.{name}"] = value
