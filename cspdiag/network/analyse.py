@@ -1,6 +1,7 @@
-"""All passes over the processes of a program, in their order; ``check`` and ``lower`` both go through here.
+"""All passes over the processes of a program, in order, for both ``check`` and ``lower``.
 
-Inside out: relations, kinds, periods. Outside in: what each port meets in its context.
+Relations, kinds and periods go from inner processes to outer ones; contexts of ports from outer processes to inner
+ones.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from cspdiag.network.submodels.classes import LawUse, needs_sample
 from cspdiag.syntax import ast
 
 LARGEST_PROGRAM = 1_000_000
-"""More instances are refused."""
+"""Programs with more instances are refused."""
 
 
 class Analysis:
@@ -58,8 +59,8 @@ class Analysis:
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
         self._root_values: list[tuple[Shape, Surroundings, Mapping[str, Value]]] = []
         self.laws: list[LawUse] = []
-        """The submodel instances, with the values of their parameters as far as known; none where something was
-        reported before.
+        """The submodel instances, with the values of their parameters as far as known; empty if errors were reported
+        before.
         """
         self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
         self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
@@ -72,8 +73,8 @@ class Analysis:
         overrides: Overrides,
         surroundings: Surroundings = "environment",
     ) -> Shape:
-        """An outermost process with the arguments of its environment and the values that they, defaults and overrides
-        give.
+        """Adds an outermost process, with the arguments of its environment and the values that these, defaults and
+        overrides give its parameters.
         """
         shape = self.elaboration.root(definition, values, overrides)
         self._root_arguments.append((shape, arguments))
@@ -83,12 +84,14 @@ class Analysis:
         return shape
 
     def known_root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value]) -> tuple[Shape, Placed] | None:
-        """An outermost process that ``run`` has looked at, with such values of its parameters."""
+        """The shape and context of an outermost process that ``run`` has analysed with these values of its parameters;
+        None if it has not.
+        """
         shape = self.elaboration.root(definition, values, {})
         return (shape, self.contexts.outermost(shape, "environment")) if (shape, "environment") in self._roots else None
 
     def run(self) -> list[Placed]:
-        """All passes; returns the outermost processes in their contexts."""
+        """Runs all passes; returns the outermost processes in their contexts."""
         for shape in self.inside_out():
             self._count(shape)
             self._infer(shape)
@@ -125,8 +128,8 @@ class Analysis:
         return outermost
 
     def _give_values(self) -> None:
-        """What the parameters are given, down to the innermost instances; nothing is known of those of a library's
-        outermost processes.
+        """Passes the values of parameters down to the innermost instances; those of the outermost processes of a
+        library are unknown.
         """
         laws: list[LawUse] = []
         by_context: dict[Placed, list[Occurrence]] = {}
@@ -146,7 +149,7 @@ class Analysis:
             placed.parameters.update(ranges_of(placed.given))
 
     def law_samples(self) -> set[tuple[ast.SubmodelDefinition, int]]:
-        """The submodels that were met, with the sample periods at which they run."""
+        """The submodels of the program, with the sample periods at which they run."""
         return {
             (definition, placed.samples[instance.name])
             for placed in self.contexts.placed
@@ -167,7 +170,9 @@ class Analysis:
         return self._ranks.get(shape.definition, 0)
 
     def _count(self, shape: Shape) -> None:
-        """The instances in a process with everything inside; too many are reported where they first become too many."""
+        """Counts the instances in a process at all levels; too many are reported for the innermost process that has too
+        many.
+        """
         inside = sum(self._sizes.get(instance.shape, 1) for instance in shape.instances.values())
         if inside > LARGEST_PROGRAM:
             what = f"the process `{shape.name}`, with everything inside it,"
@@ -203,7 +208,9 @@ class Analysis:
         return frozenset(symbol for symbol in symbols if isinstance(symbol, ast.Variable | ast.Channel))
 
     def _check_samples(self, placed: Placed) -> None:
-        """A submodel whose sample period is unknown must not need it, unless nothing is known about the nets either."""
+        """Reports submodel instances that need a sample period and have none, unless nothing is known about their nets
+        either.
+        """
         for instance in placed.shape.instances.values():
             definition = instance.shape.definition
             if not isinstance(definition, ast.SubmodelDefinition) or instance.name in placed.samples:

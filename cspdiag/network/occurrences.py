@@ -1,4 +1,4 @@
-"""Every instance of a program with the values of all its parameters; equal ones are one."""
+"""Occurrences: the instances of a program with the values of all their parameters; equal ones are one occurrence."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cspdiag.syntax import ast
 class Occurrence:
     """A process in a context with the values of its parameters.
 
-    ``derived`` are values of parameters that its class turns out to need for what is inside it.
+    ``derived`` are values of derived parameters that its class needs for instances inside it.
     """
 
     __slots__ = ("children", "derived", "placed", "values")
@@ -36,15 +36,15 @@ class Occurrence:
         return self.placed.shape.definition
 
     def arguments(self) -> dict[str, Value]:
-        """Values by the name of the parameter, those of the text and derived ones."""
+        """The values of all parameters by name, including derived ones."""
         return {**_by_name(self.values), **self.derived}
 
 
 class LawOccurrence:
     """A submodel instance: the values of its parameters and, once ``Occurrences.flatten`` has made it, its class.
 
-    ``sample`` is its period in nanoseconds, if known; ``overrides`` are values of parameters inside it from outside, by
-    path.
+    ``sample`` is its period in nanoseconds, if known; ``overrides`` are values set from outside for parameters inside
+    it, by path.
     """
 
     __slots__ = ("definition", "flattened", "overrides", "sample", "values")
@@ -65,21 +65,21 @@ class LawOccurrence:
 
     @property
     def derived(self) -> Mapping[str, Value]:
-        """Values of the derived parameters."""
+        """The values of the derived parameters."""
         return self.flattened.derived
 
     @property
     def use(self) -> LawUse:
-        """What the class is made from."""
+        """The data that the class is made from."""
         return LawUse(self.definition, _by_name(self.values), self.sample, self.overrides)
 
     def arguments(self) -> dict[str, Value]:
-        """Values by the name of the parameter."""
+        """The values of all parameters by name."""
         return {**_by_name(self.values), **self.derived}
 
 
 class Occurrences:
-    """All occurrences below an outermost process, callers first."""
+    """All occurrences below an outermost process, enclosing ones first."""
 
     def __init__(self, program: Program, elaboration: Elaboration, report: Report) -> None:
         self.program = program
@@ -99,11 +99,11 @@ class Occurrences:
 
     @property
     def laws(self) -> Iterable[LawOccurrence]:
-        """The submodel instances met, equal ones once."""
+        """The submodel instances, equal ones once."""
         return self._laws.values()
 
     def flatten(self) -> bool:
-        """Make the class of every submodel instance; False where something is wrong that was reported."""
+        """Makes the class of every submodel instance; returns False if errors were reported."""
         for law in self._laws.values():
             use = law.use
             made = flatten(
@@ -134,7 +134,9 @@ class Occurrences:
                 occurrence.children[name] = self._occurrence(placed.inside[name], values)
 
     def _examine_variables(self, occurrence: Occurrence) -> None:
-        """Initial values are fixed before the program runs: one that overflows or is none is reported."""
+        """Reports initial values of variables, which are computed before the program runs, that overflow or are not
+        defined.
+        """
         for channel in occurrence.placed.shape.channels.values():
             declaration = channel.declaration
             if isinstance(declaration, ast.Variable) and not isinstance(channel.initial, LiteralValue | None):
@@ -143,7 +145,7 @@ class Occurrences:
                 evaluate(self.program, declaration.initial, values, self.report)
 
     def _examine_defaults(self, instance: InstanceShape, values: dict[ast.Node, Value]) -> None:
-        """As ``_examine_variables``, for inputs that are left to their defaults."""
+        """Reports defaults of unconnected inputs that overflow or are not defined."""
         for port, element, _ in instance.shape.port_elements():
             if isinstance(instance.attachments[element].target, Default):
                 default = port.symbol.declaration.default
@@ -168,8 +170,8 @@ class Occurrences:
 
 
 def instance_names(outermost: Occurrence) -> Iterator[str]:
-    """The paths of all instances in a process and of those in its submodels, in text order; names of other things in
-    submodels are among them.
+    """The paths of all instances in a process and in its submodels, in text order; those of submodels include other
+    names, too.
     """
     pending: list[tuple[str, Occurrence | LawOccurrence]] = [("", outermost)]
     while pending:

@@ -1,8 +1,8 @@
-"""Who uses a channel, and whether in sequence or in parallel.
+"""Which parts of a program use a channel, and whether they are in sequence or in parallel.
 
 One walk up the composition gives, for every port and channel of a shape, one witness pair of each relation that occurs.
 Branches of a parallel are in parallel with each other; everything else (``;``, loops, branches of an alternative) is in
-sequence. An instance brings the pairs inside it along, so that the relations of a net are those of its leaves.
+sequence. An instance contributes the pairs inside it, so the relations of a net are those of its leaves.
 """
 
 from __future__ import annotations
@@ -20,16 +20,17 @@ from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, elem
 
 @record
 class Access:
-    """One use of a channel as the diagram shows it: by an instance, or by the process itself (``instance`` is empty).
+    """One use of a channel as the diagram shows it: by an instance, or by the process itself (then ``instance`` is
+    empty).
 
-    ``span`` is the end of the relationship or the communication; ``run`` is where in the composition that happens.
+    ``span`` is the end of the relationship, or the communication; ``run`` is where in the composition the use happens.
     """
 
     span: Span
     run: Span
     instance: str
     own_end: bool = False
-    """Whether it reads through an end of its own, as an instance of a process does."""
+    """Whether it has a reading end of its own, as an instance of a process does."""
 
     @property
     def who(self) -> str:
@@ -41,7 +42,7 @@ Pair: TypeAlias = "tuple[Access, Access]"
 
 
 class Uses:
-    """How one port or channel is used: a writer, a reader, and a pair of each relation between two of them."""
+    """The uses of one port or channel: a writer, a reader, and a pair for each relation between two of them."""
 
     __slots__ = (
         "looker",
@@ -61,11 +62,11 @@ class Uses:
         self.writer = writer
         self.reader = reader
         self.looker = looker
-        """An expression of the process itself with the label of an arrow: no communication, it decides nothing about
-        the kind.
+        """An expression of the process itself that mentions the label of an arrow; it is not a communication, and does
+        not affect the kind.
         """
         self.parallel_look: Pair | None = None
-        """A writer and such an expression in parallel."""
+        """A writer and a looker in parallel."""
         self.parallel: Pair | None = None
         """A writer and a reader in parallel."""
         self.sequential: Pair | None = None
@@ -76,7 +77,7 @@ class Uses:
         """Two readers in sequence that are different processes, each with a reading end of its own."""
 
     def join(self, other: Uses, parallel: bool) -> None:
-        """Take in the uses of another part of the composition."""
+        """Adds the uses of another part of the composition."""
         crossing = [(self.writer, other.reader), (other.writer, self.reader)]
         for writer, reader in crossing:
             if writer is not None and reader is not None:
@@ -107,7 +108,7 @@ class Uses:
 
 UsesByKey: TypeAlias = "dict[Key, Uses]"
 Groups: TypeAlias = "tuple[tuple[Key, ...], ...]"
-"""Ports of an instance that are attached to one and the same channel of the enclosing process."""
+"""Groups of ports of an instance that are attached to the same channel of the enclosing process."""
 
 
 def run_key(instance: str) -> Key:
@@ -143,7 +144,7 @@ class _Walk:
         return self._action(self.shape.body)
 
     def _submodel(self) -> UsesByKey:
-        """A submodel reads all inputs at once, and then writes all outputs at once."""
+        """The uses by a submodel, which reads all inputs at once, and then writes all outputs at once."""
         reads: UsesByKey = {}
         writes: UsesByKey = {}
         for port, _, key in self.shape.port_elements():
@@ -155,7 +156,7 @@ class _Walk:
         return _joined(reads, writes, parallel=False)
 
     def _external(self) -> UsesByKey:
-        """A body in another language: each port is used, in an order of which nothing is known."""
+        """The uses by a body in another language, which uses each port in an unknown order."""
         uses: UsesByKey = {}
         for port, _, key in self.shape.port_elements():
             access = Access(port.span, port.span, "")
@@ -283,12 +284,12 @@ class _Walk:
 
 
 def end_key(end: ir.End) -> Key:
-    """The key of a port or channel that a process uses itself."""
+    """The key of the port or channel of an end."""
     return element_name(end.port, end.index) if isinstance(end, ir.PortEnd) else end.channel
 
 
 def variables_read(item: Expression | ir.CoreAction) -> Iterator[VariableValue]:
-    """The variables that an expression reads, or all expressions of an action."""
+    """The variables that an expression, or all expressions of an action, read."""
     return (part for part in parts(item) if isinstance(part, VariableValue))
 
 
@@ -301,7 +302,7 @@ def _put(uses: UsesByKey, key: Key, use: Uses, parallel: bool) -> None:
 
 
 def _joined(one: UsesByKey, other: UsesByKey, parallel: bool) -> UsesByKey:
-    """The uses of two parts; the larger table takes in the smaller one."""
+    """The uses of two parts together; adds the smaller table to the larger one."""
     if len(one) < len(other):
         one, other = other, one
     for key, use in other.items():
@@ -310,7 +311,9 @@ def _joined(one: UsesByKey, other: UsesByKey, parallel: bool) -> UsesByKey:
 
 
 def _lifted(use: Uses, access: Access) -> Uses:
-    """The use of a port by an instance, as seen from the enclosing process: the pairs inside stay what they are."""
+    """The use of a port by an instance from the point of view of the enclosing process; pairs inside the instance are
+    unchanged.
+    """
     lifted = Uses(access if use.writer else None, access if use.reader else None)
     lifted.parallel = use.parallel
     lifted.sequential = use.sequential

@@ -1,7 +1,8 @@
-"""A process definition in one shape: sizes known, replicators unrolled, names resolved.
+"""Shapes of process definitions: sizes are known, replicators unrolled, and names resolved.
 
-Instances of a definition whose structure cannot differ (equal values for the parameters that sizes, indexes and periods
-depend on) share one shape, so that the checks cost as much as the text, not as the number of instances.
+Instances of a definition whose structure cannot differ (with equal values of the parameters that sizes, indexes and
+periods depend on) share one shape, so the cost of checks depends on the length of the text, not on the number of
+instances.
 """
 
 from __future__ import annotations
@@ -24,20 +25,22 @@ from cspdiag.syntax import ast
 from cspdiag.syntax.ast import KindName
 
 Key: TypeAlias = str
-"""A port element (``request[3]``) or a channel of a shape, by its name; both live in one space of names."""
+"""The name of a port element (``request[3]``) or a channel of a shape; both are in one namespace."""
 
 UNKNOWN_PERIOD = 0
 UNKNOWN_SAMPLING = Sampling(UNKNOWN_PERIOD)
-"""That of a port or net whose period is not known: it was refused, or depends on a parameter without a value."""
+"""The sampling of a port or net whose period is not known: it was refused, or depends on a parameter without
+a value.
+"""
 
 PortElement: TypeAlias = "tuple[str, int | None]"
 
 Overrides: TypeAlias = Mapping[str, Value]
-"""Values of parameters from outside by path below a shape: ``alignL.speed``."""
+"""Values set from outside for parameters, by path below a shape: ``alignL.speed``."""
 
 
 def element_name(name: str, *indexes: int | None) -> str:
-    """``cell[3][0]``; an index that is None is left out."""
+    """The name of an element, such as ``cell[3][0]``; an index that is None is left out."""
     if len(indexes) == 1:
         return name if indexes[0] is None else f"{name}[{indexes[0]}]"
     return name + "".join(f"[{index}]" for index in indexes if index is not None)
@@ -53,7 +56,7 @@ class PortShape:
     type: Type
     size: int | None
     sampling: Sampling | None
-    """None where none was said, UNKNOWN_SAMPLING where it is unknown."""
+    """None if the port has no period, UNKNOWN_SAMPLING if it is unknown."""
 
     @property
     def span(self) -> Span:
@@ -68,7 +71,7 @@ class PortShape:
 
 @record
 class OwnPort:
-    """An attachment to a port of the enclosing process, handed through."""
+    """An attachment to a port of the enclosing process."""
 
     key: Key
 
@@ -89,12 +92,12 @@ class Default:
 
 @record
 class Discarded:
-    """``_``."""
+    """A port that is connected to ``_``."""
 
 
 @record
 class Unresolved:
-    """Something about which a report was made, or that depends on a parameter without a value."""
+    """An attachment with an error that was reported, or one that depends on a parameter without a value."""
 
 
 AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unresolved
@@ -102,7 +105,7 @@ AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unreso
 
 @record
 class Attached:
-    """What a port of an instance is attached to, and where the relationship says so."""
+    """What a port of an instance is attached to, and where in the text."""
 
     target: AttachmentShape
     span: Span
@@ -138,10 +141,10 @@ class RequestedKind:
 
 
 class ChannelShape:
-    """A channel that a process owns: declared, a variable, or the object of a relationship.
+    """A channel that a process owns: a declared channel, a variable, or the channel of a relationship.
 
-    ``kind`` is inferred later; ``requested`` is the kind of the text. A variable whose declaration is a replicator
-    counts the turns of a loop.
+    ``kind`` is inferred later; ``requested`` is the kind in the text. A variable whose declaration is a replicator
+    counts the iterations of a loop.
     """
 
     __slots__ = (
@@ -170,7 +173,7 @@ class ChannelShape:
         self.type = type_
         self.span = span
         self.excused = False
-        """Whether something about it was reported, so that the rest is silence."""
+        """Whether an error about the channel was reported, so no further ones are."""
         self.requested: RequestedKind | None = None
         self.kind: ChannelKind = "var"
         self.capacity: int | None = None
@@ -178,11 +181,11 @@ class ChannelShape:
         self.replicators: Mapping[ast.Node, Value] = {}
         """Values of the replicators around the declaration of a variable."""
         self.turns: int | None = None
-        """How many turns of a loop a variable counts."""
+        """The number of iterations of a loop that a variable counts."""
 
     @property
     def is_variable(self) -> bool:
-        """Whether the text made it a variable: ``var``, a label that ends an arrow, or the index of a loop."""
+        """Whether it is a variable in the text: ``var``, a label at the end of an arrow, or the index of a loop."""
         declaration = self.declaration
         return isinstance(declaration, ast.Variable | ast.Replicator) or (
             isinstance(declaration, ast.Connection) and not declaration.sinks
@@ -190,7 +193,7 @@ class ChannelShape:
 
 
 class Shape:
-    """A definition in one shape; ``body`` is its composition with all reading ends 0."""
+    """A definition in one shape; ``body`` is its composition, in which all reading ends are 0."""
 
     def __init__(
         self,
@@ -207,21 +210,21 @@ class Shape:
         self.requested: dict[Key, list[RequestedKind]] = {}
         """Kinds that relationships of this process request for its own ports."""
         self.port_spans: dict[Key, Span] = {}
-        """First relationship or communication that uses a port of this process."""
+        """The first relationship or communication that uses each port of this process."""
         self.body: CoreAction | None = None
         self.has_refused_relationship = False
         """Whether a relationship was reported: what seems unused may have been meant in it."""
         self.incomplete = False
-        """Whether something was left out: because a parameter has no value, or because it was reported."""
+        """Whether parts were left out, because a parameter has no value or an error was reported."""
 
     @property
     def name(self) -> str:
-        """Name of the definition."""
+        """The name of the definition."""
         return self.definition.name.text
 
     @cached_property
     def flow(self) -> Code[CoreAction]:
-        """The instructions of the composition, which is there and does not change any more."""
+        """The instructions of the composition, which must exist and not change any more."""
         assert self.body is not None
         return flow_of(self.body)
 
@@ -236,7 +239,7 @@ class Shape:
         return self.definition.external is not None
 
     def port_or_channel_type(self, key: Key) -> Type:
-        """The type of what passes a port or a channel of this process."""
+        """The type of the values of a port or channel of this process."""
         channel = self.channels.get(key)
         return channel.type if channel is not None else self.ports[key.partition("[")[0]].type
 
@@ -252,5 +255,5 @@ def _key_of(target: AttachmentShape) -> Key | None:
 
 
 def attached_key(attached: Attached) -> Key | None:
-    """The key of the enclosing process that a port is attached to; None for a default or ``_``."""
+    """The port or channel of the enclosing process that a port is attached to; None for a default or ``_``."""
     return _key_of(attached.target)

@@ -1,1 +1,1 @@
-"""From definitions to shapes: sizes evaluated, replicators unrolled, references resolved."""
+"""From definitions to shapes: evaluates sizes, unrolls replicators, resolves references."""

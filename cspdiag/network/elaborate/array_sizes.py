@@ -1,4 +1,4 @@
-"""Sizes of arrays that depend on parameters, and so are known in a shape only."""
+"""Checks sizes of arrays that depend on parameters, and so are known only in a shape."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from cspdiag.network.diagnostics.arrays import ValueSizesDiffer
 
 
 def check_sizes(one: Type, other: Type, span: Span, one_name: str, other_name: str, report: Report) -> None:
-    """Report two ends of a communication whose types differ in the sizes of arrays only; the rest is the model's."""
+    """Reports two ends of a communication whose types differ only in the sizes of arrays; the model has reported other
+    differences.
+    """
     if isinstance(one, ArrayType) and isinstance(other, ArrayType) and one != other and _differ_in_size(one, other):
         report.add(ValueSizesDiffer(span=span, one=one_name, one_type=one, other=other_name, other_type=other))
 

@@ -1,4 +1,4 @@
-"""The composition of a shape: names resolved, replicators unrolled, every reading end still 0."""
+"""The composition of a shape: names are resolved and replicators unrolled; every reading end is still 0."""
 
 from __future__ import annotations
 
@@ -59,12 +59,14 @@ Values: TypeAlias = Mapping[ast.Node, Value]
 
 
 def compose(sizes: Sizes, shape: Shape, places: Places, composition: ast.Composition) -> CoreAction:
-    """The composition as actions; what could not be resolved was reported and does nothing."""
+    """The composition as actions; a part that could not be resolved was reported, and becomes a step that
+    does nothing.
+    """
     return _Composer(sizes, shape, places).action(composition, shape.values)
 
 
 def _until(instant: Expression) -> Expression:
-    """The duration from the present instant."""
+    """The duration from the present instant until ``instant``."""
     arguments = (instant, PresentTime(type=TIME, span=instant.span))
     return FunctionCall(type=TIME, span=instant.span, function="until", arguments=arguments)
 
@@ -157,8 +159,8 @@ class _Composer:
         )
 
     def _decided(self, condition: ast.Expression, lowered: Expression) -> bool | None:
-        """The value of a condition on the index of a replicator: it shapes the diagram, and decides nothing at run
-        time.
+        """The value of a condition on the index of a replicator, which selects parts of the diagram before the program
+        runs; None for other conditions.
         """
         if not any(isinstance(self.program.bindings.get(name), ast.Replicator) for name in names((condition,))):
             return None
@@ -202,7 +204,7 @@ class _Composer:
     def _branches(
         self, parts: tuple[ast.Composition, ...], values: Values, prioritized: bool
     ) -> Iterator[Branch[CoreAction]]:
-        """The branches of an alternative, replicated ones in their place."""
+        """The branches of an alternative, with replicated ones unrolled."""
         for part in parts:
             yield from self._branch_of(part, values, prioritized, lambda body: body)
 
@@ -331,6 +333,6 @@ class _Composer:
         return LiteralValue(type=UNKNOWN, value=0, span=name.span)
 
     def _broken(self, span: Span) -> CoreAction:
-        """Stands for something that was reported; checks that would follow from its absence are off."""
+        """A step in place of a part that was reported; turns off checks that would report its absence again."""
         self.shape.incomplete = True
         return SkipStep(span=span)

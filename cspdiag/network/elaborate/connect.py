@@ -1,4 +1,4 @@
-"""Relationships of a communication diagram: every port of every instance gets what it is attached to."""
+"""Connects the relationships of a communication diagram: finds what each port of each instance is attached to."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ Values: TypeAlias = Mapping[ast.Node, Value]
 
 
 def connect(sizes: Sizes, shape: Shape, places: Places, declarations: Iterable[ast.Declaration]) -> None:
-    """Make the channels of a shape and attach the ports of its instances."""
+    """Makes the channels of a shape, and attaches the ports of its instances."""
     connector = _Connector(sizes, shape, places)
     items = tuple(declarations)
     connector.declare(items, (), shape.values)
@@ -68,7 +68,7 @@ class _Connector:
         self.places = places
 
     def declare(self, declarations: Iterable[ast.Declaration], prefix: tuple[int, ...], values: Values) -> None:
-        """Variables and channels first: relationships may stand before them in the text."""
+        """Makes variables and channels, which relationships may use before their declaration in the text."""
         for item in declarations:
             match item:
                 case ast.Variable() | ast.Channel():
@@ -82,7 +82,9 @@ class _Connector:
                     assert_never(item)
 
     def relate(self, declarations: Iterable[ast.Declaration], values: Values) -> None:
-        """Labels of relationships may be used before they stand in the text, but only by the composition."""
+        """Connects all relationships. Their labels can be used in the composition only, so their order does
+        not matter.
+        """
         for item in declarations:
             match item:
                 case ast.Connection():
@@ -96,7 +98,7 @@ class _Connector:
                     assert_never(item)
 
     def complete(self) -> None:
-        """Inputs left alone take their default; any other port left alone is an error."""
+        """Gives unconnected inputs their defaults, and reports all other unconnected ports."""
         for instance in self.shape.instances.values():
             missing: list[str] = []
             for port, element, key in instance.shape.port_elements():
@@ -150,7 +152,7 @@ class _Connector:
         return RequestedKind(kind.name, kind.span, capacity)
 
     def _relationship(self, item: ast.Connection, values: Values) -> None:
-        """Whole arrays are connected element by element."""
+        """Connects one relationship, whole arrays element by element."""
         found: list[tuple[list[Endpoint], bool]] = []
         resolved = True
         for reference in (*item.sources, *item.sinks):
@@ -185,7 +187,7 @@ class _Connector:
         self._give_up([end for ends, _ in found for end in ends])
 
     def _give_up(self, ends: list[Endpoint]) -> None:
-        """What a relationship that was reported touches counts as connected."""
+        """Counts the ends of a relationship that was reported as connected."""
         self.shape.has_refused_relationship = True
         for end in ends:
             match end:
@@ -209,7 +211,7 @@ class _Connector:
             self._attach(end.instance, end.element, target, end.span)
 
     def _target(self, item: ast.Connection, ends: _Ends, values: Values, index: int | None) -> AttachmentShape:
-        """What the ports of instances at this relationship are attached to."""
+        """The channel, port or ``_`` that the ports of instances in this relationship are attached to."""
         for key, place in ends.ports.items():
             self.shape.port_spans.setdefault(key, place.span)
         if len(ends.ports) + len(ends.channels) > 1:
@@ -260,7 +262,7 @@ class _Connector:
     def _channel(
         self, item: ast.Connection, instances: list[InstancePort], values: Values, index: int | None
     ) -> ChannelShape:
-        """The communication object between ports of instances, under its label or the name of its first source."""
+        """The channel between ports of instances, named after its label or its first source."""
         if item.label is not None:
             name, span = self._label_name(item, values, index), item.label.span
         else:
@@ -296,7 +298,7 @@ class _Connector:
 
 
 def _known(values: Values) -> Iterable[tuple[ast.Node, Value]]:
-    """Replicators only: parameters stay symbols."""
+    """The values of replicators only; parameters stay symbols."""
     return ((key, value) for key, value in values.items() if isinstance(key, ast.Replicator))
 
 

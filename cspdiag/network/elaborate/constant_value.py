@@ -31,9 +31,9 @@ Lookup = Callable[[ParameterValue | SignalValue], "Value | None"]
 
 
 def constant_value(expression: Expression, lookup: Lookup) -> Value | None:
-    """The value of an expression, None where a name has no value yet or the arithmetic fails.
+    """The value of an expression; None if a name has no value yet or the arithmetic fails.
 
-    ``lookup`` gives the values of parameters and of constants of the submodel.
+    ``lookup`` returns the values of parameters and of constants of the submodel.
     """
     try:
         value: Value = _value(expression, lookup)

@@ -1,5 +1,5 @@
-"""The graph of definitions: who instantiates whom, in which order to go, and which parameters give a definition its
-shape.
+"""The graph of definitions: which definition instantiates which, in what order they are elaborated, and which
+parameters determine the shape of a definition.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Definitions:
             self._structural[definition] = self._with_defaults(definition, self._find_structural(definition))
 
     def instantiated(self, instance: ast.Instance) -> Instantiable | None:
-        """The definition of an instance, None where it was reported as unknown."""
+        """The definition of an instance; None if it was reported as unknown."""
         found = self.program.bindings.get(instance.definition)
         return found if isinstance(found, ast.ProcessDefinition | ast.SubmodelDefinition) else None
 
@@ -41,7 +41,7 @@ class Definitions:
         return known
 
     def roots(self) -> list[ast.ProcessDefinition]:
-        """Processes that nobody instantiates, in text order."""
+        """The processes that no other process instantiates, in text order."""
         inner = {
             self.instantiated(item)
             for definition in self.processes
@@ -51,10 +51,10 @@ class Definitions:
         return [d for d in self.processes if d not in inner and d not in self.recursive]
 
     def outermost(self) -> ast.ProcessDefinition | None:
-        """The process of a program without an environment: the last of the main file that nobody instantiates and that
-        no assertion names as a specification.
+        """The outermost process of a program without an environment: the last one of the main file that is not
+        instantiated and that no assertion names as a specification.
 
-        Where that leaves none in the main file, a specification serves too, and then a process of an imported file.
+        If the main file has no such process, it is a specification, or else a process of an imported file.
         """
         roots = self.roots()
         main = set(self.program.main.items)
@@ -63,14 +63,16 @@ class Definitions:
         return candidates[-1] if candidates else None
 
     def is_specification(self, definition: ast.ProcessDefinition) -> bool:
-        """Whether some assertion names the process as what another is to refine."""
+        """Whether some assertion names the process as a specification."""
         return any(
             assertion.specification is not None and assertion.specification.text == definition.name.text
             for assertion in self.program.assertions
         )
 
     def _sort(self) -> None:
-        """Depth first by a loop; a process met again on the way down contains itself, which the model reports."""
+        """Sorts depth first, without recursion; a process found again on its own path contains itself, which the model
+        reports.
+        """
         finished: set[ast.ProcessDefinition] = set()
         for root in self.processes:
             if root in finished:
@@ -122,10 +124,10 @@ class Definitions:
                 case ast.Replicator():
                     yield from self._parameters_in((part.count,))
                 case _:
-                    pass  # Nothing else has a size.
+                    pass  # No other part has a size.
 
     def _with_defaults(self, definition: Instantiable, found: Iterable[str]) -> frozenset[str]:
-        """With the parameters that the defaults of those use, which stand before them."""
+        """The parameters found, with those that their defaults use, which precede them."""
         whole = set(found)
         for parameter in reversed(definition.parameters):
             if parameter.name.text in whole and parameter.default is not None:
@@ -178,9 +180,9 @@ def _connection_expressions(item: ast.Connection) -> Iterator[ast.Node]:
 def arguments_of(
     parameters: tuple[ast.Parameter, ...], arguments: tuple[ast.Argument, ...]
 ) -> list[tuple[ast.Parameter, ast.Expression]]:
-    """The parameters that are given a value, positional ones first, each with its argument.
+    """The parameters that get an argument, positional ones first, each with its argument.
 
-    What does not fit was reported by the model and is left out.
+    Arguments that do not fit have been reported by the model, and are left out.
     """
     by_name = {parameter.name.text: parameter for parameter in parameters}
     positional = iter(parameters)

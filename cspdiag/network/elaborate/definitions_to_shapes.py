@@ -1,7 +1,8 @@
-"""From definitions to shapes: sizes evaluated, arrays and ``for`` unrolled, every reference resolved to an element.
+"""From definitions to shapes: evaluates sizes, unrolls arrays and ``for``, and resolves every reference to an element.
 
-The work is per shape, by a worklist, so that neither deep hierarchies nor many equal instances cost more than their
-text. A parameter without a value (a definition that is checked by itself) leaves out what structurally depends on it.
+The work is done once for each shape, by a worklist, so deep hierarchies and many equal instances cost no more than
+their text. What structurally depends on a parameter without a value (in a definition that is checked by itself) is left
+out.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ Values = Mapping[ast.Node, Value]
 
 
 class Elaboration:
-    """All shapes of a program, each made once."""
+    """Makes the shapes of a program, each one once."""
 
     def __init__(self, program: Program, definitions: Definitions, report: Report) -> None:
         self.program = program
@@ -35,13 +36,15 @@ class Elaboration:
         self.shapes: list[Shape] = []
         """Callers before callees, in the order of discovery."""
         self.refused_periods: dict[Shape, list[tuple[ast.Expression, int]]] = {}
-        """The periods of ports that are not longer than zero, with their values in nanoseconds."""
+        """Expressions of port periods that are not longer than zero, with their values in nanoseconds."""
         self._refused_offsets: set[Span] = set()
         self._known: dict[object, Shape] = {}
         self._pending: list[Shape] = []
 
     def root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value], overrides: Overrides) -> Shape:
-        """The shape of an outermost process with the given values of parameters, and those of everything inside."""
+        """The shape of an outermost process with the given values of parameters; makes the shapes of all instances
+        inside it, too.
+        """
         parameters: dict[ast.Node, Value] = {
             p: values[p.name.text] for p in definition.parameters if p.name.text in values
         }
@@ -51,7 +54,7 @@ class Elaboration:
         return shape
 
     def shape(self, definition: Instantiable, parameters: Values, overrides: Overrides) -> Shape:
-        """The shape for these values of the structural parameters; only its ports are there at once."""
+        """The shape for these values of the structural parameters; at first it has only its ports."""
         structural = self.definitions.structural(definition)
         own: dict[ast.Node, Value] = {
             p: parameters[p] for p in definition.parameters if p.name.text in structural and p in parameters
@@ -67,7 +70,9 @@ class Elaboration:
         return known
 
     def sampling(self, ports: ast.Ports, shape: Shape) -> Sampling | None:
-        """The sample instants of a declaration; unknown where they are refused, a period to be reported later."""
+        """The sample instants of a port declaration; unknown if they are refused. A refused period is
+        reported later.
+        """
         if ports.sampling is None:
             return None
         period = self._time(ports.sampling.period, shape)
@@ -82,14 +87,14 @@ class Elaboration:
         return UNKNOWN_SAMPLING
 
     def _time(self, expression: ast.Expression, shape: Shape) -> int | None:
-        """A time in nanoseconds; None where it is not known."""
+        """The value of a time in nanoseconds; None if it is not known."""
         if isinstance(expression, ast.Duration):
             return expression.nanoseconds
         value = evaluate(self.program, expression, shape.values, self.report)
         return value if isinstance(value, int) and not isinstance(value, bool) else None
 
     def _refuse_offset(self, diagnostic: OffsetOutsidePeriod) -> None:
-        """Once at each place, in whatever shapes."""
+        """Reports a refused offset, once for each place in the text."""
         if diagnostic.span not in self._refused_offsets:
             self._refused_offsets.add(diagnostic.span)
             self.report.add(diagnostic)
@@ -142,7 +147,7 @@ class Elaboration:
 
 
 class _Declarations:
-    """Makes the instances of a shape, also those inside ``for``."""
+    """Makes the instances of a shape, including those inside ``for``."""
 
     def __init__(self, elaboration: Elaboration, shape: Shape) -> None:
         self.elaboration = elaboration
@@ -202,7 +207,7 @@ class _Declarations:
     def _arguments(
         self, item: ast.Instance, definition: Instantiable, values: Values, overrides: Overrides
     ) -> dict[ast.Node, Value]:
-        """Values of the structural parameters of an instance, as far as they are known."""
+        """The values of the structural parameters of an instance, as far as they are known."""
         structural = self.elaboration.definitions.structural(definition)
         if not structural:
             return {}
@@ -217,7 +222,9 @@ def argument_values(
     overrides: Overrides,
     wanted: frozenset[str] | None = None,
 ) -> dict[ast.Node, Value]:
-    """Values of the parameters (or of the ``wanted`` ones) that an instance is given, defaults included."""
+    """The values of the parameters of an instance (or of the ``wanted`` ones), including defaults, as far as they are
+    known.
+    """
     given = dict(arguments_of(definition.parameters, item.arguments))
     found: dict[ast.Node, Value] = {}
     for parameter in definition.parameters:
@@ -237,7 +244,7 @@ def argument_values(
 def parameter_value(
     elaboration: Elaboration, parameter: ast.Parameter, expression: ast.Expression, values: Values
 ) -> Value | None:
-    """The value of an argument or a default; a frequency literal given for a ``time`` is its period."""
+    """The value of an argument or a default; a frequency literal for a ``time`` means its period."""
     if isinstance(expression, ast.Duration) and parameter.type.name.text == "time":
         return expression.nanoseconds
     return evaluate(elaboration.program, expression, values, elaboration.report)

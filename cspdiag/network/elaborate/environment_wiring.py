@@ -1,4 +1,4 @@
-"""The relationships of an environment, element by element: which port drives which."""
+"""The relationships of an environment, element by element: which port is connected to which."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from cspdiag.network.ir.network import Direction
 from cspdiag.syntax import ast
 
 LIMIT = 100_000
-"""More elements of an array are not looked at."""
+"""Only the first elements of an array, up to this number, are considered."""
 
 
 @node
 class Member:
-    """A submodel or a driver of the environment, by its name; ``values`` are those of the replicators around it."""
+    """An instance of a submodel or a driver in the environment; ``values`` are those of the replicators around it."""
 
     name: str
     declaration: ast.Instance
@@ -34,26 +34,26 @@ class Member:
 
     @property
     def is_driver(self) -> bool:
-        """Whether it is a device."""
+        """Whether the member is a driver."""
         return isinstance(self.definition, ast.DriverDefinition)
 
 
 @record
 class Terminal:
-    """A port of the program (``member`` empty) or of a member, one element of an array of ports."""
+    """A port, or element of an array of ports, of the program (then ``member`` is empty) or of a member."""
 
     member: str
     port: str
 
     @property
     def name(self) -> str:
-        """``pan.voltage``, or the name of the program's port."""
+        """The name of the terminal, such as ``pan.voltage``; for a port of the program only that of the port."""
         return f"{self.member}.{self.port}" if self.member else self.port
 
 
 @node
 class Wire:
-    """One source and one sink, and where they are named."""
+    """A connection from one source to one sink, and where they are named in the text."""
 
     source: Terminal
     sink: Terminal
@@ -63,7 +63,9 @@ class Wire:
 
 @node
 class Wiring:
-    """An environment drawn out: its members by name, its wires, and the program's ports that ``_`` takes."""
+    """An environment with its arrays and ``for`` unrolled: its members by name, its wires, and the ports of the program
+    that are connected to ``_``.
+    """
 
     members: dict[str, Member]
     wires: tuple[Wire, ...]
@@ -73,9 +75,9 @@ class Wiring:
 def wiring(
     program: Program, definition: ast.EnvironmentDefinition, values: Mapping[ast.Node, Value], report: Report
 ) -> Wiring:
-    """Draw out an environment, and report relationships that make no sense.
+    """Unrolls an environment, and reports invalid relationships.
 
-    ``values`` are those of the parameters of its process, on which sizes of its arrays of ports depend.
+    ``values`` are those of the parameters of its process, on which the sizes of its arrays of ports depend.
     """
     return _Drawing(program, definition, values, report).draw()
 
@@ -175,7 +177,7 @@ class _Drawing:
     def _terminals(
         self, reference: ast.Reference, values: Mapping[ast.Node, Value], role: Direction
     ) -> list[Terminal] | None:
-        """The elements that a reference means; None where that was reported."""
+        """The elements that a reference names; None if an error in it was reported."""
         if reference in self.program.poisoned:
             return None
         symbol = self.program.bindings.get(reference)
@@ -183,7 +185,7 @@ class _Drawing:
             if not isinstance(symbol, PortSymbol):
                 return None
             member, port, indexes, around = "", symbol, reference.indexes, self.process_values
-            # What the program puts out, the environment takes as a source.
+            # An output of the program is a source in the environment.
             direction: Direction = port.declaration.direction
         else:
             found = self.program.members.get(reference)
@@ -212,7 +214,9 @@ class _Drawing:
         return "".join(f"[{evaluate(self.program, index, values, self.report)}]" for index in indexes)
 
     def _refuse_shared(self) -> None:
-        """A sink has one source; a port of the program belongs to the simulated system or to one driver."""
+        """Reports sinks with several sources, and ports of the program that are shared by drivers or with the simulated
+        system.
+        """
         sources: dict[Terminal, Wire] = {}
         devices: dict[str, tuple[str, Span]] = {}
         for wire in self.wires:
@@ -232,7 +236,7 @@ class _Drawing:
 
 
 def elements_of(program: Program, symbol: PortSymbol, values: Mapping[ast.Node, Value], report: Report) -> list[str]:
-    """Names of the elements of an array of ports, or of the one port."""
+    """The names of the elements of an array of ports, or of a single port."""
     total = 1
     for dimension in symbol.port.dimensions:
         size = evaluate(program, dimension, values, report)

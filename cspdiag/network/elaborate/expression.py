@@ -1,7 +1,7 @@
-"""Expressions of the text become expressions of the network: resolved, typed, without units.
+"""Lowers expressions of the text to expressions of the network: resolved, typed, without units.
 
-A value stays a number in the unit of its type, so that only ``convert`` leaves a trace, a multiplication. A ``time``
-where the model says a real number is wanted, as in every equation, becomes ``seconds(...)``.
+A value stays a number in the unit of its type, so only ``convert`` becomes an operation, a multiplication. A ``time``
+becomes ``seconds(...)`` where the model requires a real number, as in every equation.
 """
 
 from __future__ import annotations
@@ -54,11 +54,10 @@ def _nothing(_node: ast.Node) -> Expression | None:
 
 @node
 class LoweringContext:
-    """What the names of an expression stand for beyond parameters and constants.
+    """What the names in an expression mean besides parameters and constants.
 
-    ``values``: replicators, parameters or other symbols that become literals. ``lower_name``: asked first about
-    every name, member and reference. ``lower_call``: asked first about every call. Both give None to leave the node to
-    the usual meaning.
+    ``values``: replicators, parameters or other symbols that become literals. ``lower_name`` is called first for every
+    name, member and reference, ``lower_call`` for every call; they return None if the node has its usual meaning.
     """
 
     values: Mapping[ast.Node, Value]
@@ -67,19 +66,21 @@ class LoweringContext:
 
 
 def lower_expression(program: Program, expression: ast.Expression, context: LoweringContext) -> Expression:
-    """The network's form of a checked expression; a poisoned one gives a literal of type Unknown."""
+    """A checked expression as an expression of the network; a poisoned one becomes a literal of type Unknown."""
     return _Lowering(program, context).lower(expression)
 
 
 def lower_period(program: Program, sampling: ast.Sampling | None, context: LoweringContext) -> Expression | None:
-    """The period of a port, at the place of all that the text says of its sample instants."""
+    """The period of a port, with the span of the whole declaration of its sample instants."""
     if sampling is None:
         return None
     return replaced(lower_expression(program, sampling.period, context), span=sampling.span)
 
 
 def in_seconds(expression: Expression, wanted: Type) -> Expression:
-    """``expression`` as a real number of seconds where it is a ``time`` and ``wanted`` is a real type."""
+    """The expression as a real number of seconds if it is a ``time`` and ``wanted`` is a real type; otherwise
+    unchanged.
+    """
     if not (isinstance(expression.type, TimeType) and isinstance(wanted, RealType)):
         return expression
     if isinstance(expression, LiteralValue) and expression.name is None:
@@ -136,7 +137,9 @@ class _Lowering:
         return found if found is not None else self.symbol(expression, expression.span, wanted)
 
     def symbol(self, use: ast.Node, span: Span, wanted: Type) -> Expression:
-        """What the name in ``use`` is bound to: a parameter, a constant, a replicator or a literal of an enum."""
+        """The expression for the symbol that ``use`` is bound to: a parameter, a constant, a replicator or a literal of
+        an enum.
+        """
         symbol = self.program.bindings.get(use)
         match symbol:
             case ast.Parameter() if symbol not in self.context.values:
@@ -224,7 +227,7 @@ class _Lowering:
         return _unknown(expression.span)
 
     def convert(self, expression: ast.Call, wanted: Type) -> Expression:
-        """``convert(x, unit)``: a multiplication by the ratio of the two units."""
+        """Lowers ``convert(x, unit)`` to a multiplication by the ratio of the two units."""
         operand = self.lower(expression.arguments[0].value)
         operand = in_seconds(operand, wanted)
         if not (isinstance(operand.type, RealType) and isinstance(wanted, RealType)):
@@ -253,7 +256,7 @@ class _Lowering:
 
 
 def element(operand: Expression, index: Expression, wanted: Type, span: Span) -> Expression:
-    """``operand[index]``; an element that is known by itself is taken out."""
+    """The expression ``operand[index]``, or the element itself if it is known."""
     kind = operand.type.element if isinstance(operand.type, ArrayType) else wanted
     if isinstance(operand, ArrayElements) and isinstance(index, LiteralValue):
         position = index.value

@@ -1,7 +1,8 @@
-"""Where real values are tested: what is stored or written is a number, and what would be infinite or none is a fault.
+"""Adds tests of real values: a value that is stored or written is finite, otherwise it is a fault.
 
-Within an expression, and from one equation of a law to the next, sums, products and quotients go on with infinities and
-NaNs as IEEE 754 has them. Functions outside their domain fault where they stand; a division by zero does so by itself.
+Within an expression, and from one equation of a law to the next, sums, products and quotients are computed with
+infinities and NaNs as in IEEE 754. Functions outside their domain fault at once; so does a division by zero, without a
+test.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ _NONE: frozenset[str] = frozenset()
 
 
 def assured(expression: Expression) -> Expression:
-    """An expression whose value is stored or written, with tests."""
+    """An expression whose value is stored or written, with its tests."""
     return _stored(within_domains(expression), _NONE)
 
 
@@ -47,10 +48,10 @@ def assured_law(
     outputs: Iterable[str],
     unsure: Iterable[str] = (),
 ) -> tuple[tuple[SubmodelEquation | ExternalCall, ...], dict[str, Expression]]:
-    """The equations of a law, in the order of their evaluation, and the next values of its states, with tests.
+    """The equations of a law, in the order of their evaluation, and the next values of its states, with their tests.
 
-    Its outputs, states, and what it hands to bodies in other languages are tested, its local values only with those.
-    ``unsure`` are signals from elsewhere that may be infinite or no number.
+    Outputs, states, and inputs of code in other languages are tested, local values only as parts of these. ``unsure``
+    are signals from elsewhere that may be infinite or NaN.
     """
     results = frozenset(outputs)
     untested: set[str] = set(unsure)
@@ -70,7 +71,7 @@ def assured_law(
 
 
 def within_domains(expression: Expression) -> Expression:
-    """The expression with tests of functions that have no value everywhere."""
+    """The expression with tests of functions that are not defined everywhere."""
     return rewritten(expression, lambda part: _tested(part) if _has_domain(part) else part)
 
 
@@ -97,7 +98,7 @@ def _tested(expression: Expression) -> Expression:
 
 
 def _stored(expression: Expression, untested: set[str] | frozenset[str]) -> Expression:
-    """The expression with a test of its value, or of the parts of which it consists."""
+    """The expression with a test of its value, or of its elements or fields."""
     match expression:
         case StructValue(values=values) | ArrayElements(values=values):
             return replaced(expression, values=tuple(_stored(value, untested) for value in values))
@@ -107,7 +108,7 @@ def _stored(expression: Expression, untested: set[str] | frozenset[str]) -> Expr
 
 
 def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) -> bool:
-    """Whether a real value may be infinite or no number."""
+    """Whether a real value may be infinite or NaN."""
     if not isinstance(expression.type, RealType):
         return False
     match expression:

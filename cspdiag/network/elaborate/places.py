@@ -1,4 +1,4 @@
-"""What a reference of the text means inside a shape: an instance, a port, a channel, element by element."""
+"""Resolves references inside a shape to instances, ports and channels, element by element."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class InstancePort:
 
     @property
     def name(self) -> str:
-        """``servo.control``."""
+        """The name of the port, such as ``servo.control``."""
         return f"{self.instance.name}.{element_name(*self.element)}"
 
 
@@ -52,7 +52,9 @@ Endpoint: TypeAlias = ProcessPort | InstancePort | ChannelPlace
 
 
 class Places:
-    """Resolves the references of one shape; None means that nothing more is to be said about one."""
+    """Resolves the references of one shape. A method that returns None has reported what is wrong, or it was reported
+    before.
+    """
 
     def __init__(self, sizes: Sizes, shape: Shape, loops: Mapping[ast.Node, tuple[ast.Replicator, ...]]) -> None:
         self.sizes = sizes
@@ -60,13 +62,13 @@ class Places:
         self.shape = shape
         self.loops = loops
         self.aliases: dict[str, ProcessPort] = {}
-        """Labels on arrows at a port of the process, by name."""
+        """The ports of the process that labels on arrows mean, by label."""
         self.excused: set[tuple[str, str | None]] = set()
-        """Instances and ports that occur in references which could not be resolved; None: it could be any port."""
+        """Instances and ports in references that could not be resolved; None if it could be any port."""
         self.arrays: dict[str, list[InstanceShape]] = {}
 
     def indexes(self, expressions: tuple[ast.Expression, ...], values: Values) -> list[int] | None:
-        """Values of indexes; None where one is unknown."""
+        """The values of indexes; None if one is unknown."""
         found = [self.sizes.integer(expression, values) for expression in expressions]
         known = [index for index in found if index is not None]
         if len(known) < len(found):
@@ -75,7 +77,7 @@ class Places:
         return known
 
     def instance(self, reference: ast.Reference, values: Values) -> InstanceShape | None:
-        """The one instance that a reference names."""
+        """The single instance that a reference names."""
         symbol = self.program.bindings.get(reference)
         if not isinstance(symbol, ast.Instance) or not self.program.poisoned.isdisjoint((symbol, reference)):
             return None
@@ -89,7 +91,7 @@ class Places:
         return instances[0]
 
     def endpoints(self, reference: ast.Reference, values: Values) -> tuple[list[Endpoint], bool] | None:
-        """Everything that a reference in a relationship stands for, and whether it is a whole array."""
+        """All ends that a reference in a relationship means, and whether it is a whole array."""
         if reference in self.program.poisoned:
             self._excuse(reference)
             return None
@@ -109,7 +111,7 @@ class Places:
                 | ast.DriverDefinition() | ast.EnvironmentDefinition() | ast.Parameter() | ast.Instance() | ast.Let()
                 | ast.State() | ast.Replicator() | EnumLiteralSymbol() | BuiltinSymbol() | None
             ):  # fmt: skip
-                pass  # Nothing of the diagram: what is wrong with it was reported where it was bound.
+                pass  # Not a part of the diagram, which was reported when the reference was bound.
             case _:
                 assert_never(symbol)
         if found is None:
@@ -117,7 +119,7 @@ class Places:
         return found
 
     def single(self, reference: ast.Reference, values: Values) -> ProcessPort | ChannelPlace | None:
-        """The one port or channel of this process that ``?``, ``!`` or a guard names."""
+        """The single port or channel of this process that ``?``, ``!`` or a guard names."""
         found = self.endpoints(reference, values)
         if found is None:
             return None
@@ -130,9 +132,9 @@ class Places:
     def channel(
         self, reference: ast.Reference | ast.Name, symbol: ast.Variable | ast.Channel | EndLabelSymbol, values: Values
     ) -> ProcessPort | ChannelPlace | None:
-        """The channel, variable or label that a name stands for here; of an alias, the port behind it.
+        """The channel, variable or label that a name means here; for an alias the port.
 
-        Indexes beyond those of the ``for`` around the declaration are left to the value.
+        Indexes beyond those of the ``for`` around the declaration choose elements of the value, and are ignored.
         """
         declaration = symbol.connection if isinstance(symbol, EndLabelSymbol) else symbol
         loops = self.loops.get(declaration, ())
@@ -154,7 +156,7 @@ class Places:
         return self.aliases.get(full)
 
     def indexes_beyond_loops(self, reference: ast.Reference, values: Values) -> tuple[ast.Expression, ...]:
-        """Those indexes of a reference to a variable that choose an element of its value."""
+        """The indexes of a reference to a variable that choose an element of its value."""
         symbol = self.program.bindings.get(reference)
         declaration = symbol.connection if isinstance(symbol, EndLabelSymbol) else symbol
         loops = self.loops.get(declaration, ()) if isinstance(declaration, ast.Node) else ()

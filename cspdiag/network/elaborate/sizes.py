@@ -1,4 +1,4 @@
-"""Sizes and indexes in the text as numbers, once the values of parameters are known."""
+"""Evaluates sizes and indexes, once the values of parameters are known."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from cspdiag.network.diagnostics.arrays import SizeNotPositive, TooManyInstances
 from cspdiag.syntax import ast
 
 LARGEST_PROCESS = 100_000
-"""More elements of anything in one process are refused."""
+"""A process with more elements of one kind is refused."""
 
 Values = Mapping[ast.Node, Value]
 
 
 class Sizes:
-    """The sizes of a program; those that cannot be are reported."""
+    """Evaluates the sizes of a program, and reports impossible ones."""
 
     def __init__(self, program: Program, report: Report) -> None:
         self.program = program
         self.report = report
 
     def integer(self, expression: ast.Expression, values: Values) -> int | None:
-        """The value of a size or an index; None where it is unknown or was reported."""
+        """The value of a size or an index; None if it is unknown or was reported."""
         if isinstance(expression, ast.Number) and isinstance(expression.value, int):
             return expression.value
         if isinstance(expression, ast.Name):
@@ -40,8 +40,8 @@ class Sizes:
     def size(
         self, expression: ast.Expression, what: str, values: Values, *, least: int = 1, times: int = 1
     ) -> int | None:
-        """Like ``integer`` for a number of elements, which is ``least`` or more and, times those of all ``for`` around
-        it and ``times``, not absurd.
+        """The number of elements of something; None if it is unknown, and a report if it is less than ``least``, or if
+        the product with the counts of all ``for`` around it and with ``times`` exceeds LARGEST_PROCESS.
         """
         size = self.integer(expression, values)
         if size is None:
@@ -60,14 +60,14 @@ class Sizes:
     def repeated(
         self, replicator: ast.Replicator, what: str, values: Values, times: int = 1
     ) -> list[dict[ast.Node, Value]] | None:
-        """The values inside each repetition; None where their number is unknown or was reported. ``times`` is how often
-        the present place is gone through by loops around it that are not among the values.
+        """The values inside each repetition; None if their number is unknown or was reported. ``times`` is the number
+        of iterations of loops around this place that are not among the values.
         """
         count = self.size(replicator.count, what, values, least=0, times=times)
         return None if count is None else [{**values, replicator: index} for index in range(count)]
 
     def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:
-        """A type with the sizes filled in that depend on parameters."""
+        """A type with its parameter-dependent sizes filled in."""
         if declared is None or not declared.dimensions or not isinstance(known, ArrayType):
             return known
         sizes = [self.integer(dimension, values) for dimension in declared.dimensions]

@@ -1,4 +1,4 @@
-"""The turns of a replicated ``seq`` as one loop that counts: where its index may be a variable of the process."""
+"""Decides which replicated ``seq`` become a counted loop, whose index is a variable of the process."""
 
 from __future__ import annotations
 
@@ -23,41 +23,41 @@ from cspdiag.syntax import ast
 from cspdiag.syntax.walk import names, nodes
 
 MOST_ALIKE_UNROLLED = 16
-"""Turns that are all the same and written down one by one; more of them are a loop."""
+"""Identical iterations are unrolled up to this number; more of them are a loop."""
 
 MOST_UNROLLED = 64
-"""Turns that differ only by values and are written down one by one; more of them are a loop.
+"""Iterations that differ only by values are unrolled up to this number; more of them are a loop.
 
-With the index known, checks and analyses know what each turn does: a condition on it decides which parts of a diagram
-there are, and a delay by it is a constant. Unrolled, 64 turns of an alternative take half as long again to compile to C
-(``-O0``) as a loop, 250 three and 1,000 twenty times as long.
+If they are unrolled, checks and analyses know what each iteration does: a condition on the index selects parts of the
+diagram, and a delay that depends on it is a constant. Unrolling 64 iterations of an alternative takes 1.5 times as long
+to compile to C (``-O0``) as a loop, 250 iterations 3 times and 1,000 iterations 20 times as long.
 """
 
 
 class IndexUse(Enum):
-    """What the index of a replicator is used for in what is repeated."""
+    """What the index of a replicator is used for in the repeated part."""
 
     NOTHING = "nothing"
     VALUES = "values"
-    """It is computed with, and chooses elements of values."""
+    """It is used in computations, and to choose elements of values."""
     STRUCTURE = "structure"
-    """It chooses ends, instances or sizes, which are known when the network is made."""
+    """It chooses ends, instances or sizes, which must be known when the network is made."""
 
 
 @node
 class Turns:
-    """The turns that an index counts in a variable of the process."""
+    """The iterations of a loop, with the variable of the process that counts them."""
 
     number: int
     variable: ChannelShape
 
     def index(self, span: Span) -> VariableValue:
-        """The index in a turn."""
+        """The index of the present iteration."""
         return VariableValue(type=INT, channel=self.variable.name, range=(0, self.number - 1), span=span)
 
 
 class Indexes:
-    """The indexes of those replicated sequences of a shape that are loops."""
+    """The indexes of the replicated sequences of a shape that become loops."""
 
     def __init__(self, program: Program, shape: Shape, loops: Mapping[ast.Node, tuple[ast.Replicator, ...]]) -> None:
         self.program = program
@@ -69,11 +69,11 @@ class Indexes:
         self._names: DistinctNames | None = None
 
     def turns_around(self) -> int:
-        """How many turns of loops the present place is gone through in."""
+        """The product of the numbers of iterations of the loops around the present place."""
         return prod(turns.number for turns in self._counting.values())
 
     def use_in_loop(self, part: ast.Replicated, turns: int) -> IndexUse | None:
-        """What the index of a replicated ``seq`` that is to be a loop is used for; None where it is unrolled."""
+        """What the index of a replicated ``seq`` that becomes a loop is used for; None if the ``seq`` is unrolled."""
         if part.operator != "seq" or turns <= MOST_ALIKE_UNROLLED:
             return None
         use = self._use(part.replicator, part.process)
@@ -81,14 +81,14 @@ class Indexes:
         return use if turns > most[use] else None
 
     def value(self, name: ast.Name | ast.Reference) -> Expression | None:
-        """The index that a name means, if a variable counts it here."""
+        """The index that a name means, as the variable that counts it; None if no variable does."""
         symbol = self.program.bindings.get(name)
         turns = self._counting.get(symbol) if isinstance(symbol, ast.Replicator) else None
         return None if turns is None else turns.index(name.span)
 
     @contextmanager
     def counting(self, replicator: ast.Replicator, number: int) -> Iterator[Turns]:
-        """A variable for the index, while what is repeated is composed."""
+        """Makes a variable for the index, which counts while the repeated part is composed."""
         variable = ChannelShape(self._fresh(replicator.name.text), replicator, INT, replicator.name.span)
         variable.initial = LiteralValue(type=INT, value=0)
         variable.turns = number
@@ -98,7 +98,9 @@ class Indexes:
         del self._counting[replicator]
 
     def in_every_turn(self, condition: Expression) -> bool | None:
-        """Whether a condition over indexes alone holds; None if it holds in some turns only, or if it is over more."""
+        """Whether a condition on indexes alone holds in every iteration; None if it holds in some of them only, or
+        depends on anything else.
+        """
         counted = {part.channel: part.range for part in walk(condition) if isinstance(part, VariableValue)}
         ranges = [range(given[0], given[1] + 1) for given in counted.values() if given is not None]
         if len(ranges) < len(counted):
@@ -124,10 +126,10 @@ class Indexes:
         return known
 
     def _structural(self, process: ast.Composition) -> Iterator[ast.Expression]:
-        """The expressions that have to be known when the network is made.
+        """The expressions whose values must be known when the network is made.
 
-        Conditions are among them by which a turn has parts that could not stand beside those of other turns: guards,
-        parts in parallel, what gives a variable its first value.
+        These include conditions of parts that other iterations may not have and that a loop cannot leave out: guards,
+        parts of parallels, first assignments to variables.
         """
         begins_unset = any(c.is_variable and c.initial is None for c in self.shape.channels.values())
         for part in nodes(process):
@@ -142,11 +144,13 @@ class Indexes:
                     yield from (inner.condition for inner in nodes(part) if isinstance(inner, ast.If))
                 case ast.If() if begins_unset:
                     yield part.condition
-                case _:  # Nothing else decides what there is in the network.
+                case _:  # No other part affects the structure of the network.
                     pass
 
     def _choosing(self, reference: ast.Reference) -> tuple[ast.Expression, ...]:
-        """The indexes that choose what a reference means; of a variable, others choose an element of its value."""
+        """The indexes that choose what a reference means; further indexes of a variable choose an element of
+        its value.
+        """
         symbol = self.program.bindings.get(reference)
         declaration = symbol.connection if isinstance(symbol, EndLabelSymbol) else symbol
         if isinstance(declaration, ast.Variable | ast.Connection):
@@ -154,7 +158,7 @@ class Indexes:
         return (*reference.indexes, *reference.member_indexes)
 
     def _fresh(self, wanted: str) -> str:
-        """A name that nothing else in the class has."""
+        """A name that is unique in the class."""
         if self._names is None:
             parameters = (parameter.name.text for parameter in self.shape.definition.parameters)
             members = (*self.shape.ports, *self.shape.channels, *self.shape.instances)
@@ -163,10 +167,10 @@ class Indexes:
 
 
 def counted_loop(part: ast.Replicated, turns: Turns, body: CoreAction) -> CoreAction:
-    """A loop that counts: the index is 0 in the first turn, and one more in each other.
+    """A counted loop: the index is 0 in the first iteration, and one more in each further one.
 
-    Both assignments have the place of the index, and the first is reached: where a turn never ends, it is not reported
-    that the second is unreachable.
+    Both assignments have the span of the index, of which the first is reached: so if an iteration never ends, the
+    second is not reported as unreachable.
     """
     span, target = part.replicator.span, Target(turns.variable.name)
     zero, one = (LiteralValue(type=INT, value=value, span=span) for value in (0, 1))

@@ -1,4 +1,4 @@
-"""What the text names and a network uses: constants, enums, structs and exceptions."""
+"""The vocabulary of a network: the constants, enums, structs and exceptions that it uses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cspdiag.syntax import ast
 
 
 class Vocabulary:
-    """Everything with a name of its own that occurs in the given parts of a network."""
+    """The named constants and types that occur in the given parts of a network."""
 
     def __init__(self, program: Program, parts: Iterable[object]) -> None:
         self.program = program
@@ -23,7 +23,7 @@ class Vocabulary:
         self._look(parts)
 
     def constants(self) -> tuple[NamedConstant, ...]:
-        """The constants of the text that an expression uses, in text order."""
+        """The constants of the text that some expression uses, in text order."""
         found = []
         for definition in self.program.definitions.values():
             if isinstance(definition, ast.Constant) and definition.name.text in self._constants:
@@ -90,7 +90,7 @@ _ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool", "Span", "S
 
 
 def _names_inside(item: object) -> tuple[str, ...]:
-    """The fields of a record that are looked into, the last one first, and at least one; of anything else none."""
+    """The fields of a record to search, at least one, the last one first; none for other values."""
     if isinstance(item, Span) or not is_record(item):
         return ()
     annotations = {

@@ -1,1 +1,1 @@
-"""The control flow of a process: its composition as instructions with edges, and what is found by following them."""
+"""The control flow of a process: its composition as instructions with edges, and analyses of that graph."""

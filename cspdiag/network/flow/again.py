@@ -1,4 +1,4 @@
-"""What may happen more than once in a run of a process or of a program."""
+"""Which alternatives and instances may run more than once in a run of a process or program."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from cspdiag.network.ir.network import Network, ProcessClass
 
 
 def choices_made_again(body: Action) -> frozenset[str]:
-    """The names of the alternatives that a run of a composition may choose in more than once."""
+    """The names of the alternatives that may choose more than once in a run of a composition."""
     code = flow_of(body)
     return _again(code, {n: i.step.name for n, i in enumerate(code.instructions) if isinstance(i, Select)})
 
 
 def classes_run_again(network: Network) -> frozenset[str]:
-    """The process classes of which an instance may be run more than once."""
+    """The process classes of instances that may be run more than once."""
     classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
     again: set[str] = set()
-    # Callers first: what an instance that is run again runs is run again as well.
+    # Callers first: whatever is run by an instance that runs again runs again, too.
     for entry in reversed(classes.values()):
         found = {instance.name for instance in entry.instances}
         if entry.name not in again and entry.body is not None:
@@ -34,7 +34,7 @@ def classes_run_again(network: Network) -> frozenset[str]:
 
 
 def _again(code: Code, names: dict[int, str]) -> frozenset[str]:
-    """The names that stand at several instructions, or between the beginning of a loop and where it goes back."""
+    """The names of several instructions, or of one between the beginning and the end of a loop."""
     looped = {index for end, start in code.back.items() for index in range(start, end + 1)}
     several = Counter(names.values())
     return frozenset(name for index, name in names.items() if index in looped or several[name] > 1)

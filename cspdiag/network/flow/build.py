@@ -1,4 +1,4 @@
-"""Instructions from a composition."""
+"""Builds the instructions of a composition."""
 
 from __future__ import annotations
 
@@ -81,14 +81,12 @@ class _Builder:
             instructions=[], before=[], back={}, abandoned=[], waiting={}, sequences=[], decisions=[]
         )
         self._open: tuple[int, ...] = ()
-        """What the next instruction comes after: at most one, but where ways come together, and none where nothing
-        ends.
-        """
+        """The instructions before the next one: several where paths join, none if it is unreachable."""
         self._watched: list[list[int]] = []
-        """The instructions of each watched part around, from the outermost."""
+        """The instructions of each watched part around the present place, from the outermost inwards."""
 
     def add(self, instruction: Instruction) -> int:
-        """Add an instruction after those that are open; it alone is open then."""
+        """Adds an instruction after those that are open; then it alone is open. Returns its index."""
         code, index = self.code, len(self.code.instructions)
         code.instructions.append(instruction)
         code.before.append(self._open)
@@ -99,7 +97,7 @@ class _Builder:
         return index
 
     def action(self, action: Action) -> None:
-        """Add the instructions of an action."""
+        """Adds the instructions of an action."""
         span, first = action.span, len(self.code.instructions)
         match action:
             case RunInstance():
@@ -204,7 +202,9 @@ class _Builder:
         self.action(branch.body)
 
     def _watch(self, watching: CatchException | InterruptOn) -> int:
-        """Add what may be abandoned; what follows then comes next. Returns where it has ended by itself."""
+        """Adds the part that may be abandoned, up to the instruction after it has been. Returns the index of its normal
+        end.
+        """
         self.add(Watch(span=watching.span, step=watching))
         self._watched.append([])
         self.action(watching.body)

@@ -1,9 +1,9 @@
-"""What a process does as instructions with edges between them: one graph that every analysis of control flow follows.
+"""The control-flow graph of a process: instructions with edges between them, for all analyses of control flow.
 
-An instruction stands where its step stands in the text, so that indexes go up along every edge but those that close a
-loop. What may be abandoned (by an exception, or by an interrupt) lies between two markers; from each instruction there,
-the markers among them, an edge of its own (``abandoned``) leads to where it goes on then, with what was so *before* the
-instruction.
+Instructions are in the order of the text, so indexes increase along every edge except those that close a loop. A part
+that may be abandoned (by an exception, or by an interrupt) lies between two markers; from each instruction in it,
+including the markers, an edge of its own (``abandoned``) leads to where execution continues in that case, with the
+state *before* the instruction.
 """
 
 from __future__ import annotations
@@ -48,26 +48,26 @@ Communication: TypeAlias = ReadValue | WriteValue | ReadInputs | WriteOutputs
 Decision: TypeAlias = IfElse[A_co] | WhileLoop[A_co] | Repeat[A_co] | CountedLoop[A_co]
 
 SINGLE_STEPS = Computation | Communication | WaitStep
-"""The steps that one ``Compute``, ``Communicate`` or ``Delay`` stands for."""
+"""The steps that become one ``Compute``, ``Communicate`` or ``Delay``."""
 
 
 @node
 class Placed:
-    """Anything in a process that is executed; it has a place."""
+    """An instruction, with its place in the text."""
 
     span: Span
 
 
 @node
 class Compute(Placed):
-    """Takes no time and communicates nothing."""
+    """A step that takes no time and does not communicate."""
 
     step: Computation
 
 
 @node
 class Communicate(Placed):
-    """Waits for partners, if it has to."""
+    """A communication, which may wait for its partners."""
 
     step: Communication
 
@@ -95,24 +95,24 @@ class Select(Placed, Generic[A_co]):
 
 @node
 class Take(Placed, Generic[A_co]):
-    """A guard is chosen: its event happens. Its condition, which is looked at before, counts as read here."""
+    """A guard is chosen, and its event happens. Its condition, which is evaluated earlier, counts as read here."""
 
     branch: Branch[A_co]
 
 
 @node
 class Test(Placed):
-    """Goes on in two ways; the first is where the condition holds."""
+    """Tests a condition; the first edge is for the case that it holds."""
 
     condition: Expression
 
 
 class Loop(Placed):
-    """Where the turns of a loop begin."""
+    """The beginning of each iteration of a loop."""
 
 
 class Turn(Placed):
-    """The end of a turn of a counted loop: goes back, or on."""
+    """The end of an iteration of a counted loop: goes back, or ends the loop."""
 
 
 @node
@@ -124,49 +124,49 @@ class Fork(Placed, Generic[A_co]):
 
 @node
 class Join(Placed):
-    """The branches of a parallel, the instructions before, have all ended; they began at ``fork``."""
+    """All branches of a parallel, the instructions before this one, have ended; they began at ``fork``."""
 
     fork: int
 
 
 class Meet(Placed):
-    """Several ways come together, of which one was taken."""
+    """Joins several paths of which one was taken."""
 
 
 @node
 class Watch(Placed, Generic[A_co]):
-    """Begins what an exception or an interrupt may abandon."""
+    """The beginning of a part that an exception or an interrupt may abandon."""
 
     step: CatchException[A_co] | InterruptOn[A_co]
 
 
 class Unwatch(Placed):
-    """It has come to its end by itself."""
+    """The watched part has ended normally."""
 
 
 @node
 class Abandon(Placed, Generic[A_co]):
-    """It was abandoned: the handler or the interrupt's branch follows."""
+    """The watched part was abandoned: the handler, or the branch of the interrupt, follows."""
 
     step: CatchException[A_co] | InterruptOn[A_co]
 
 
 class Resume(Placed):
-    """What is watched has ended (``Unwatch``, the first before it), or what followed when it was abandoned (the
-    second).
+    """Continues after the watched part has ended (``Unwatch``, the first instruction before it), or after the handler
+    or branch that followed its abandonment (the second).
     """
 
 
 @node
 class Raise(Placed):
-    """Ends the process unsuccessfully."""
+    """Raises an exception."""
 
     step: RaiseException
 
 
 @node
 class Stop(Placed):
-    """Never ends."""
+    """A step that never ends."""
 
     step: StopStep
 
@@ -180,7 +180,7 @@ class Enter(Placed):
 
 @node
 class Leave(Placed):
-    """It has ended."""
+    """A process that was flattened into this one has ended."""
 
     step: ProcessScope
 
@@ -223,24 +223,23 @@ class Code(Generic[A_co]):
     instructions: list[Instruction[A_co]]
     before: list[tuple[int, ...]]
     back: dict[int, int]
-    """The ends of loops, each with the ``Loop`` that it goes back to; the edges from them are among ``before`` as well.
-    """
+    """The ends of loops, each with the ``Loop`` that it goes back to; these edges are in ``before``, too."""
     abandoned: list[int | None]
-    """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
+    """For each instruction the innermost ``Abandon`` around it, where execution continues if the part is abandoned."""
     waiting: dict[int, tuple[int, ...]]
-    """By the ``Join`` of a parallel of which some branch never ends, and which is never reached therefore: the ends of
-    the others, which wait there.
+    """For each ``Join`` that is never reached, because some branch of its parallel never ends, the ends of the other
+    branches, which wait there.
     """
     sequences: list[tuple[SequentialSteps[A_co], list[int]]]
-    """Every sequence, with the instruction at which each of its steps begins."""
+    """Every sequence, with the indexes at which its steps begin."""
     decisions: list[tuple[Decision[A_co], range]]
-    """Every condition and loop, with its instructions; those inside it come before it."""
+    """Every condition and loop, with its instructions; inner ones come before outer ones."""
 
 
 def following(code: Code) -> list[list[int]]:
-    """The instructions after each: those behind it in the order of the text, then those that it goes back to, from the
-    outermost loop; so the first after a ``Test`` is where its condition holds. The ``Join`` comes after every branch
-    that may end.
+    """The successors of each instruction: those after it in the order of the text, then those that it goes back to,
+    from the outermost loop inwards. So the first successor of a ``Test`` is where its condition holds. The ``Join`` is
+    a successor of every branch that may end.
     """
     after: list[list[int]] = [[] for _ in code.instructions]
     for index, before in enumerate(code.before):

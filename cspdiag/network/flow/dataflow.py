@@ -1,4 +1,4 @@
-"""One solver for analyses of control flow: states go along the edges until nothing changes."""
+"""The dataflow solver: propagates states along the edges until a fixpoint is reached."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ def solve(
     transfer: Callable[[int, Instruction, State], State | None],
     merge: Callable[[Instruction, list[State]], State],
 ) -> list[State | None]:
-    """The state before each instruction; None where it is never reached.
+    """The state before each instruction; None if it is unreachable.
 
-    ``transfer`` gives the state after the instruction with that index, None if it never ends; ``merge`` gives the state
-    before one that is reached in several ways (a ``Join``: by all branches), those of ``code.before`` in their order
-    first. Both must be monotone on a lattice of finite height, or it never ends.
+    ``transfer`` returns the state after the instruction with that index, None if it never ends; ``merge`` returns the
+    state before an instruction that several paths reach (a ``Join``: all branches), with those of ``code.before``
+    first, in their order. Both must be monotone on a lattice of finite height, otherwise the solver may not terminate.
     """
     count = len(code.instructions)
     entering: list[State | None] = [None] * count
@@ -43,7 +43,7 @@ def solve(
             reached.append(start)
         return merge(instruction, reached) if len(reached) > 1 else reached[0] if reached else None
 
-    # In the order of the text: each instruction after all that lead to it, but by way of a loop, which is followed
+    # In the order of the text: each instruction after all that lead to it, except those of a loop, which is followed
     # again where that changes it.
     index = 0
     while index < count:

@@ -1,4 +1,4 @@
-"""What instructions read and write."""
+"""The variables and ends that instructions read and write."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ from cspdiag.network.ir.walk import parts
 
 
 def reads(instruction: Instruction) -> Iterator[VariableValue | ir.End]:
-    """The variables in its expressions and the ends that it reads, in the order in which it does; those of a ``Call``
-    are its instance's.
+    """The variables in the expressions of an instruction and the ends that it reads, in order; none for a ``Call``,
+    whose instance has its own.
     """
     match instruction:
         case Compute():
@@ -62,7 +62,7 @@ def reads(instruction: Instruction) -> Iterator[VariableValue | ir.End]:
 
 
 def writes(instruction: Instruction) -> Iterator[ir.Target | ir.End]:
-    """The variables, or elements of them, that it sets, and the ends that it writes."""
+    """The variables, or elements of them, that an instruction assigns, and the ends that it writes."""
     match instruction:
         case Compute(step=ir.AssignValue(target=target)):
             yield target

@@ -1,4 +1,4 @@
-"""Whether a composition may come to its end, and to each of its steps."""
+"""Whether a composition may reach its end, and each of its steps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cspdiag.network.ir.actions import Action
 
 
 def may_end(body: Action, endless: Collection[str] = ()) -> bool:
-    """Whether some way leads to the end of a composition; conditions may hold or not, and every communication happens.
+    """Whether some path leads to the end of a composition; conditions may hold or not, and every communication happens.
 
     ``endless`` are the names of the instances that never end.
     """
@@ -19,7 +19,7 @@ def may_end(body: Action, endless: Collection[str] = ()) -> bool:
 
 
 def every_step_is_reached(body: Action) -> bool:
-    """Whether some way leads to each step of each sequence."""
+    """Whether some path leads to each step of each sequence."""
     code = flow_of(body)
     reached = _reached(code)
     return all(reached[start] for _, starts in code.sequences for start in starts)

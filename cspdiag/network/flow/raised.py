@@ -1,4 +1,4 @@
-"""Which exceptions come to the handlers of a composition, and which leave it."""
+"""Which exceptions reach the handlers of a composition, and which leave it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ NO_EXCEPTIONS: Exceptions = frozenset()
 
 @node
 class Watched:
-    """How what a ``catch`` watches may end: exceptions that it raises, and those that are caught inside it."""
+    """The exceptions of the part that a ``catch`` watches: those that it raises, and those that are caught
+    inside it.
+    """
 
     catch: CatchException
     raised: Exceptions
@@ -29,15 +31,15 @@ def exceptions_of(
     of_instance: Callable[[str], Exceptions],
     of_step: Callable[[Instruction], Exceptions] = lambda _: NO_EXCEPTIONS,
 ) -> tuple[Exceptions, list[Watched]]:
-    """The exceptions that may leave a composition, and what comes to its handlers.
+    """The exceptions that may leave a composition, and those that reach its handlers.
 
-    ``of_instance`` are those that leave the instance of a name, ``of_step`` those that come from an instruction but for
+    ``of_instance`` returns those that leave the instance with a name, ``of_step`` those of an instruction other than
     ``raise``.
     """
     arriving: dict[int | None, Exceptions] = {None: NO_EXCEPTIONS}
     caught: dict[int | None, frozenset[str]] = {}
     found = []
-    # The end of a watched part stands behind all that is in it, and in front of the end of the part around.
+    # The end of a watched part comes after everything in it, and before the end of the part around it.
     for index, instruction in enumerate(code.instructions):
         around = code.abandoned[index]
         match instruction:
@@ -45,7 +47,7 @@ def exceptions_of(
                 leaving: Exceptions = frozenset({instruction.step.exception})
             case Call():
                 leaving = of_instance(instruction.step.instance)
-            case _:  # Every other instruction is the business of ``of_step``.
+            case _:  # ``of_step`` decides about every other instruction.
                 leaving = of_step(instruction)
         if isinstance(instruction, Abandon):
             leaving, inside = arriving.pop(index, NO_EXCEPTIONS), caught.pop(index, frozenset())

@@ -1,7 +1,7 @@
-"""Where a process may wait: which communications and guards never do, and which compositions do nothing but compute.
+"""Where a process may wait: which communications and guards never wait, and which compositions only compute.
 
-Kinds of channels have several vocabularies (``ChannelKind``, ``MediumKind`` of a port, and ``sampled``, ``event`` and
-``output`` for what an output of the outermost process is called elsewhere); a name means the same in all of them.
+There are several sets of names for kinds (``ChannelKind``, ``MediumKind`` of a port, and ``sampled``, ``event`` or
+``output`` for an output of the outermost process); a name means the same in all of them.
 """
 
 from __future__ import annotations
@@ -38,18 +38,20 @@ from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression
 
 READ_AT_ONCE: frozenset[str] = frozenset({"var", "constant"})
-"""The kinds of which a value can always be read."""
+"""The kinds from which a value can always be read."""
 
 WRITTEN_AT_ONCE: frozenset[str] = frozenset(
     {"var", "discard", "overwrite", "sampled", "event", "latched", "direct", "output"}
 )
-"""The kinds that take every value when it is written: the outside takes all outputs."""
+"""The kinds that take every value when it is written; the environment takes all outputs."""
 
 
 def is_always_ready(
     event: ir.Event, kind_of: Callable[[ir.End], str], is_over_at_once: Callable[[Expression], bool] = lambda _: False
 ) -> bool:
-    """Whether a guard is ready whenever it counts; ``is_over_at_once`` says so of the duration of a time-out."""
+    """Whether a guard is ready whenever its condition holds; ``is_over_at_once`` decides it for the duration of a
+    time-out.
+    """
     match event:
         case ir.SkipEvent():
             return True
@@ -64,7 +66,7 @@ def is_always_ready(
 
 
 def only_computes(action: ir.Action) -> bool:
-    """Whether a composition neither communicates nor waits, nor leaves that to others, on any of its ways."""
+    """Whether a composition, on every path, neither communicates nor waits nor runs an instance or a parallel."""
     return all(map(_only_computes, flow_of(action).instructions))
 
 

@@ -1,4 +1,4 @@
-"""What was surely written before each instruction, and what may be read before it was."""
+"""What has certainly been written before each instruction, and what may be read before it is written."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def surely_written(
     endless: Collection[str] = (),
     completes: bool = False,
 ) -> list[int | None]:
-    """The names that were surely written before each instruction, a bit each; None where it is never reached.
+    """The names that have certainly been written before each instruction, one bit each; None if it is unreachable.
 
-    ``gains`` are those that an instruction writes, ``written`` those that have a value at the beginning, ``endless``
-    the instances that never end. With ``completes`` what may be abandoned is taken to come to its end, if it has one.
+    ``gains`` returns those that an instruction writes; ``written`` have a value at the beginning; ``endless`` are the
+    instances that never end. With ``completes``, parts that may be abandoned are taken to end normally, if they can.
     """
 
     def transfer(index: int, instruction: Instruction, state: int) -> int | None:
@@ -42,9 +42,9 @@ def surely_written(
 
 
 def read_before_written(body: Action, variables: Collection[str], written: Collection[str] = ()) -> frozenset[str]:
-    """Those of the variables that may be read before they were written; ``written`` have a value at the beginning.
+    """The variables that may be read before they are written; ``written`` have a value at the beginning.
 
-    To set an element takes that the array has a value. Nothing is taken for granted of what may be abandoned.
+    Assigning an element requires that the array has a value. A part that may be abandoned counts as writing nothing.
     """
     bits = {name: 1 << number for number, name in enumerate(variables)}
 
@@ -68,5 +68,5 @@ def _names_read(instruction: Instruction) -> Iterator[str]:
 
 
 def _name(place: object) -> str:
-    """The variable that it may be; ports are none."""
+    """The name of a variable; empty for a port."""
     return place.channel if isinstance(place, VariableValue | ChannelEnd | Target) else ""

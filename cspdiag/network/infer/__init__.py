@@ -1,1 +1,1 @@
-"""What the text leaves open: kinds of channels, sample periods, reading ends."""
+"""Infers what the text does not say: kinds of channels, sample periods, reading ends."""

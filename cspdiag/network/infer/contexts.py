@@ -1,6 +1,7 @@
-"""What a shape meets at its ports: kind and sample instants of the net behind each, from the outermost process inwards.
+"""The contexts of shapes: the kind and the sample instants of the net behind each port, from the outermost process
+inwards.
 
-A shape in a context is what code is made for; equal contexts of a shape are looked at once.
+Analyses look at shapes in contexts; equal contexts of a shape are looked at once.
 """
 
 from __future__ import annotations
@@ -28,11 +29,11 @@ from cspdiag.network.shapes import (
 )
 
 NetKind: TypeAlias = ChannelKind | Literal["sampled", "event", "constant", "discard", "open"]
-"""``open``: nothing is known, because the process is looked at by itself or something was reported."""
+"""The kind of a net; ``open`` if it is unknown, because the process is checked by itself or an error was reported."""
 
 Surroundings: TypeAlias = Literal["environment", "specification", "unknown"]
-"""What the ports of an outermost process meet: an environment, which takes every output at once; the process that is to
-refine it; or what a library cannot know.
+"""What the ports of an outermost process are connected to: an environment, which takes every output at once; the
+process that is to refine it; or, in a library, something unknown.
 """
 
 Fact: TypeAlias = "tuple[NetKind, Sampling | None]"
@@ -41,19 +42,21 @@ Facts: TypeAlias = "dict[Key, Fact]"
 
 @node
 class Placed:
-    """A shape in a context: what is behind its ports and channels, and the period of each of its submodel instances."""
+    """A shape in a context: the nets behind its ports and channels, and the period of each of its
+    submodel instances.
+    """
 
     shape: Shape
     facts: Facts
     samples: Mapping[str, int]
     unknown_samples: frozenset[str]
-    """Submodel instances that have a sample period which is not known."""
+    """Submodel instances whose sample period is not known although they have one."""
     inside: dict[str, Placed]
     """The process instances by name."""
     parameters: dict[str, Range]
-    """What the instances give whole-number parameters, as far as all are known."""
+    """The ranges of the arguments of all instances for whole-number parameters, as far as all values are known."""
     given: list[Mapping[str, Value]]
-    """What each instance gives all parameters, as far as all are known."""
+    """The arguments of each instance for all parameters, as far as all values are known."""
 
     def sampling(self, key: Key) -> Sampling | None:
         """The sample instants of the net at a port or channel."""
@@ -61,7 +64,7 @@ class Placed:
 
 
 class Contexts:
-    """Every shape in every context that it occurs in, callers first."""
+    """All shapes in all contexts in which they occur, enclosing processes first."""
 
     def __init__(self, rates: Mapping[Shape, Rates], report: Report) -> None:
         self.rates = rates
@@ -71,7 +74,7 @@ class Contexts:
         self._pending: list[Placed] = []
 
     def outermost(self, shape: Shape, surroundings: Surroundings) -> Placed:
-        """The outermost process and everything inside it."""
+        """The outermost process in its context; adds everything inside it."""
         is_open = surroundings != "environment"
         facts: Facts = {}
         for port, _, key in shape.port_elements():
@@ -114,7 +117,7 @@ class Contexts:
 
 
 def port_facts(facts: Facts, instance: InstanceShape) -> Facts:
-    """What the ports of an instance meet inside a process with these facts."""
+    """The facts of the ports of an instance inside a process with these facts."""
     found: Facts = {}
     for port, element, key in instance.shape.port_elements():
         kind, sampling = _fact(facts, instance.attachments.get(element))

@@ -12,14 +12,14 @@ from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key, PortElement, Shape, attached_key
 
 Path: TypeAlias = "tuple[tuple[int, int], ...]"
-"""The parallels around a part, from the outermost, each with the branch that the part is in."""
+"""The parallels around a part, from the outermost inwards, each with the branch that contains the part."""
 
 Reader: TypeAlias = "ir.ReadValue | ir.ReadyEvent | ir.InputEvent | tuple[str, PortElement]"
 """A communication of the process itself, or an input of a submodel instance."""
 
 
 class ReadingEnds:
-    """The end that each reader of a shape uses, and how many ends each port and channel has here.
+    """The end that each reader of a shape uses, and the number of ends of each port and channel in the shape.
 
     ``of_communication`` is keyed by identity: equal actions at different places are different readers.
     """
@@ -53,7 +53,7 @@ class ReadingEnds:
                 self._walk(action.body, (*path, (self._parallels, 0)))
                 self._event(action.branch, (*path, (self._parallels, 1)))
                 self._walk(action.branch.body, path)
-            case _:  # Anything else reads what its parts read.
+            case _:  # Any other action reads what its parts read.
                 for inner in actions_inside(action):
                     self._walk(inner, path)
 
@@ -68,7 +68,7 @@ class ReadingEnds:
             self._add(end_key(branch.event.source), branch.event, path)
 
     def _run(self, name: str, path: Path) -> None:
-        """The inputs of a submodel are read in parallel, so two of them on one port have an end each."""
+        """Adds the inputs of a submodel, which are read in parallel: two of them on one port have an end each."""
         instance = self._shape.instances[name]
         if not instance.shape.is_submodel:
             return
@@ -104,11 +104,11 @@ def _identity(reader: Reader) -> object:
 
 
 def _nested(readers: list[tuple[object, Path]]) -> tuple[dict[object, int], int]:
-    """Ends for readers with one place each: those of the branches of a parallel follow one another."""
+    """The ends of readers with one place each, and their number: branches of a parallel get consecutive ends."""
     ends: dict[object, int] = {}
 
     def assign(group: list[tuple[object, Path]], depth: int, first: int) -> int:
-        """Give ends from ``first`` on; returns how many were needed."""
+        """Assigns ends from ``first`` on; returns how many were needed."""
         width = 0
         parallels: dict[int, dict[int, list[tuple[object, Path]]]] = {}
         for identity, path in group:
@@ -129,7 +129,7 @@ def _nested(readers: list[tuple[object, Path]]) -> tuple[dict[object, int], int]
 
 
 def _one_by_one(readers: dict[object, list[Path]]) -> dict[object, int]:
-    """Ends for readers some of which run at several places: the first end that no parallel reader has.
+    """The ends of readers some of which run at several places: the first end that no parallel reader has.
 
     Two places are parallel if they are in different branches of a parallel that is around both.
     """

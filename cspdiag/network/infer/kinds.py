@@ -1,6 +1,4 @@
-"""The kind of every channel, inferred from the relations of its users (language reference, the
-communication diagram).
-"""
+"""Infers the kind of every channel from the relations of its users (language reference, the communication diagram)."""
 
 from __future__ import annotations
 
@@ -17,7 +15,7 @@ from cspdiag.network.shapes import ChannelShape, Key, RequestedKind, Shape, atta
 from cspdiag.syntax import ast
 
 RequestedKinds: TypeAlias = "dict[Key, dict[str, RequestedKind]]"
-"""For every port and channel the kinds that relationships request, at this process and inside its instances."""
+"""The kinds that relationships request for each port and channel, in this process and inside its instances."""
 
 _NOBODY = Uses()
 
@@ -42,7 +40,7 @@ def requested_kinds(shape: Shape, inside: Mapping[Shape, RequestedKinds]) -> Req
 
 
 def infer_kinds(shape: Shape, uses: UsesByKey, requested: RequestedKinds, report: Report) -> None:
-    """Decide the kind of every channel of a shape, and report relations that allow none."""
+    """Decides the kind of every channel of a shape, and reports relations that allow none."""
     for channel in shape.channels.values():
         use = uses.get(channel.name, _NOBODY)
         if channel.is_variable:
@@ -122,7 +120,9 @@ def _check_several(channel: ChannelShape, use: Uses, word: str | None, report: R
 
 
 def _of_two(pair: Pair | None) -> Pair | None:
-    """A pair of different users: that an instance runs twice at the same time is reported where it runs."""
+    """A pair of different users; None for a pair of one instance, since that it runs twice at the same time is reported
+    where it runs.
+    """
     if pair is None:
         return None
     one, other = pair
@@ -135,7 +135,9 @@ def _refuse(channel: ChannelShape, diagnostic: Diagnostic, report: Report) -> No
 
 
 def check_outermost(shape: Shape, uses: UsesByKey, requested: RequestedKinds, report: Report) -> None:
-    """The ports of the outermost process meet the environment, which neither waits nor blocks."""
+    """Reports uses of the ports of the outermost process that its environment, which neither waits nor blocks, does not
+    allow.
+    """
     for port, _, key in shape.port_elements():
         use, kinds = uses.get(key, _NOBODY), requested.get(key, {})
         writers, readers = _of_two(use.parallel_writes), _of_two(use.parallel_reads)

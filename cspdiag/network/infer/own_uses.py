@@ -1,4 +1,4 @@
-"""What the composition of a process itself reads and writes."""
+"""The ports and channels that the composition of a process itself reads and writes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from cspdiag.network.shapes import Key, Shape
 
 
 def own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
-    """The ports and channels that a process itself writes and reads, each once, in text order; expressions are no
-    readers.
+    """The ports and channels that a process itself writes, and those that it reads, each once, in text order; uses in
+    expressions do not count as reads.
     """
     if shape.body is None:
         return [], []

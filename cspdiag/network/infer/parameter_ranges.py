@@ -1,6 +1,6 @@
-"""Which values the whole-number parameters of each class have: the least and the greatest that any instance is given.
+"""The ranges of the whole-number parameters of each class: the least and the greatest argument of any instance.
 
-Parameters are set before the network is made (``--set`` as well), so that nothing else can come.
+Parameters are set before the network is made (also by ``--set``), so no other values are possible.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cspdiag.network.ir.ranges import Range, joined
 def with_ranges(
     classes: Iterable[CoreClass | SubmodelClass], instances: Iterable[Instantiation]
 ) -> tuple[CoreClass | SubmodelClass, ...]:
-    """The classes with the range of each parameter written to where it is used."""
+    """The classes with the range of each parameter noted wherever the parameter is used."""
     arguments: dict[str, list[Mapping[str, Value]]] = {}
     for instance in instances:
         arguments.setdefault(instance.class_name, []).append(dict(instance.arguments))
@@ -26,8 +26,8 @@ def with_ranges(
 
 
 def ranges_of(instances: Iterable[Mapping[str, Value]]) -> dict[str, Range]:
-    """What several instances of one class give its whole-number parameters, by name: of those to which every one gives
-    a value.
+    """The ranges of the arguments of several instances of one class, by name, for the whole-number parameters to which
+    all of them give a value.
     """
     ranges: dict[str, Range] | None = None
     for arguments in instances:

@@ -1,8 +1,8 @@
-"""Where a sample period that is not longer than zero comes from: the constant or the argument that all its uses have it
-from.
+"""Finds where a sample period that is not longer than zero comes from: the constant or argument that all its uses take
+it from.
 
-From the ports with such a period up through the arguments of instances, shapes of instances before those that contain
-them.
+The search goes from the ports with such a period up through the arguments of instances, shapes of instances before
+those that contain them.
 """
 
 from __future__ import annotations
@@ -22,31 +22,31 @@ Refused = tuple[int, Span]
 
 
 class PeriodOrigins:
-    """Finds the origin of every refused period; each is reported once, with the outermost port that uses it."""
+    """Finds the origins of all refused periods; each origin is reported once, with the outermost port that uses it."""
 
     def __init__(self, program: Program, refused: Mapping[Shape, list[tuple[ast.Expression, int]]]) -> None:
         self.program = program
         self.refused = refused
         self._given: dict[Shape, dict[ast.Parameter, Refused]] = {}
-        """The parameters of a shape that have the period from outside."""
+        """The parameters of each shape that get a refused period from outside."""
         self._found: dict[Span, PeriodNotPositive] = {}
 
     def shape(self, shape: Shape) -> None:
-        """Follow what is refused in a shape and in its instances, which come first."""
+        """Follows the periods refused in a shape and in its instances, whose shapes must come first."""
         for instance in shape.instances.values():
             for parameter, refused in self._given.get(instance.shape, {}).items():
                 self._argument(shape, instance.shape, instance.declaration.arguments, parameter, refused)
-        # What is found last counts: the first port of this shape.
+        # The last one found is kept: that of the first port of this shape.
         for expression, period in reversed(self.refused.get(shape, [])):
             self._follow(shape, expression, (period, expression.span))
 
     def root(self, shape: Shape, arguments: tuple[ast.Argument, ...]) -> None:
-        """Follow what an outermost process is given by its environment."""
+        """Follows the arguments that an outermost process gets from its environment."""
         for parameter, refused in self._given.get(shape, {}).items():
             self._argument(None, shape, arguments, parameter, refused)
 
     def report(self, report: Report) -> None:
-        """Tell what was found."""
+        """Adds the diagnostics of all origins to a report."""
         for diagnostic in self._found.values():
             report.add(diagnostic)
 
@@ -58,7 +58,9 @@ class PeriodOrigins:
         parameter: ast.Parameter,
         refused: Refused,
     ) -> None:
-        """To the argument for a parameter, or to its default, which may use other parameters of the same definition."""
+        """Follows the argument for a parameter, or its default, which may use other parameters of the
+        same definition.
+        """
         given = dict(arguments_of(callee.definition.parameters, arguments))
         while True:
             is_set = parameter.name.text in callee.overrides
@@ -84,8 +86,8 @@ class PeriodOrigins:
             self._given.setdefault(shape, {})[origin] = refused
 
     def _origin(self, shape: Shape | None, expression: ast.Expression) -> ast.Parameter | tuple[Span, bool]:
-        """The parameter that an expression has its value from, or a place, and whether the value there is
-        from outside.
+        """The parameter that an expression gets its value from, or a place in the text, with whether the value there is
+        set from outside.
         """
         while (name := self._refused_name(shape, expression)) is not None:
             symbol = self.program.bindings.get(name)
@@ -98,8 +100,8 @@ class PeriodOrigins:
         return expression.span, False
 
     def _refused_name(self, shape: Shape | None, expression: ast.Expression) -> ast.Name | None:
-        """The name in an expression whose own value is not longer than zero: the expression itself, or the first such
-        part.
+        """The name that makes an expression not longer than zero: the expression itself if it is a name, or the first
+        name in it with such a value; None if no name has one.
         """
         for name in names((expression,)):
             symbol = self.program.bindings.get(name)

@@ -1,8 +1,7 @@
 """Sample periods along nets, and the period at which every submodel instance runs.
 
-A net has one period: that of any port on it that says one. A submodel instance runs at the period of the nets that it
-is connected to; where none of them has one, at that of the one submodel (or of several that agree) with which it
-exchanges values.
+A net has one period: that of any port on it that declares one. A submodel instance runs at the period of the nets that
+it is connected to; if none of them has one, at that of the submodels with which it exchanges values, if they agree.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from cspdiag.network.shapes import (
 
 @record
 class Rate:
-    """Sample instants, or UNKNOWN_SAMPLING, and the port that says them."""
+    """Sample instants, or UNKNOWN_SAMPLING, and where they are declared."""
 
     sampling: Sampling
     declared: Span
@@ -37,7 +36,9 @@ Rates: TypeAlias = "dict[Key, Rate]"
 
 
 def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Rates:
-    """The periods declared at the ports and channels of a shape, by itself or by ports of its instances."""
+    """The sample instants of the ports and channels of a shape, declared by the process itself or by ports of its
+    instances.
+    """
     rates: Rates = {}
     for port, _, key in shape.port_elements():
         if port.sampling is not None:
@@ -69,7 +70,7 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
 
 
 def check_event_ports(shape: Shape, rates: Rates, report: Report) -> None:
-    """A port of the outermost process without a period is an event port, also to those inside."""
+    """Reports ports of the outermost process without a period, which are event ports, that are sampled inside."""
     for port, _, key in shape.port_elements():
         rate = rates.get(key)
         if port.sampling is None and rate is not None and rate.sampling != UNKNOWN_SAMPLING:
@@ -77,10 +78,9 @@ def check_event_ports(shape: Shape, rates: Rates, report: Report) -> None:
 
 
 class Samples:
-    """The sample period of each submodel instance of a shape, in nanoseconds; nothing for those where nothing defines
-    it.
+    """The sample period of each submodel instance of a shape, in nanoseconds, as far as it is defined.
 
-    ``unknown``: the instances that have a period which is not known.
+    ``unknown`` are the instances that have a period which is not known.
     """
 
     def __init__(self, shape: Shape, rates: Rates, periods: Mapping[Key, int], report: Report) -> None:
@@ -107,7 +107,7 @@ class Samples:
             self._spread(submodels, pending)
 
     def _direct(self, instance: InstanceShape) -> int | None:
-        """The period of the nets that say one; the first of two that disagree, unknown where one is."""
+        """The period of the nets that have one; the first of two that disagree, unknown if one of them is unknown."""
         first: tuple[int, Key] | None = None
         is_unknown = False
         for attached in instance.attachments.values():
@@ -144,7 +144,9 @@ class Samples:
         return next(a.span for a in instance.attachments.values() if attached_key(a) == key)
 
     def _spread(self, submodels: list[InstanceShape], pending: list[InstanceShape]) -> None:
-        """From neighbour to neighbour, until nothing changes; each instance is visited once with a period."""
+        """Spreads periods from neighbour to neighbour until nothing changes; each instance is visited once, when it has
+        a period.
+        """
         users: dict[Key, list[InstanceShape]] = {}
         for instance in submodels:
             for key in {attached_key(a) for a in instance.attachments.values()}:

@@ -1,4 +1,4 @@
-"""Which ways an alternative or a condition can take at all: what is always ready, never holds, or comes too late."""
+"""Which branches of an alternative are possible: guards that are always ready, never hold, or are always too late."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ from cspdiag.network.shapes import Key
 
 @record
 class Overtaken:
-    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of
-    ``port``, another time-out, or at once.
+    """A time-out of ``waits`` nanoseconds that never happens, since the guard ``by`` is ready within ``period``
+    nanoseconds: a sample of ``port``, another time-out, or a guard that is always ready.
 
-    ``place`` is that of the branch in its alternative: those of a replicated one all stand at one place of the text.
+    ``place`` is the position of the branch in its alternative, since all branches of a replicated one have the same
+    span.
     """
 
     place: int
@@ -31,11 +32,11 @@ class Overtaken:
     port: Key | None
     period: int
     has_priority: bool
-    """Whether ``by`` stands before it in a prioritized alternative."""
+    """Whether ``by`` precedes it in a prioritized alternative."""
 
 
 def decided(placed: Placed, condition: Expression | None) -> bool | None:
-    """Whether a condition always holds, or never; None where that depends on more than constants."""
+    """Whether a condition always holds or never does; None if that depends on more than constants."""
     if condition is None:
         return True
     value = constant_in(placed, condition)
@@ -43,10 +44,10 @@ def decided(placed: Placed, condition: Expression | None) -> bool | None:
 
 
 def decided_by_instance(placed: Placed, condition: Expression) -> set[bool | None]:
-    """Whether a condition always holds, or never, in the instances; None of one where that depends on more than its
-    parameters.
+    """Whether a condition always holds or never does, for each instance; None if in an instance that depends on more
+    than its parameters.
 
-    Empty where a parameter of the condition is not known.
+    Empty if a parameter of the condition is not known.
     """
     if not any(isinstance(part, ParameterValue) for part in walk(condition)):
         return {decided(placed, condition)}
@@ -59,8 +60,8 @@ def _parameter(given: Mapping[str, Value], name: ParameterValue | SignalValue) -
 
 
 def overtaken(placed: Placed, choice: Choice[CoreAction]) -> Iterator[Overtaken]:
-    """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before
-    them.
+    """The time-outs of an alternative that never happen, because samples of an input, another time-out, or a guard that
+    is always ready come first.
     """
     soonest: tuple[int, int, Key | None] | None = None
     for place, branch in enumerate(choice.branches):
@@ -78,7 +79,9 @@ def overtaken(placed: Placed, choice: Choice[CoreAction]) -> Iterator[Overtaken]
 
 
 def _ready_within(placed: Placed, branch: Branch[CoreAction]) -> tuple[int, Key | None] | None:
-    """Within how many nanoseconds a guard is ready for certain, and the input of which it is a sample."""
+    """The number of nanoseconds within which a guard is certainly ready, and the input if it waits for a sample; None
+    if that is not known.
+    """
     event = branch.event
     if is_always_ready(placed, event):
         return 0, None
@@ -105,12 +108,12 @@ def possible_branches(placed: Placed, choice: Choice[CoreAction]) -> tuple[Branc
 
 
 def ways_of_samples(placed: Placed, choice: Choice[CoreAction]) -> tuple[Choice[CoreAction], ...]:
-    """An alternative as it is where the condition of its samples holds, and where it does not and others are waited
-    for; itself where there is no such one.
+    """The cases of an alternative: with the branches that are possible if the condition of its samples holds, and with
+    those that are if it does not; only the alternative itself if its samples have no common condition.
 
-    Of other conditions, only those are known to hold then that always do, or are the contrary. The samples are read
-    before and after only where the condition changes both ways: some variable of it is written with the samples and
-    without them.
+    Of the other conditions, those are known to hold in the second case that always hold or that negate the condition.
+    There are two cases only if the condition can change both ways: some variable of it is written both in branches with
+    samples and in others.
     """
     of_samples = {branch.condition for branch in choice.branches if _is_sample(placed, branch.event)}
     conditions = [condition for condition in of_samples if decided(placed, condition) is None]
@@ -126,7 +129,7 @@ def ways_of_samples(placed: Placed, choice: Choice[CoreAction]) -> tuple[Choice[
     changed = _written(one for one in choice.branches if one.condition == condition) & _written(others)
     if not any(isinstance(part, VariableValue) and part.channel in changed for part in walk(condition)):
         return (choice,)
-    # Where one of the other samples comes, or something is ready, there is no waiting that the first way has not.
+    # If the second case has samples too, or no branches, it adds no waiting to that of the first case.
     if others and not any(_is_sample(placed, one.event) for one in others):
         ways.append(replaced(choice, branches=tuple(others)))
     return tuple(ways)
@@ -137,7 +140,7 @@ def _is_sample(placed: Placed, event: Event) -> bool:
 
 
 def _written(branches: Iterable[Branch[CoreAction]]) -> set[str]:
-    """The variables that are written in branches, and by their guards."""
+    """The variables that branches and their guards write."""
     return {part.channel for branch in branches for part in parts(branch) if isinstance(part, Target)}
 
 

@@ -1,4 +1,4 @@
-"""Which communications may wait, in a context: for checks of guards and of loops."""
+"""Which communications may wait in a context, for the checks of guards and loops."""
 
 from __future__ import annotations
 
@@ -59,32 +59,32 @@ def is_open(placed: Placed, key: Key) -> bool:
 
 
 def samples_of(placed: Placed, key: Key) -> Sampling | None:
-    """When samples of a sampled input come; None for what is none, or where it is not known."""
+    """The sample instants of a sampled input; None for other inputs, or if they are not known."""
     kind, sampling = placed.facts[key]
     return sampling if kind == "sampled" and sampling != UNKNOWN_SAMPLING else None
 
 
 def sample_period(placed: Placed, key: Key) -> int:
-    """The period of a sampled input in nanoseconds; 0 for what is none, or where it is not known."""
+    """The period of a sampled input in nanoseconds; 0 for other inputs, or if it is not known."""
     sampling = samples_of(placed, key)
     return 0 if sampling is None else sampling.period
 
 
 def constant_in(placed: Placed, expression: Expression) -> Value | None:
-    """The value of an expression of constants and of the parameters of a process; None where it depends on more."""
+    """The value of an expression of constants and parameters of a process; None if it depends on anything else."""
     values = {node.name.text: value for node, value in placed.shape.values.items() if isinstance(node, ast.Parameter)}
     return constant_value(expression, lambda name: values.get(name.name))
 
 
 def known_duration(placed: Placed, expression: Expression) -> int:
-    """The nanoseconds of a delay; 0 where they are not known here."""
+    """The duration of a delay in nanoseconds; 0 if it is not known here."""
     value = constant_in(placed, expression)
     return value if isinstance(value, int) and value > 0 else 0
 
 
 def is_over_at_once(placed: Placed, duration: Expression) -> bool:
-    """Whether a delay of no or a negative duration stands there, in every instance: it takes no time. A negative
-    constant is refused already.
+    """Whether a delay takes no time in any instance, because its duration is zero or negative. A negative constant has
+    been refused already.
     """
 
     def known(name: Given) -> Range | None:
@@ -98,7 +98,7 @@ def is_over_at_once(placed: Placed, duration: Expression) -> bool:
 
 
 def is_one_instant(duration: Expression) -> bool:
-    """Whether a delay ends at an instant that is always the same: it lets time pass once, and never again."""
+    """Whether a delay lasts until an instant that is always the same: it lets time pass once, and never again."""
     match duration:
         case FunctionCall(function="until", arguments=(instant, _)):
             return not mentions_variable(instant)
@@ -107,27 +107,27 @@ def is_one_instant(duration: Expression) -> bool:
 
 
 def is_always_ready(placed: Placed, event: Event) -> bool:
-    """Whether a guard is ready whenever it counts."""
+    """Whether a guard is ready whenever its condition holds."""
     return waiting.is_always_ready(event, lambda end: placed.facts[end_key(end)][0], partial(is_over_at_once, placed))
 
 
 def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
-    """What each input of an instance is attached to."""
+    """The port or channel that each input of an instance is attached to."""
     for element, attached in instance.attachments.items():
         if instance.shape.ports[element[0]].direction == "in":
             yield attached_key(attached)
 
 
 class MayWait:
-    """Whether every run of a process in a context may wait somewhere, however often it has run before; the contexts of
-    instances come first.
+    """Whether each run of a process in a context may wait somewhere, however often it has run before. The contexts of
+    instances must come first.
     """
 
     def __init__(self) -> None:
         self._known: dict[Placed, bool] = {}
 
     def process(self, placed: Placed) -> bool:
-        """Whether a run of the process waits, or may."""
+        """Whether a run of the process waits or may wait."""
         known = self._known.get(placed)
         if known is None:
             body = placed.shape.body
@@ -135,8 +135,8 @@ class MayWait:
         return known
 
     def action(self, placed: Placed, action: CoreAction) -> bool:
-        """Whether a run of the action waits, or may: a way that never waits counts only where nothing decides against
-        it.
+        """Whether a run of the action waits or may wait: False only if it certainly can run without waiting, whatever
+        conditions decide.
         """
         match action:
             case RunInstance():
@@ -167,8 +167,8 @@ class MayWait:
                 assert_never(action)
 
     def _choice(self, placed: Placed, choice: Choice[CoreAction]) -> bool:
-        """One that has a branch ``skip -> P`` takes it forever; next to other guards that are always ready the
-        others have a turn.
+        """Whether an alternative may wait. One with a branch ``skip -> P`` may take it forever; with other guards that
+        are always ready, the other branches are taken in turn.
         """
         skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]
         if any(branch.condition is None and not self.action(placed, branch.body) for branch in skips):
@@ -178,7 +178,9 @@ class MayWait:
         return True
 
     def _interrupt(self, placed: Placed, interrupt: InterruptOn[CoreAction]) -> bool:
-        """A guard that is ready at once cancels the body before it waits, unless it fails before that."""
+        """Whether an interrupt may wait: a guard that is always ready cancels the body before it waits, unless the body
+        fails before that.
+        """
         branch = interrupt.branch
         is_cancelled = branch.condition is None and self._is_ready(placed, branch.event)
         if not is_cancelled or self._may_raise(placed, interrupt.body):

@@ -1,9 +1,8 @@
-"""Process classes from shapes: one for all occurrences that differ in the values of constants only.
+"""Makes process classes from shapes: one class for all occurrences that differ only in the values of constants.
 
-What the compiler adds to a submodel (its sample period, coefficients of discretized operators) is a parameter of its
-class. The process around it gives the value: through its own parameter that is the period of a port, as a literal where
-all occurrences agree, through any ``time`` parameter that has the same value, or else through a derived parameter of
-its own.
+What the compiler adds to a submodel (its sample period, coefficients of discretized operators) are derived parameters
+of its class. The process around it provides the value: by its own parameter that is the period of a port, by a literal
+if all occurrences agree, by any ``time`` parameter with the same value, or else by a derived parameter of its own.
 """
 
 from __future__ import annotations
@@ -54,11 +53,11 @@ from cspdiag.network.submodels.inline import external_body
 from cspdiag.syntax import ast
 
 Arguments: TypeAlias = "dict[ast.Parameter, Expression]"
-"""What the parameters of an instance are, over the parameters of the class around it."""
+"""The values of the parameters of an instance, in terms of the parameters of the class around it."""
 
 
 class Classes:
-    """The classes of a network in the order of their making: each after those of its instances."""
+    """The classes of a network, each after those of its instances."""
 
     def __init__(self, program: Program, definitions: Definitions, relations: Relations, report: Report) -> None:
         self.program = program
@@ -72,7 +71,7 @@ class Classes:
         self._ends: dict[Shape, ReadingEnds] = {}
 
     def make(self, occurrences: list[Occurrence]) -> None:
-        """The classes of all occurrences, those of submodels first."""
+        """Makes the classes of all occurrences, those of submodels first."""
         for occurrence in occurrences:
             for child in occurrence.children.values():
                 if isinstance(child, LawOccurrence) and child not in self.class_of:
@@ -92,7 +91,7 @@ class Classes:
         return known
 
     def _name(self, cls: CoreClass | SubmodelClass) -> str:
-        """The name of a class; shapes after the first are numbered: ``Ring_2``."""
+        """The name of a class; further shapes of a definition are numbered: ``Ring_2``."""
         known = self._names.get(cls)
         if known is not None:
             return known
@@ -104,7 +103,9 @@ class Classes:
         return name
 
     def _make_processes(self, occurrences: list[Occurrence]) -> None:
-        """The classes of one definition: equal shapes are one class, its derived parameters those of all."""
+        """Makes the classes of one definition: one for equal shapes, with the derived parameters of all its
+        occurrences.
+        """
         sketches: dict[object, CoreClass] = {}
         groups: dict[CoreClass, list[Occurrence]] = {}
         for occurrence in occurrences:
@@ -214,7 +215,7 @@ class _Sketch:
     def _connection(
         self, instance: InstanceShape, port: PortShape, element: PortElement, arguments: Arguments
     ) -> Connection:
-        """The elements of a control law's arrays are ports of their own."""
+        """The connection of a port; the elements of an array of ports of a control law become single ports."""
         name, index = element
         attachment = self._attachment(instance, port, element, arguments)
         if index is not None and instance.shape.is_submodel and not instance.shape.is_external:
@@ -222,7 +223,7 @@ class _Sketch:
         return Connection(port=port.name, index=index, attachment=attachment)
 
     def _arguments(self, instance: InstanceShape) -> Arguments:
-        """Over the parameters of the enclosing class; a default may use parameters before it."""
+        """The arguments in terms of the parameters of the enclosing class; a default may use earlier parameters."""
         definition = instance.shape.definition
         given = dict(arguments_of(definition.parameters, instance.declaration.arguments))
         known: Arguments = {}
@@ -243,7 +244,7 @@ class _Sketch:
         return known
 
     def _inside(self, arguments: Arguments) -> LoweringContext:
-        """How the parameters of an instance are lowered in terms of the class around it."""
+        """The context that lowers expressions over the parameters of an instance in terms of the class around it."""
 
         def own_parameter(name: ast.Name | ast.Member | ast.Reference) -> Expression | None:
             symbol = self.program.bindings.get(name)
@@ -275,7 +276,7 @@ class _Sketch:
 
 
 def reading_ends(classes: Classes, shape: Shape, key: str) -> int:
-    """How many ends read a port or channel: those of this process, and those inside its process instances."""
+    """The number of ends that read a port or channel, in this process and inside its process instances."""
     total = 0
     pending = [(shape, key)]
     while pending:
@@ -296,7 +297,7 @@ def reading_ends(classes: Classes, shape: Shape, key: str) -> int:
 
 
 class _Derivation:
-    """Gives the derived parameters of the instances in a class their values, seen over all occurrences of the class."""
+    """Determines the values of the derived parameters of the instances in a class, for all occurrences of the class."""
 
     def __init__(self, classes: Classes, sketch: CoreClass, members: list[Occurrence]) -> None:
         self.classes = classes
@@ -330,7 +331,7 @@ class _Derivation:
         return self._lift(instance, parameter, values)
 
     def _own_times(self, values: list[Value]) -> list[ClassParameter]:
-        """The ``time`` parameters of the class that have these values, in seconds, in every occurrence."""
+        """The ``time`` parameters of the class whose values in seconds are these, in all occurrences."""
         times = [p for p in self.sketch.parameters if isinstance(p.type, TimeType)]
         return [p for p in times if all(map(_is_seconds, self._values_of(p), values))]
 
@@ -361,5 +362,5 @@ def _seconds(own: ClassParameter, parameter: ClassParameter) -> Expression:
 
 
 def by_name(values: Mapping[ast.Node, Value]) -> tuple[tuple[str, Value], ...]:
-    """Values of parameters by name, in order."""
+    """The values of parameters with their names, in order."""
     return tuple((node.name.text, value) for node, value in values.items() if isinstance(node, ast.Parameter))

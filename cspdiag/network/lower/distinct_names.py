@@ -1,4 +1,4 @@
-"""Names that are given out once each."""
+"""Makes distinct names."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 
 
 class DistinctNames:
-    """Keeps the names that are taken, and numbers those that are wanted again.
+    """Keeps the names that are taken, and numbers names that are requested again.
 
-    The last number of each name is remembered, so that a thousand equal wishes cost a thousand steps, not half a
+    The last number of each name is remembered, so a thousand requests for one name take a thousand steps, not half a
     million.
     """
 
@@ -17,8 +17,8 @@ class DistinctNames:
         self._numbers: dict[str, int] = {}
 
     def fresh(self, wanted: str, numbered: Callable[[int], str]) -> str:
-        """``wanted`` if it is free, else the first of ``numbered(2)``, ``numbered(3)``, … that is; it is taken from now
-        on.
+        """``wanted`` if it is free, otherwise the first free name of ``numbered(2)``, ``numbered(3)``, …; marks it as
+        taken.
         """
         name, number = wanted, self._numbers.get(wanted, 1)
         if number > 1:

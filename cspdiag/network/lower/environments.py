@@ -1,4 +1,4 @@
-"""Environments: the plant and the operator as one system, devices beside it."""
+"""Lowers environments: all their submodels (plant, operator) become one system of equations; drivers stay separate."""
 
 from __future__ import annotations
 
@@ -32,7 +32,9 @@ MILLISECOND = 1_000_000
 
 
 def check(program: Program, definition: ast.EnvironmentDefinition, report: Report) -> None:
-    """Report what is wrong with an environment: what is not connected or twice, and loops through its submodels."""
+    """Reports what is wrong with an environment: ports that are unconnected or connected twice, and algebraic loops
+    through its submodels.
+    """
     process = program.bindings.get(definition.process)
     if definition in program.poisoned or not isinstance(process, ast.ProcessDefinition):
         return
@@ -43,7 +45,7 @@ def check(program: Program, definition: ast.EnvironmentDefinition, report: Repor
     step = _step(program, definition, (), own)
     _miss_policy(definition, own)
     if not doubtful:
-        # What is in doubt may be what seems to be missing.
+        # A reference with an error may be what seems to be missing.
         _refuse_gaps(program, definition, process, drawn, values, own)
     if not own.has_errors:
         is_known = len(values) == len(process.parameters)
@@ -61,10 +63,10 @@ def lower_environment(
     overrides: Mapping[str, Value],
     report: Report,
 ) -> Environment | None:
-    """The environment of a checked program, None where something is wrong that was reported.
+    """The environment of a checked program; None if an error was reported.
 
     ``external_ports`` are those of its process; ``overrides`` are values of parameters by path: ``pan.inertia``,
-    ``pan.friction.coulomb``. Raises NoSuchElementError for one that names an element which an array here does not have.
+    ``pan.friction.coulomb``. Raises NoSuchElementError for a path with an element that an array here does not have.
     """
     process = program.bindings.get(definition.process)
     if not isinstance(process, ast.ProcessDefinition):
@@ -99,7 +101,7 @@ def _process_values(
     report: Report,
     overrides: Mapping[str, Value],
 ) -> dict[ast.Node, Value]:
-    """Values of the parameters of the process, as far as they have one."""
+    """The values of the parameters of the process, as far as they have one."""
     given = dict(arguments_of(process.parameters, definition.arguments))
     values: dict[ast.Node, Value] = {}
     for parameter in process.parameters:
@@ -115,7 +117,7 @@ def _process_values(
 def _open_ports(
     program: Program, process: ast.ProcessDefinition, values: Mapping[ast.Node, Value], report: Report
 ) -> tuple[ExternalPort, ...]:
-    """The ports of the process as far as they are known without elaborating it."""
+    """The ports of the process, as far as they are known without elaborating it."""
     scope = program.scopes.get(process, Scope())
     return tuple(
         ExternalPort(name=name, span=symbol.port.span, direction=symbol.declaration.direction, type=symbol.type)
@@ -127,7 +129,9 @@ def _open_ports(
 def _step(
     program: Program, definition: ast.EnvironmentDefinition, ports: tuple[ExternalPort, ...], report: Report
 ) -> int:
-    """The grid in nanoseconds: what is said, else the greatest common divisor of the periods, else a millisecond."""
+    """The step of the grid in nanoseconds: the declared one, or else the greatest common divisor of the periods, or
+    else a millisecond.
+    """
     if definition.step is not None:
         step = evaluate(program, definition.step, {}, report)
         if isinstance(step, int) and step > 0:
@@ -153,7 +157,7 @@ def _refuse_gaps(
     values: Mapping[ast.Node, Value],
     report: Report,
 ) -> None:
-    """Every port of the process is connected, and every input of a member."""
+    """Reports ports of the process, and inputs of members, that are not connected."""
     connected = {terminal.name for wire in drawn.wires for terminal in (wire.source, wire.sink)} | drawn.discarded
 
     def gaps(definition: ast.Node, prefix: str, around: Mapping[ast.Node, Value]) -> list[tuple[str, PortSymbol]]:
@@ -187,7 +191,7 @@ def _references(definition: ast.EnvironmentDefinition) -> list[ast.Node]:
 def _argument_values(
     program: Program, member: Member, overrides: Mapping[str, Value], report: Report
 ) -> dict[ast.Node, Value]:
-    """Values of the parameters of a member."""
+    """The values of the parameters of a member."""
     given = dict(arguments_of(member.definition.parameters, member.declaration.arguments))
     values: dict[ast.Node, Value] = {}
     for parameter in member.definition.parameters:
@@ -210,7 +214,9 @@ def _system(
     draft: Draft,
     report: Report,
 ) -> SubmodelClass | None:
-    """All submodels and the relationships between them; None where there are none, or something was reported."""
+    """All submodels and the relationships between them as one system; None if there are none, or an error
+    was reported.
+    """
     used = _assemble(program, draft, drawn, external_ports, report)
     if not draft.equations and not used:
         return None
@@ -233,7 +239,7 @@ def _system(
 def _assemble(
     program: Program, draft: Draft, drawn: Wiring, external_ports: tuple[ExternalPort, ...], report: Report
 ) -> set[str]:
-    """Add all submodels and relationships to the draft; gives the ports of the program that these concern."""
+    """Adds all submodels and relationships to the draft; returns the ports of the program that they use."""
     submodels = [member for member in drawn.members.values() if not member.is_driver]
     inner = {member.name: _inlined(program, draft, member, report) for member in submodels}
     types = {port.name: port.type for port in external_ports}

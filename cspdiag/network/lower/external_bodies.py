@@ -1,5 +1,5 @@
-"""Bodies in other languages: which there are, and whether their names make sense. Whether files exist is for who reads
-files to say.
+"""Bodies in other languages: finds them, and checks their names. Whether the files exist is checked where files are
+read.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from cspdiag.syntax import ast
 _NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 _FOLDERS = r"(?:[^:*?\"<>|\x00-\x1f]*/)?"
 _TARGETS = {
-    # A file, or an installed module: the latter's name is written into generated code as it is.
+    # A file, or an installed module, whose name is written into generated code unchanged.
     "python": re.compile(rf"(?P<file>{_FOLDERS}[^:*?\"<>|\x00-\x1f/]+\.py|{_NAME}(?:[./]{_NAME})*):(?P<name>{_NAME})"),
-    # A file that is copied under its own name, which stands in makefiles.
+    # A file that is copied under its own name, which appears in makefiles.
     "c": re.compile(rf"(?P<file>{_FOLDERS}[A-Za-z0-9_][A-Za-z0-9_.+-]*\.c)"),
 }
 Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
@@ -28,8 +28,8 @@ Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 
 @record
 class NamedBody:
-    """The external body of a definition. ``file`` is the file or, without an ending, the module that was named;
-    ``name`` the class in it.
+    """The external body of a definition. ``file`` is the file, or a module if it has no suffix; ``name`` is the class
+    in it.
     """
 
     definition: str
@@ -39,7 +39,7 @@ class NamedBody:
 
 
 def external_bodies(program: Program) -> list[NamedBody]:
-    """All external bodies that are named as they should, in the order of the definitions."""
+    """All external bodies with valid names, in the order of the definitions."""
     found: list[NamedBody] = []
     for definition in program.definitions.values():
         if not isinstance(definition, Owner) or definition.external is None:
@@ -55,7 +55,9 @@ def external_bodies(program: Program) -> list[NamedBody]:
 
 
 def _parts(pattern: re.Pattern[str], target: str) -> re.Match[str] | None:
-    """The parts of what names a body, if it can be one: a word of Python names neither a module nor a class."""
+    """The parts of the name of a body; None if it is invalid. A keyword of Python names neither a module nor
+    a class.
+    """
     found = pattern.fullmatch(target)
     if found is None:
         return None
@@ -72,7 +74,7 @@ _KINDS: dict[type[Owner], str] = {
 
 
 def check(program: Program, report: Report) -> None:
-    """Report bodies in languages that cannot be called, malformed names, and drivers without a body."""
+    """Reports bodies in languages that cannot be called, malformed names, and drivers without a body."""
     for definition in program.definitions.values():
         if not isinstance(definition, Owner) or definition in program.poisoned:
             continue

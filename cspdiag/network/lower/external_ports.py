@@ -1,4 +1,4 @@
-"""The ports of the outermost process, with values."""
+"""Lowers the ports of the outermost process."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cspdiag.syntax import ast
 def external_ports(
     program: Program, shape: Shape, requested: RequestedKinds, report: Report
 ) -> tuple[ExternalPort, ...]:
-    """Every port of the outermost process, an array of ports element by element."""
+    """All ports of the outermost process, arrays of ports element by element."""
     return tuple(
         _external(program, shape, port, index, key, requested, report)
         for port, (_, index), key in shape.port_elements()

@@ -1,4 +1,4 @@
-"""The instances of a network by their paths, and the nets with everyone who takes part in them."""
+"""The instances of a network by path, and the nets with all their writers and readers."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def walk_instances(
 ) -> tuple[tuple[Instantiation, ...], tuple[Net, ...]]:
     """All instances, outermost first and in text order, and all nets: the external ports, then the channels by owner.
 
-    A variable that only its own process uses is no net.
+    A variable that only its own process uses is not a net.
     """
     walk = _Walk(classes)
     walk.run(top, ports)
@@ -62,7 +62,7 @@ def walk_instances(
 
 
 class _Walk:
-    """Goes through the instances by a loop; ``attached`` are the nets behind the ports of each."""
+    """Walks over the instances without recursion; ``attached`` are the nets behind the ports of each instance."""
 
     def __init__(self, classes: Classes) -> None:
         self.classes = classes
@@ -103,7 +103,9 @@ class _Walk:
         self.instances.append(Instantiation(path=path, class_name=name, arguments=arguments))
 
     def _own_nets(self, path: str, occurrence: Occurrence, attached: dict[Key, _OpenNet]) -> None:
-        """Adds the channels that a process owns to the nets behind its ports, and itself to those that it uses."""
+        """Adds the channels that a process owns to the nets behind its ports, and the process to the users of the nets
+        that it uses itself.
+        """
         shape = occurrence.placed.shape
         for channel in shape.channels.values():
             sampling = occurrence.placed.sampling(channel.name)
@@ -121,7 +123,9 @@ class _Walk:
                 attached[key].readers.append((path, key))
 
     def _inner_nets(self, path: str, instance: InstanceShape, attached: dict[Key, _OpenNet]) -> dict[Key, _OpenNet]:
-        """The nets behind the ports of an instance; one without processes inside takes part in them itself."""
+        """The nets behind the ports of an instance; an instance without processes inside becomes a writer or reader of
+        them.
+        """
         nets: dict[Key, _OpenNet] = {}
         leaf = instance.shape.is_submodel or instance.shape.is_external
         for element, attachment in instance.attachments.items():

@@ -1,4 +1,4 @@
-"""What may have been meant by the name of a setting that means nothing."""
+"""Suggestions for names of settings that do not exist."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ from cspdiag.syntax import ast
 _MOST_NAMED = 8
 
 _MOST_PATHS = 1000
-"""A program may have too many instances to search; a similar name is looked for among this number of them.
-"""
+"""The number of paths among which a similar name is sought; a program may have too many to search them all."""
 
 
 def no_parameter_either(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> str:
-    """Why a name that begins like a constant means nothing in the instances and parameters that are called the same;
-    empty where none are.
+    """The addition to a message about an unknown constant whose name also is the beginning of a path: why that path
+    does not name a parameter; empty if it begins no path.
     """
     ways = []
     for root in roots if steps else ():
@@ -34,7 +33,7 @@ def no_parameter_either(program: Program, steps: tuple[PathStep, ...], roots: Se
 
 
 def unknown_name(program: Program, name: str, roots: Sequence[Root]) -> str:
-    """What to say of a name that means nothing."""
+    """The message about a name that neither a constant nor a parameter has."""
     steps = steps_of(name)
     if steps is None:
         return f"there is no parameter {name!r} (a path is INSTANCE.PARAMETER, such as cell[0].gain)"
@@ -47,7 +46,7 @@ def unknown_name(program: Program, name: str, roots: Sequence[Root]) -> str:
 
 
 def _elsewhere(program: Program, steps: tuple[PathStep, ...]) -> str:
-    """That the path leads somewhere in an environment which was not chosen."""
+    """A note that the path exists in an environment that was not chosen; empty if it does not."""
     others = (item for item in program.definitions.values() if isinstance(item, ast.EnvironmentDefinition))
     for item in others:
         if len(steps) > 1 and isinstance(parameter_at(program, item, steps), ast.Parameter):
@@ -56,7 +55,7 @@ def _elsewhere(program: Program, steps: tuple[PathStep, ...]) -> str:
 
 
 def _meant(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> str:
-    """What to say of a path that leads nowhere: one that was probably meant, or what paths there are."""
+    """The help for a path that does not exist: a path that was probably meant, or which paths exist."""
     known = list(islice(chain.from_iterable(paths_of(program, root) for root in roots), _MOST_PATHS))
     names = [step.name for step in steps]
     if len(steps) == 1 and _near_constant(program, names[0]) is not None:
@@ -79,7 +78,7 @@ def _near_constant(program: Program, name: str) -> str | None:
 
 
 def meant_constant(program: Program, name: str) -> str:
-    """The constant that was probably meant, or what constants there are."""
+    """The help for a name that no constant has: the constant that was probably meant, or which constants exist."""
     near, constants = _near_constant(program, name), _constants(program)
     if near is not None:
         return f"did you mean {near!r}?"
@@ -92,7 +91,9 @@ def _constants(program: Program) -> list[str]:
 
 
 def _near_path(steps: tuple[PathStep, ...], known: Sequence[tuple[PathStep, ...]]) -> str | None:
-    """The known path that ends as this one does, or that this one ends as, or that is spelled nearly so."""
+    """The known path that ends like this one, or that this one ends with, or that is spelled similarly; None if there
+    is none.
+    """
     names = [step.name for step in steps]
     for path in known:
         own = [step.name for step in path]
@@ -108,7 +109,7 @@ def _near_path(steps: tuple[PathStep, ...], known: Sequence[tuple[PathStep, ...]
 
 
 def _indexed(path: tuple[PathStep, ...], steps: tuple[PathStep, ...]) -> str:
-    """A path, with the indexes of another that ends as it does where these are numbers."""
+    """A path with the indexes of another one that ends with the same names, as far as these indexes are numbers."""
 
     def indexed() -> Iterator[PathStep]:
         written = dict(zip(reversed(range(len(path))), reversed(steps), strict=False))
@@ -121,5 +122,5 @@ def _indexed(path: tuple[PathStep, ...], steps: tuple[PathStep, ...]) -> str:
 
 
 def suggested(name: str, known: Iterable[str]) -> str | None:
-    """The known name that is spelled nearly so, if there is one."""
+    """The known name with the most similar spelling; None if none is similar."""
     return Speller().nearest(name, known)

@@ -1,6 +1,4 @@
-"""From the typed model to the network: the whole way for ``compile``, and everything that can be found wrong for
-``check``.
-"""
+"""From the typed model to the network for ``compile``, and all its errors for ``check``."""
 
 from __future__ import annotations
 
@@ -32,13 +30,13 @@ from cspdiag.syntax import ast
 
 
 class SelectionError(CspdiagError, ValueError):
-    """There is no process to compile, or not all that it takes; the message is one line."""
+    """There is no process to compile, or it lacks a value; the message is one line."""
 
 
 def check(program: Program, report: Report) -> Analysis:
-    """Report everything that is wrong with the processes, submodels and environments of a program.
+    """Reports everything that is wrong with the processes, submodels and environments of a program.
 
-    Returns what ``lower`` need not find out again.
+    Returns the analysis, which ``lower`` can use again.
     """
     analysis = analysed(program, report)
     check_release(program, analysis.inside_out(), report)
@@ -50,9 +48,10 @@ def check(program: Program, report: Report) -> Analysis:
 
 
 def analysed(program: Program, report: Report) -> Analysis:
-    """What is known about the processes of a program, and a report of what is wrong with them.
+    """The analysis of the processes of a program; reports what is wrong with them.
 
-    Every environment's process is looked at with its arguments, every process that nobody instantiates by itself.
+    The process of each environment is analysed with its arguments; every other process that is not instantiated is
+    analysed by itself.
     """
     analysis = Analysis(program, report)
     main = set(program.main.items)
@@ -85,13 +84,13 @@ def lower(
     checked: Analysis | None = None,
     alone: bool = False,
 ) -> CoreNetwork | None:
-    """The network of an outermost process; None where something is wrong that was reported.
+    """The network of an outermost process; None if an error was reported.
 
-    ``top``: its name, by default that of the process of the environment, which is by default the first of the text;
-    without any environment the last process that nobody instantiates and that is no specification of another.
-    ``overrides``: values of parameters by the path of the instance, as ``of_root`` takes them. ``surroundings``: what
-    its ports meet. ``alone``: without other environments than the chosen one. ``checked`` is what ``check`` has found
-    out about the same program, with the same report. Raises SelectionError where there is no such process, or a
+    ``top`` is its name, by default that of the process of the environment, which by default is the first one in the
+    text; without any environment it is the last process that is not instantiated and is not a specification of another
+    one. ``overrides`` are values of parameters by the path of the instance, as for ``of_root``. ``surroundings`` says
+    what its ports are connected to. With ``alone`` only the chosen environment is included. ``checked`` is the result
+    of ``check`` for the same program, with the same report. Raises SelectionError if there is no such process, or a
     parameter of it has no value, and NoSuchElementError for an override of an element that an array does not have.
     """
     analysis = Analysis(program, report) if checked is None or overrides else checked
@@ -125,7 +124,7 @@ def lower(
     instances, nets = walk_instances(outermost, classes, ports)
     if own:
         refuse_missing(program, process, own, instance_names(outermost))
-    # An environment computes with the parameters of its process too, which have bare names.
+    # An environment also uses the parameters of its process, which have bare names.
     bare = {path: value for path, value in own.items() if "." not in path}
     below = ((item, {**of_root(overrides, item), **bare}) for item in wanted)
     lowered = tuple(
@@ -159,7 +158,8 @@ def selection(
 ) -> tuple[ast.ProcessDefinition, tuple[ast.EnvironmentDefinition, ...]]:
     """The outermost process and its environments, the chosen one first; see ``lower``.
 
-    Others, if none was requested by name, are those that give the process the same arguments. Raises SelectionError.
+    If no environment was requested by name, the others are those with the same arguments of the process. Raises
+    SelectionError.
     """
     chosen = _chosen_environment(program, top, environment)
     if environment is not None and chosen is None:
@@ -212,7 +212,7 @@ def _top(
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """What may have been meant; where nothing is near, what there is."""
+    """A suggestion of a known name that is spelled similarly, or else a list of the known names."""
     names = sorted(known)
     near = Speller().nearest(name, names)
     if near:
@@ -230,7 +230,7 @@ def _arguments(
     arguments: tuple[ast.Argument, ...],
     overrides: Mapping[str, Value],
 ) -> dict[ast.Node, Value]:
-    """Values of the parameters of an outermost process, as far as they have one."""
+    """The values of the parameters of an outermost process, as far as they have one."""
     given = dict(arguments_of(process.parameters, arguments))
     found: dict[ast.Node, Value] = {}
     for parameter in process.parameters:
@@ -260,7 +260,9 @@ def _alike(
 
 
 def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
-    """The name of the file without its folder and ending, made a name; that of the process where there is no file."""
+    """The name of the package: that of the file without folder and suffix as an identifier, or else that of the
+    process.
+    """
     stem = program.main.source.name.replace("\\", "/").rsplit("/", 1)[-1].removesuffix(".csp")
     name = "".join(c if c.isalnum() and c.isascii() else "_" for c in stem).strip("_")
     if not name or name[0].isdigit():
@@ -270,7 +272,7 @@ def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
 
 
 def is_taken_by_python(name: str) -> bool:
-    """Whether no package can have this name: a word of Python, or a module of its library, which would be found in
-    place of the package or the other way about.
+    """Whether a package cannot have this name: a keyword of Python, or a module of its library, which would hide the
+    package or be hidden by it.
     """
     return iskeyword(name) or name in sys.stdlib_module_names

@@ -1,7 +1,7 @@
-"""Paths to parameters of instances, as settings write them: ``follow.law.kp``, ``philosopher[3].id``.
+"""Paths to parameters of instances, as in settings: ``follow.law.kp``, ``philosopher[3].id``.
 
-A path begins inside an outermost process or an environment. What is decided here follows from the text alone; how many
-elements an array has is known only when the program is elaborated.
+A path begins inside an outermost process or an environment. Everything here is decided from the text alone; the number
+of elements of an array is known only when the program is elaborated.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _STEP = re.compile(r"(?P<name>[A-Za-z_][A-Za-z0-9_]*)(?P<indexes>(?:\[[^\[\].]*\
 
 
 def in_root(root: Root, path: str) -> str:
-    """The path of a parameter as a key that means this root only, where others may have the same path."""
+    """The path of a parameter as a key for this root only, as other roots may have the same path."""
     return f"{root.name.text}:{path}"
 
 
 def of_root(values: Mapping[str, Value], root: Root) -> dict[str, Value]:
-    """Values by plain paths: those for every root, and those for this one."""
+    """The values for this root, by plain path: those for all roots, and those for this one only."""
     parted = ((path.rpartition(":"), value) for path, value in values.items())
     return {path: value for (owner, _, path), value in parted if owner in {"", root.name.text}}
 
@@ -41,7 +41,7 @@ class NoSuchElementError(LookupError):
         self.root, self.path, self.array, self.has = root, path, array, has
 
     def as_written(self, overrides: Collection[str]) -> NoSuchElementError:
-        """The same of a path that begins with the name of the root, if that was written."""
+        """The same error for the path with the name of the root, if it was written with it."""
         if in_root(self.root, self.path) not in overrides:
             return self
         name = self.root.name.text
@@ -61,14 +61,16 @@ class PathStep:
 
 @record
 class Dead:
-    """Where a path leads nowhere: after how many steps, and, where that is more than an unknown name, why."""
+    """The end of a path that does not exist: after how many steps, and the reason if it is more than an
+    unknown name.
+    """
 
     depth: int
     reason: str = ""
 
 
 def steps_of(path: str) -> tuple[PathStep, ...] | None:
-    """The steps of a path, numbers as one writes them; None for what is no path at all."""
+    """The steps of a path, with indexes as plain numbers; None if it is not a path."""
     found = [_STEP.fullmatch(part.strip()) for part in path.split(".")]
     if not all(found):
         return None
@@ -85,7 +87,7 @@ def _plain(index: str) -> str:
 
 
 def parameter_at(program: Program, root: Root, steps: tuple[PathStep, ...]) -> ast.Parameter | Dead:
-    """The parameter at the end of a path from a root, or where the path ends before."""
+    """The parameter at the end of a path from a root, or the place where the path ends before that."""
     definition: ast.Node = root
     for depth, step in enumerate(steps[:-1]):
         found = next((item for item in _instances(definition) if item[0].name.text == step.name), None)
@@ -96,7 +98,7 @@ def parameter_at(program: Program, root: Root, steps: tuple[PathStep, ...]) -> a
         instance, dimensions = found
         wrong = _wrong_indexes(steps, depth, dimensions)
         if wrong:
-            # What is suggested leads somewhere.
+            # Suggest only a path that exists.
             end = parameter_at(program, root, (*steps[:depth], _first_element(step, dimensions), *steps[depth + 1 :]))
             return end if isinstance(end, Dead) else Dead(depth, wrong)
         inside = program.definitions.get(instance.definition.text)
@@ -113,8 +115,8 @@ def parameter_at(program: Program, root: Root, steps: tuple[PathStep, ...]) -> a
 
 
 def _other_kind(program: Program, definition: ast.Node, steps: tuple[PathStep, ...]) -> str:
-    """That a path ends at something which is no parameter, and what can be set there; empty where it is
-    nothing known.
+    """A note that a path ends at something other than a parameter, and what can be set there; empty if the name is
+    unknown.
     """
     scope = program.scopes.get(definition)
     named = None if scope is None else scope.ports.get(steps[-1].name) or scope.names.get(steps[-1].name)
@@ -128,7 +130,7 @@ def _other_kind(program: Program, definition: ast.Node, steps: tuple[PathStep, .
 
 
 def _whole_instance(program: Program, definition: ast.Node, instance: ast.Instance, steps: tuple[PathStep, ...]) -> str:
-    """That a path ends at an instance or an array of them, and what can be set there."""
+    """A note that a path ends at an instance or an array of them, and what can be set there."""
     dimensions = next(found for declared, found in _instances(definition) if declared is instance)
     what, shown, element = described(instance), steps[-1], steps[-1]
     if not _names_element(element, dimensions):
@@ -146,9 +148,9 @@ def _parameters_there(definition: ast.Node | None, around: str) -> str:
 
 
 def refuse_missing(program: Program, root: Root, paths: Iterable[str], instances: Iterable[str]) -> None:
-    """Raise NoSuchElementError for a path that names an element which an array below a root does not have.
+    """Raises NoSuchElementError for a path with an element that an array below a root does not have.
 
-    ``instances`` are the paths of all instances below the root, elements by their numbers.
+    ``instances`` are the paths of all instances below the root, with the indexes of elements.
     """
     known = dict.fromkeys(instances)
     for path in paths:
@@ -194,7 +196,7 @@ def _first_element(step: PathStep, dimensions: int) -> PathStep:
 
 
 def paths_of(program: Program, root: Root) -> Iterator[tuple[PathStep, ...]]:
-    """Paths to all parameters of instances, the outermost instances first; of an array to those of its
+    """The paths to all parameters of instances, the outermost instances first; for an array those of its
     first element.
     """
     pending: deque[tuple[tuple[PathStep, ...], ast.Node]] = deque([((), root)])
@@ -209,7 +211,7 @@ def paths_of(program: Program, root: Root) -> Iterator[tuple[PathStep, ...]]:
 
 
 def _instances(definition: ast.Node) -> Iterator[tuple[ast.Instance, int]]:
-    """The instances declared in a definition, and how many indexes name one of them."""
+    """The instances declared in a definition, each with the number of indexes that it takes."""
     match definition:
         case ast.EnvironmentDefinition():
             yield from _declared(definition.declarations, 0)
@@ -217,7 +219,7 @@ def _instances(definition: ast.Node) -> Iterator[tuple[ast.Instance, int]]:
             yield from _declared(block.declarations, 0)
         case ast.SubmodelDefinition():
             yield from _declared(definition.items, 0)
-        case _:  # Nothing else declares instances.
+        case _:  # No other definition declares instances.
             pass
 
 
@@ -230,5 +232,7 @@ def _declared(items: Iterable[ast.Node], depth: int) -> Iterator[tuple[ast.Insta
 
 
 def paths_inside(root: Root, steps: tuple[PathStep, ...]) -> tuple[tuple[PathStep, ...], ...]:
-    """The paths below a root that a path can be: itself, and where it begins with the root's name, the rest."""
+    """The paths below a root that a path may mean: the path itself, and if it begins with the name of the root, the
+    rest.
+    """
     return (steps, steps[1:]) if len(steps) > 1 and str(steps[0]) == root.name.text else (steps,)
