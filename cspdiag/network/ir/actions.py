@@ -1,8 +1,9 @@
-"""What a process does: the composition, resolved, and unrolled but for long sequences of turns, which are loops.
+"""Actions: the composition of a process, resolved, and unrolled except for long sequences of iterations, which are
+loops.
 
-``CoreAction`` is what a text can say; the passes of ``cspdiag.optimize`` make more, and what they give is an
-``Action``. What consists of actions is generic in which of the two, ``Action`` where nothing is said: a type checker
-then knows who never meets what the optimizer makes.
+``CoreAction`` is what a program text can express; the passes of ``cspdiag.optimize`` make further actions, and their
+results are of type ``Action``. Types that consist of actions are generic in which of the two they contain, by default
+``Action``: so a type checker knows which code never has to handle actions made by the optimizer.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ else:
 class PortEnd:
     """A port of the enclosing process class; ``index`` counts in an array of ports.
 
-    ``end`` distinguishes the ends of a port that parallel parts of this process read (each takes every sample or
-    broadcast value for itself); parts in sequence share an end.
+    ``end`` distinguishes the reading ends of a port in parallel parts of this process, each of which gets every sample
+    or broadcast value; parts in sequence share an end.
     """
 
     port: str
@@ -51,7 +52,7 @@ End: TypeAlias = PortEnd | ChannelEnd
 
 @record(kw_only=True)
 class Step:
-    """Anything in a composition; it has a place."""
+    """Any part of a composition, with its place in the text."""
 
     span: Span
 
@@ -81,7 +82,7 @@ class WriteValue(Step):
 
 @record(kw_only=True)
 class AssignValue(Step):
-    """Sets a ``var`` channel of the class; no communication."""
+    """Assigns to a ``var`` channel of the class; this is not a communication."""
 
     target: Target
     value: Expression
@@ -89,7 +90,7 @@ class AssignValue(Step):
 
 @record
 class Target:
-    """A variable, or an element of it when ``indexes`` are given."""
+    """A variable, or with ``indexes`` an element of it."""
 
     channel: str
     indexes: tuple[Expression, ...] = ()
@@ -114,28 +115,28 @@ class WaitStep(Step):
 
 @record(kw_only=True)
 class ResetInstance(Step):
-    """Puts the states of a submodel instance back."""
+    """Resets the states of a submodel instance to their initial values."""
 
     instance: str
 
 
 @record(kw_only=True)
 class RaiseException(Step):
-    """Ends the process unsuccessfully."""
+    """Raises an exception."""
 
     exception: str
 
 
 @record(kw_only=True)
 class SequentialSteps(Step, Generic[A_co]):
-    """One after another."""
+    """Runs its steps one after another."""
 
     steps: tuple[A_co, ...]
 
 
 @record(kw_only=True)
 class ParallelSteps(Step, Generic[A_co]):
-    """All at once; ``prioritized``: each has a higher priority than those to its right."""
+    """Runs its steps in parallel; if ``prioritized``, each has a higher priority than those after it."""
 
     steps: tuple[A_co, ...]
     prioritized: bool
@@ -143,14 +144,14 @@ class ParallelSteps(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class ReadyEvent(Step):
-    """Ready when a reading end has something; the guarded process begins by reading it."""
+    """Ready when a value is at a reading end; the guarded process begins by reading it."""
 
     source: End
 
 
 @record(kw_only=True)
 class InputEvent(Step):
-    """Reads into a variable."""
+    """Reads a value into a variable."""
 
     source: End
     target: Target
@@ -190,7 +191,7 @@ class Branch(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class Choice(Step, Generic[A_co]):
-    """An alternative. A guarded process alone is one with a single branch.
+    """An alternative. A single guarded process is an alternative with one branch.
 
     ``name`` is unique in the class once the passes of ``cspdiag.optimize`` have given names.
     """
@@ -202,7 +203,7 @@ class Choice(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class Repeat(Step, Generic[A_co]):
-    """The mu process: runs the body, then tests; forever without ``until``."""
+    """The ``mu`` loop: runs the body, then tests ``until``; without it, forever."""
 
     body: A_co
     until: Expression | None
@@ -210,7 +211,7 @@ class Repeat(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class WhileLoop(Step, Generic[A_co]):
-    """Tests first."""
+    """The ``while`` loop: tests the condition, then runs the body."""
 
     condition: Expression
     body: A_co
@@ -218,10 +219,10 @@ class WhileLoop(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class CountedLoop(Step, Generic[A_co]):
-    """A replicated ``seq`` of many turns: runs the body ``turns`` times, which is at least twice.
+    """A replicated ``seq`` with many iterations: runs the body ``turns`` times, at least twice.
 
-    Where turns differ by their number, a variable has it, which is set to 0 before the loop and counts at the end of
-    the body.
+    If iterations differ by their index, a variable holds it, which is set to 0 before the loop and incremented at the
+    end of the body.
     """
 
     body: A_co
@@ -230,7 +231,7 @@ class CountedLoop(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class IfElse(Step, Generic[A_co]):
-    """A condition; ``otherwise`` is SkipStep where nothing was said."""
+    """Runs one of two actions, as a condition decides; ``otherwise`` is SkipStep if the text has no ``else``."""
 
     condition: Expression
     then: A_co
@@ -273,10 +274,9 @@ class InputRead:
 
 @record(kw_only=True)
 class ReadInputs(Step):
-    """The inputs of an inlined control law: all reads are begun at once in this order, then it waits for all.
+    """The inputs of an inlined control law: all reads begin at once, in this order, and then it waits for all of them.
 
-    It is a point of cancellation, as every communication is, also without any reads. ``law`` is the instance that
-    reads.
+    Like every communication it is a cancellation point, even without any reads. ``law`` is the instance that reads.
     """
 
     reads: tuple[InputRead, ...]
@@ -293,10 +293,10 @@ class OutputWrite:
 
 @record(kw_only=True)
 class WriteOutputs(Step):
-    """The outputs of an inlined control law: all values are offered at once in this order, then it waits for all.
+    """The outputs of an inlined control law: all values are offered at once, in this order, and then it waits for all
+    of them.
 
-    It is a point of cancellation, as every communication is, also without any writes. ``law`` is the instance that
-    writes.
+    Like every communication it is a cancellation point, even without any writes. ``law`` is the instance that writes.
     """
 
     writes: tuple[OutputWrite, ...]
@@ -305,11 +305,11 @@ class WriteOutputs(Step):
 
 @record(kw_only=True)
 class RunLaw(Step):
-    """One run of an inlined control law, as ``SubmodelClass`` says, on states and constants of the enclosing class.
+    """One run of an inlined control law, as in ``SubmodelClass``, on states and constants of the enclosing class.
 
-    ``law`` is the instance's name and the prefix of all its names (``servo.pid.ud``). The equations make local signals,
-    which ``WriteOutputs`` after it may use. ``sample`` is the period in seconds that continuous states are integrated
-    over. ``doc`` is the comment of the law's definition.
+    ``law`` is the name of the instance and the prefix of all its names (``servo.pid.ud``). The equations compute local
+    signals, which a following ``WriteOutputs`` may use. ``sample`` is the period in seconds that continuous states are
+    integrated over. ``doc`` is the comment of the law's definition.
     """
 
     law: str
@@ -325,8 +325,8 @@ class RunLaw(Step):
 
 @record(kw_only=True)
 class ResetStates(Step):
-    """Puts states of the class back to their initial values; the name of an ``ExternalCall`` means the ``reset`` of
-    what it calls.
+    """Resets states of the class to their initial values; the name of an ``ExternalCall`` means the ``reset`` of the
+    body that it calls.
     """
 
     states: tuple[str, ...]
@@ -336,8 +336,9 @@ class ResetStates(Step):
 class ProcessScope(Step):
     """The body of a process that was flattened into this class.
 
-    ``instance`` is its path below this class. ``ends`` are its reading ends: the sampled ones of them with one period
-    pace each other, and all are closed when the body ends, in whatever way. ``doc`` is the comment of its definition.
+    ``instance`` is its path below this class. ``ends`` are its reading ends: sampled ones with the same period follow
+    it together, and the sessions of all of them end when the body ends, however it does. ``doc`` is the comment of its
+    definition.
     """
 
     instance: str
@@ -349,7 +350,7 @@ class ProcessScope(Step):
 
 @record(kw_only=True)
 class ReportCommunication(Step):
-    """Tells the trace of a communication on a channel that was optimized away; ``channel`` is its path below this
+    """Records a communication on a channel that was optimized away in the trace; ``channel`` is its path below this
     class.
     """
 
@@ -373,10 +374,10 @@ _Composed: TypeAlias = (
     | Group[A_co]
 )
 CoreAction: TypeAlias = "_Leaf | _Composed[CoreAction]"
-"""What the composition of a text becomes."""
+"""An action that the composition of a text can become."""
 
 MadeAction: TypeAlias = ReadInputs | WriteOutputs | RunLaw | ResetStates | ProcessScope | ReportCommunication
-"""What only the passes of ``cspdiag.optimize`` make."""
+"""An action that only the passes of ``cspdiag.optimize`` make."""
 
 Action: TypeAlias = "_Leaf | _Composed[Action] | MadeAction"
-"""What a process does before or after these passes."""
+"""Any action, before or after these passes."""

@@ -1,4 +1,4 @@
-"""What everything that a text declares has."""
+"""The common fields of everything that a text declares."""
 
 from __future__ import annotations
 

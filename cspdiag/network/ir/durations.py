@@ -1,7 +1,7 @@
-"""How long delays last at least: which of them surely let time pass.
+"""Bounds of the durations of delays: which delays certainly let time pass.
 
-A delay of no or a negative duration is over at once. What may last how long follows from the arithmetic of intervals
-over parameters, with the values that all instances give them, and over variables, with all that is ever assigned to
+A delay with a zero or negative duration is over at once. The bounds are computed by interval arithmetic from
+parameters, with the values that all instances give them, and from variables, with all values that are ever assigned to
 them.
 """
 
@@ -15,11 +15,11 @@ from cspdiag.network.ir.ranges import Given, Range, joined, limits_of, of_instan
 from cspdiag.network.ir.walk import parts
 
 _DEEPEST = 4
-"""Variables that are computed from each other further than that are not followed."""
+"""The greatest depth to which variables that are computed from each other are followed."""
 
 
 class Durations:
-    """The durations of the delays in a network, by the class in which they stand."""
+    """The durations of the delays in a network, by the class that contains them."""
 
     def __init__(self, network: Network) -> None:
         self._classes = {entry.name: entry for entry in network.classes}
@@ -35,7 +35,7 @@ class Durations:
         return self._bounds(class_name, duration, frozenset())[0] > 0
 
     def is_over_at_once(self, class_name: str, duration: Expression) -> bool:
-        """Whether a delay of no or a negative duration stands there, in every instance of the class."""
+        """Whether the duration of a delay is zero or negative in every instance of the class."""
         return self._bounds(class_name, duration, frozenset())[1] <= 0
 
     def _bounds(self, name: str, expression: Expression, assumed: frozenset[str]) -> Range:
@@ -49,8 +49,8 @@ class Durations:
         return value_range(expression, known)
 
     def _of_variable(self, name: str, variable: VariableValue, assumed: frozenset[str]) -> Range:
-        """What a variable may be: if all that it is given is greater than zero provided that it was so before, it
-        always is.
+        """The range of a variable: if all values assigned to it are greater than zero provided that it was so before,
+        it always is.
         """
         limits = limits_of(variable.type)
         if variable.channel in assumed:
@@ -70,7 +70,9 @@ class Durations:
         return found
 
     def _given(self, name: str, variable: str) -> list[Expression] | None:
-        """What a variable begins with and is assigned; None where others give it values, or a communication does."""
+        """The initial value and all assigned values of a variable; None if it also gets values from other instances or
+        communications.
+        """
         entry = self._classes[name]
         if not isinstance(entry, ProcessClass) or (name, variable) in self._given_by_others:
             return None

@@ -1,4 +1,4 @@
-"""The equations of control laws, and the laws in other languages that take the place of some."""
+"""The equations of control laws, and calls of laws in other languages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cspdiag.network.ir.expressions import Expression
 
 @record(kw_only=True)
 class ExternalBody:
-    """A body in another language: ``target`` is ``module.py:Class`` or a C file; ``span`` is where it was named."""
+    """A body in another language: ``target`` is ``module.py:Class`` or a C file; ``span`` is where it is named."""
 
     language: str
     target: str
@@ -28,9 +28,7 @@ class SubmodelEquation(Declared):
 
 @record(kw_only=True)
 class ExternalCall(Declared):
-    """A nested external submodel (its instance is ``name``): all ``outputs`` are had by one call with
-    all ``inputs``.
-    """
+    """A nested external submodel (its instance is ``name``): one call with all ``inputs`` computes all ``outputs``."""
 
     external: ExternalBody
     definition: str

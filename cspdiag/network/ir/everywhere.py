@@ -1,4 +1,4 @@
-"""Changes in the middle of records, with everything around them made anew."""
+"""Rewrites parts of nested records."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ LEFT_ALONE = frozenset({"span", "type", "doc"})
 
 
 def rewritten(item: T, change: Callable[[Any], Any]) -> T:
-    """``item`` with ``change`` applied to every record in it, innermost first; places and types are left alone.
+    """``item`` with ``change`` applied to every record in it, innermost first, except spans and types.
 
-    What does not change stays the same object.
+    Unchanged parts stay the same objects.
     """
     if isinstance(item, tuple):
         entries: Any = tuple([rewritten(entry, change) for entry in item])
@@ -37,7 +37,7 @@ def rewritten(item: T, change: Callable[[Any], Any]) -> T:
 
 
 _INSIDE: dict[type, tuple[str, ...]] = {}
-"""By type, the fields that are looked into: networks have millions of parts."""
+"""The fields to search, by type; cached, since networks have millions of parts."""
 
 
 def _names_inside(item: object) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Short ways to write expressions of real numbers that the compiler makes."""
+"""Shorthands for expressions of real numbers that the compiler makes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def number(value: float, kind: Type) -> Expression:
 
 
 def operation(operator: Operator, left: Expression, right: Expression, kind: Type | None = None) -> Expression:
-    """``left operator right``, of the type of ``left`` unless said otherwise."""
+    """The operation ``left operator right``, by default of the type of ``left``."""
     return BinaryOperation(type=kind or left.type, operator=operator, left=left, right=right)
 
 
@@ -49,19 +49,19 @@ def over(left: Expression, right: Expression) -> Expression:
 
 
 def call(function: Function, *arguments: Expression) -> Expression:
-    """A function of the language, of the type of its first argument."""
+    """A call of a function of the language, of the type of its first argument."""
     return FunctionCall(type=arguments[0].type, function=function, arguments=arguments)
 
 
 def of_width(value: Expression, kind: Type) -> Expression:
-    """``value`` as a ``float`` where ``kind`` is one: operands must be of the same width."""
+    """``value`` converted to the width of ``kind``, since operands must have the same width."""
     if isinstance(kind, RealType) and isinstance(value.type, RealType) and kind.bits != value.type.bits:
         return Conversion(type=RealType(kind.bits, value.type.unit), operand=value)
     return value
 
 
 def entry(array: Expression, *indexes: int) -> Expression:
-    """An element at a known place."""
+    """The element of an array at known indexes."""
     for index in indexes:
         kind = getattr(array.type, "element", array.type)
         array = ElementValue(type=kind, operand=array, index=LiteralValue(type=INT, value=index))

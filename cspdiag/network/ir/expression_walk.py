@@ -1,4 +1,4 @@
-"""What an expression is made of, and what it reads."""
+"""The parts of expressions, and the signals that they read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Submodels become classes of the network: flat, sorted, and discrete where they were linear operators."""
+"""Makes classes of the network from submodels: flat, sorted, and with linear operators discretized."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from cspdiag.syntax.walk import instances_in, nodes
 
 @record
 class LawUse:
-    """An instance of a submodel: what is known of the values of its parameters, of its period in nanoseconds, and of
-    parameters inside it, by path, from outside.
+    """An instance of a submodel: the known values of its parameters, its period in nanoseconds if known, and values set
+    from outside for parameters inside it, by path.
     """
 
     definition: ast.SubmodelDefinition
@@ -34,7 +34,7 @@ class LawUse:
 
 @node
 class Flattened:
-    """A class with symbolic parameters, the values of its derived parameters for one instance, and the names in it."""
+    """A class with symbolic parameters; the values of its derived parameters for one instance; and the names in it."""
 
     cls: SubmodelClass
     derived: dict[str, Value]
@@ -53,9 +53,9 @@ def flatten(
 ) -> Flattened | None:
     """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
 
-    The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
-    where something is wrong that was reported. ``environment`` says that there is a ``time``. ``overrides`` are values
-    of parameters of the instances inside, by path.
+    The arguments affect only sizes and the values in ``derived``: instances with equal classes share one class. None if
+    an error was reported. With ``environment`` the submodel may use ``time``. ``overrides`` are values of parameters of
+    the instances inside, by path.
     """
     draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, overrides=overrides)
     inlining = _inlined(program, draft, definition, environment, report)
@@ -79,7 +79,7 @@ def flatten(
 def _inlined(
     program: Program, draft: Draft, definition: ast.SubmodelDefinition, environment: bool, report: Report
 ) -> Inlining:
-    """The outermost submodel of a draft, with everything in it."""
+    """Adds the outermost submodel, with everything in it, to a draft."""
     inlining = Inlining(program, draft, definition, report, InlinedInto(path=(), environment=environment))
     for parameter in definition.parameters:
         name = parameter.name.text
@@ -91,8 +91,8 @@ def _inlined(
 
 
 def _ports(inlining: Inlining) -> tuple[Port, ...]:
-    """The ports in text order. The elements of an array are ports of their own, for a body in another language the
-    array is one.
+    """The ports in text order. Each element of an array becomes a port; for a body in another language the whole array
+    is one.
     """
     ports = []
     for symbol in inlining.scope.ports.values():
@@ -152,11 +152,11 @@ def check(
     samples: Iterable[tuple[ast.SubmodelDefinition, int]] = (),
     laws: Iterable[LawUse] = (),
 ) -> None:
-    """Look for loops and impossible operators in every submodel that runs in a process and every one of the text that
-    runs nowhere.
+    """Reports algebraic loops and impossible operators in all submodels that run in a process, and in those of the text
+    that are not used at all.
 
-    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far
-    as known, ``laws`` instances with what is known of the values of their parameters.
+    Submodels inside others are checked with them. ``samples`` are submodels with the sample periods at which they run,
+    as far as known; ``laws`` are instances with the known values of their parameters.
     """
     in_processes, elsewhere = _uses(program)
     known: dict[tuple[ast.SubmodelDefinition, int | None], list[LawUse]] = {}
@@ -180,7 +180,7 @@ def check(
 
 
 def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: Report) -> None:
-    """Warn of inputs that no equation uses: the law takes their values and discards them."""
+    """Warns of inputs that no equation uses: the law reads their values and discards them."""
     if definition.external is not None or definition in program.poisoned:
         return
     used = {
@@ -192,7 +192,7 @@ def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: 
 
 
 def _check(program: Program, use: LawUse, report: Report, *, environment: bool = False) -> bool:
-    """Look at an instance, or at a definition by itself; whether another instance might be different."""
+    """Checks an instance, or a definition by itself; returns whether another instance might have other errors."""
     definition = use.definition
     is_concrete = len(use.arguments) == len(definition.parameters) and not environment
     draft = Draft(

@@ -3,7 +3,7 @@
 Results are coefficients in the increment ``d = z - 1``: they stay accurate when the sample period is short, where those
 in ``z`` cancel (Middleton and Goodwin, Digital Control and Estimation, 1990, chapter 3). ``tustin``, ``euler`` and
 ``backward`` substitute a rational function of ``d`` for ``s``; ``zoh`` is computed by python-control. numpy and
-python-control are imported where they are needed.
+python-control are imported only where they are needed.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ def transfer_coefficients(
 ) -> tuple[Polynomial, Polynomial]:
     """Coefficients b_0 ... b_n and a_1 ... a_n of the difference equation in ``d`` of a proper transfer function.
 
-    ``numerator`` and ``denominator`` are polynomials in s, from the highest power down, the first of the denominator
-    not zero; ``sample`` is in seconds. y = (b_0 dⁿ + ... + b_n) / (dⁿ + a_1 dⁿ⁻¹ + ... + a_n) u.
+    ``numerator`` and ``denominator`` are polynomials in s, from the highest power down; the first coefficient of the
+    denominator is not zero. ``sample`` is in seconds. y = (b_0 dⁿ + ... + b_n) / (dⁿ + a_1 dⁿ⁻¹ + ... + a_n) u.
     """
     order = len(denominator) - 1
-    # In the time unit of one sample all coefficients of a fast sampled system are small.
+    # With the sample period as the unit of time, all coefficients of a fast sampled system are small.
     padded = [0.0] * (order + 1 - len(numerator)) + list(numerator)
     top, bottom = ([c * sample**k for k, c in enumerate(polynomial)] for polynomial in (padded, denominator))
     if method == "zoh":
@@ -73,7 +73,7 @@ def _zero_order_hold(top: Polynomial, bottom: Polynomial) -> tuple[Polynomial, P
         return [top[0] / bottom[0]], []
     b = [c / bottom[0] for c in top]
     a = [c / bottom[0] for c in bottom]
-    # Controllable canonical form, its states scaled so that the entries beside the coefficients are 1.
+    # Controllable canonical form, with its states scaled so that the entries next to the coefficients are 1.
     dynamics = numpy.eye(order, k=1)
     dynamics[-1, :] = [-c for c in a[:0:-1]]
     entrance = numpy.zeros((order, 1))
@@ -94,7 +94,7 @@ def _zero_order_hold(top: Polynomial, bottom: Polynomial) -> tuple[Polynomial, P
 def _held(
     dynamics: numpy.ndarray[Any, Any], entrance: numpy.ndarray[Any, Any], sample: float
 ) -> tuple[numpy.ndarray[Any, Any], numpy.ndarray[Any, Any]]:
-    """Increment of the state over a sample with the input held: (exp(A·T) - I, its integral times B)."""
+    """The increment of the state over a sample with the input held: (exp(A·T) - I, its integral times B)."""
     import control  # type: ignore[import-untyped]
     import numpy
 
@@ -114,7 +114,7 @@ def statespace_increments(
     if method == "zoh":
         increment, effect = _held(dynamics, entrance, sample)
     else:
-        # The generalized bilinear transformation; the state is taken before the present input has its share.
+        # The generalized bilinear transformation; the state is that before the present input is added.
         weight = {"tustin": 0.5, "euler": 0.0, "backward": 1.0}[method]
         inverse = numpy.linalg.inv(numpy.eye(len(dynamics)) - weight * sample * dynamics)
         increment, effect = inverse @ dynamics * sample, inverse @ entrance * sample

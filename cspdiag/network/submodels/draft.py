@@ -1,4 +1,4 @@
-"""A system of equations while it is put together out of submodels."""
+"""A system of equations while it is assembled from submodels."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ SECONDS = RealType(unit=SECOND)
 class LinearOperator:
     """A transfer function or a state space whose coefficients are to be computed for the sample period.
 
-    ``matrices`` are (numerator, denominator) or (A, B, C, D); ``coefficients`` the names and types of the parameters
-    that discretization gives values to, in the order in which it gives them.
+    ``matrices`` are (numerator, denominator) or (A, B, C, D); ``coefficients`` are the names and types of the
+    parameters whose values discretization computes, in its order.
     """
 
     matrices: tuple[Expression, ...]
@@ -32,13 +32,12 @@ class LinearOperator:
 
 
 class Draft:
-    """What is known of a system so far. Names are unique over parameters, inputs, equations and states.
+    """A system under construction. Names are unique among parameters, inputs, equations and states.
 
-    ``owner`` is the place of what the compiler adds; ``sample`` the period in nanoseconds, if it is known;
-    ``arguments`` the values of the parameters. ``concrete``: the arguments are all known, as for an instance; else this
-    is a check of a definition by itself. ``closed``: nothing is left to be given by an instance, so that derived
-    parameters are constants (an environment). ``overrides``: values of parameters of nested instances from outside, by
-    path (``pan.inertia``).
+    ``owner`` is the span for what the compiler adds; ``sample`` is the period in nanoseconds, if known; ``arguments``
+    are the values of the parameters. ``concrete``: all arguments are known, as for an instance; otherwise a definition
+    is checked by itself. ``closed``: no instance provides values, so derived parameters are constants (an environment).
+    ``overrides`` are values set from outside for parameters of nested instances, by path (``pan.inertia``).
     """
 
     def __init__(
@@ -68,21 +67,19 @@ class Draft:
         self.held: set[str] = set()
         """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""
         self.written: dict[str, str] = {}
-        """How the operators that the compiler names are written in the text."""
+        """The text of each operator whose output the compiler has named."""
         self.kept: set[str] = set()
-        """Signals of a closed system that are kept although nothing needs them."""
+        """Signals of a closed system that are kept even if no other signal needs them."""
         self.methods: list[str] = []
         self.steps: list[int] = []
         self.complete = True
-        """Whether every definition met was without reported errors."""
+        """Whether no errors were reported in any definition used."""
         self.depends = False
-        """Whether something was computed that other values of the parameters make different: what it begins with, or a
-        size.
-        """
+        """Whether a size or an initial value was computed that depends on the values of parameters."""
         self._values: dict[str, Value | None] = {}
 
     def unique(self, name: str) -> str:
-        """``name``, or with a number behind it if it is taken; it is taken from now on."""
+        """``name``, with a number appended if it is taken; marks the result as taken."""
         chosen, number = name, 2
         while chosen in self.names:
             chosen, number = f"{name}_{number}", number + 1
@@ -92,7 +89,7 @@ class Draft:
     def equation(
         self, name: str, value: Expression, span: Span, doc: str | None = None, kind: Type | None = None
     ) -> None:
-        """Define a signal; ``kind`` is its type where that is not the type of ``value``."""
+        """Defines a signal; ``kind`` is its type if that is not the type of ``value``."""
         self.equations[name] = SubmodelEquation(name=name, type=kind or value.type, value=value, span=span, doc=doc)
 
     def signal(self, name: str, kind: Type, span: Span | None = None) -> SignalValue:
@@ -100,12 +97,12 @@ class Draft:
         return SignalValue(type=kind, name=name, span=span)
 
     def sample_period(self) -> Expression:
-        """The sample period in seconds, which from now on is needed."""
+        """The sample period in seconds, which becomes a parameter of the system."""
         value = None if self.sample is None else self.sample / 1_000_000_000
         return self.derived_parameter("sample", SECONDS, value)
 
     def derived_parameter(self, name: str, kind: Type, value: Value | None) -> Expression:
-        """A parameter that the compiler gives a value, now or (``value`` None) later."""
+        """A parameter whose value the compiler provides, now or, if ``value`` is None, later."""
         if self.closed:
             if name not in self.equations:
                 self.equation(name, LiteralValue(type=kind, value=0.0 if value is None else value), self.owner)
@@ -117,14 +114,14 @@ class Draft:
         return ParameterValue(type=kind, name=name)
 
     def give(self, name: str, kind: Type, value: Value) -> None:
-        """Give a derived parameter its value."""
+        """Sets the value of a derived parameter."""
         if self.closed:
             self.equation(name, LiteralValue(type=kind, value=value), self.owner)
         else:
             self.derived[name] = value
 
     def value_of(self, expression: Expression) -> Value | None:
-        """The value of a constant expression, None while it is not known."""
+        """The value of a constant expression; None while it is not known."""
         return constant_value(expression, self._lookup)
 
     def _lookup(self, name: ParameterValue | SignalValue) -> Value | None:
@@ -135,7 +132,7 @@ class Draft:
         equation = self.equations.get(name.name)
         if not isinstance(equation, SubmodelEquation):
             return None
-        # If the name occurs again on the way to its value, that is a loop, which is reported elsewhere.
+        # If the name occurs again in its own value, that is a loop, which is reported elsewhere.
         self._values[name.name] = None
         value = self._values[name.name] = self.value_of(equation.value)
         if value is None:

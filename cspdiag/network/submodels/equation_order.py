@@ -1,4 +1,4 @@
-"""The order of evaluation of equations: each after those that it reads, in text order where that leaves a choice."""
+"""The order of evaluation of equations: each one after those that it reads, otherwise in text order."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Item = SubmodelEquation | ExternalCall
 
 @node
 class Order:
-    """Items in order of evaluation, and the loops among the others: each a shortest one of its knot, in the order of
-    reading.
+    """Items in order of evaluation, and the algebraic loops among the others: for each strongly connected component a
+    shortest loop, in the order of reading.
     """
 
     items: tuple[Item, ...]
@@ -32,17 +32,17 @@ def reads(item: Item) -> list[str]:
 
 
 def provides(item: Item) -> list[str]:
-    """Names of the signals that it gives a value."""
+    """Names of the signals that an equation or a call computes."""
     if isinstance(item, SubmodelEquation):
         return [item.name]
     return [name for _, name, _ in item.outputs]
 
 
 def ordered(items: Sequence[Item]) -> Order:
-    """Sort equations topologically; ties are broken by their place in ``items``. Linear but for the heap of those that
-    are ready.
+    """Sorts equations topologically; ties are broken by their position in ``items``. Takes linear time, except for the
+    heap of the equations that are ready.
 
-    Signals that no item provides (inputs, states, time) are had from the beginning.
+    Signals that no item provides (inputs, states, time) are known from the beginning.
     """
     provider = {name: index for index, item in enumerate(items) for name in provides(item)}
     needs = [[provider[name] for name in reads(item) if name in provider] for item in items]

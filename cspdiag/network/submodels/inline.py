@@ -1,4 +1,4 @@
-"""Submodels become equations of one system: nested ones are inlined under the names of their instances."""
+"""Inlines submodels into the equations of one system, under the names of their instances."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOST_EQUATIONS = 20_000
 
 
 class Inlining(SubmodelSignals):
-    """One instance of a submodel on its way into a draft: its states, its equations and what is inside it."""
+    """Inlines one instance of a submodel into a draft: its states, its equations and the instances inside it."""
 
     def __init__(
         self,
@@ -47,11 +47,13 @@ class Inlining(SubmodelSignals):
         self.counts: dict[str, int] = {}
 
     def instance(self, name: str) -> SubmodelSignals | None:
-        """The instance of that name inside this one."""
+        """The instance with this name inside this one."""
         return self.inner.get(name)
 
     def refuse_instance(self, name: str, indexes: Sequence[ast.Expression]) -> None:
-        """There is no such instance inside this one; one of an array is reported."""
+        """Handles an instance that does not exist inside this one; an index out of the range of an array
+        is reported.
+        """
         self.draft.complete = False
         for item in self.definition.items:
             if isinstance(item, ast.Instance) and item.name.text == name and item.size is not None and indexes:
@@ -59,13 +61,13 @@ class Inlining(SubmodelSignals):
                 self.refuse_index(indexes[-1], f"the array of instances `{name}`", self.size(count), item.name.span)
 
     def _refuse(self, missing: MissingEquation | UnconnectedInput) -> None:
-        """An element has no equation, which may be because another one was refused."""
+        """Reports a missing equation or connection, unless another one was refused, which may be the reason."""
         if self.draft.concrete and self.draft.complete:
             self.report.add(missing)
         self.draft.complete = False
 
     def run(self) -> None:
-        """Add the states and equations of the definition; inputs are left to who instantiates it."""
+        """Adds the states and equations of the definition; the enclosing submodel adds those of its inputs."""
         if len(self.draft.equations) > MOST_EQUATIONS:
             name = self.surroundings.path[0].name if self.surroundings.path else self.definition.name
             self.report.add(TooManyEquations(name.span, name.text, MOST_EQUATIONS))
@@ -77,7 +79,7 @@ class Inlining(SubmodelSignals):
             return
         self._options()
         self.draft.names.update(self.prefix + name for name in (*self.scope.ports, *self.scope.names))
-        # Equations may read instances that stand further down.
+        # Equations may read instances that are declared later.
         for item in self.definition.items:
             if isinstance(item, ast.Instance) and item not in self.program.poisoned:
                 self._declare(item)
@@ -91,7 +93,9 @@ class Inlining(SubmodelSignals):
                 self._refuse(MissingEquation(port.port.span, name=element, owner=owner))
 
     def close(self, name: str) -> None:
-        """After the inputs were connected: defaults for the others; an external body becomes a call."""
+        """Completes the instance after its inputs have been connected: other inputs get their defaults, and an external
+        body becomes a call.
+        """
         for port, key, kind in self.ports("in"):
             if key in self.draft.equations:
                 continue
@@ -179,7 +183,7 @@ class Inlining(SubmodelSignals):
             return
         key = owner.prefix + port
         if indexes:
-            # Elements of an array of ports are counted through, the last index running fastest.
+            # Elements of an array of ports are numbered in row-major order.
             flat = 0
             for index, dimension in zip(indexes, symbol.port.dimensions, strict=False):
                 size, value = owner.size(dimension), self.index(index)
@@ -211,7 +215,7 @@ class Inlining(SubmodelSignals):
             )
 
     def _elements_of(self, instance: ast.Instance) -> Iterator[tuple[str, dict[ast.Node, int]]]:
-        """Names of the elements of an array of instances, with the value of its replicator."""
+        """The names of the elements of an array of instances, each with the value of its replicator."""
         name, size = instance.name.text, instance.size
         if size is None:
             yield name, {}
@@ -221,7 +225,7 @@ class Inlining(SubmodelSignals):
             yield f"{name}[{index}]", {size: index} if isinstance(size, ast.Replicator) else {}
 
     def _external_call(self, name: str, external: ast.External) -> None:
-        """A call that takes the inputs' equations as its arguments and gives all outputs."""
+        """Adds a call with the equations of the inputs as its arguments, which computes all outputs."""
         draft = self.draft
         inputs = []
         for _, key, _ in self.ports("in"):
@@ -247,7 +251,7 @@ class Inlining(SubmodelSignals):
         return expression.function.text in PARAMETERS and not isinstance(symbol, ast.Node)
 
     def lower_call(self, expression: ast.Call) -> Expression | None:
-        """An operator with a memory: its states are added; None for a function."""
+        """The value of an operator with memory, whose states are added; None for a function."""
         name = expression.function.text
         if not self._is_operator(expression):
             return None
@@ -277,7 +281,7 @@ class Inlining(SubmodelSignals):
         return SignalValue(type=use.type, name=output, span=expression.span)
 
     def _operator_arguments(self, expression: ast.Call) -> dict[str, Expression] | None:
-        """The arguments by name; None where something in them was reported."""
+        """The arguments by name; None if an error in them was reported."""
         positional = [argument.value for argument in expression.arguments if argument.name is None]
         names = PARAMETERS[expression.function.text]
         if expression in self.program.poisoned or len(positional) != len(names):
@@ -315,12 +319,12 @@ def nested(
     name: str,
     arguments: Mapping[ast.Parameter, Expression],
 ) -> Inlining:
-    """An instance called ``name`` inside the draft; parameters without an argument take their defaults.
+    """An instance called ``name`` inside the draft; parameters without an argument get their defaults.
 
-    What is still to be done: ``run`` it, add equations for its inputs, ``close`` it.
+    The caller still has to ``run`` it, to add equations for its inputs, and to ``close`` it.
     """
     result = Inlining(program, draft, definition, report, surroundings, f"{name}.")
-    # Defaults may name parameters that stand before them.
+    # Defaults may use earlier parameters.
     complete = result.parameters = dict(arguments)
     for parameter in definition.parameters:
         override = draft.overrides.get(f"{name}.{parameter.name.text}")
@@ -338,15 +342,15 @@ def nested(
 
 
 def external_body(external: ast.External) -> ExternalBody:
-    """The network's form of an external body."""
+    """An external body as part of the network."""
     return ExternalBody(language=external.language.text, target=external.target, span=external.target_span)
 
 
 def _sized(declared: Type, found: Type) -> Type:
-    """The type that was declared, but for sizes, which are those of the value."""
+    """The declared type with the sizes of the value."""
     return found if isinstance(declared, ArrayType) and isinstance(found, ArrayType) else declared
 
 
 def _operator_type(declared: Type, operand: Type, operator: str) -> Type:
-    """``pre`` and ``delay`` have the type of what they delay, with its sizes."""
+    """The type of an operator: ``pre`` and ``delay`` have the sizes of their operand."""
     return _sized(declared, operand) if operator in ("pre", "delay") else declared

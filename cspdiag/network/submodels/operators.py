@@ -1,11 +1,11 @@
-"""Operators with a memory become states and difference equations.
+"""Realizes operators with memory by states and difference equations.
 
-First-order operators have closed forms, written as constants of the submodel
-(``speed_b0 = sample / (2 * tau + sample)``), so that the generated code shows them. Transfer functions and state spaces
-get coefficients computed by ``discretize``.
+First-order operators have closed forms, which become constants of the submodel (``speed_b0 = sample / (2 * tau +
+sample)``), so generated code shows them. The coefficients of transfer functions and state spaces are computed by
+``discretize``.
 
 Each operator is realized so that ``y`` (its output) depends on its input within the sample only if its discretization
-has a direct feedthrough: ``tustin`` and ``backward`` have, ``zoh`` and ``euler`` have not (for strictly proper
+has a direct feedthrough: ``tustin`` and ``backward`` have one, ``zoh`` and ``euler`` do not (for strictly proper
 operators).
 """
 
@@ -35,13 +35,13 @@ PARAMETERS = {
     "transfer": ("num", "den", "x"),
     "statespace": ("A", "B", "C", "D", "x"),
 }
-"""The operators with a memory and the names of their arguments; those without ``init`` start from zero."""
+"""The operators with memory and the names of their arguments; those without ``init`` start from zero."""
 
 
 @node
 class Application:
-    """An operator as it is used: ``output`` names the signal that is its value, ``base`` begins the names of its
-    states.
+    """An application of an operator: ``output`` is the name of the signal of its value, ``base`` the prefix of the
+    names of its states.
     """
 
     operator: str
@@ -59,19 +59,17 @@ class Application:
 
     @property
     def scalar(self) -> Type:
-        """A dimensionless number as wide as the output, for coefficients."""
+        """The type of coefficients: a dimensionless number as wide as the output."""
         return RealType(self.type.bits) if isinstance(self.type, RealType) else RealType()
 
 
 def realize(draft: Draft, application: Application, report: Report) -> Expression | None:
-    """Add the states of an operator to the draft; gives the value of its output, None if it makes no
-    sense (reported).
-    """
+    """Adds the states of an operator to the draft; returns the value of its output, None if an error was reported."""
     return _REALIZATIONS[application.operator](draft, application, report)
 
 
 def _simple(draft: Draft, use: Application, name: str, value: Expression) -> Expression:
-    """``value`` if it may be written twice, else a signal that has it."""
+    """``value`` if it may be used more than once, otherwise a signal with that value."""
     if isinstance(value, SignalValue | ParameterValue | LiteralValue):
         return value
     chosen = draft.unique(f"{use.base}_{name}")
@@ -86,14 +84,14 @@ def _state(draft: Draft, use: Application, name: str, kind: Type, initial: Expre
 
 
 def _constant(draft: Draft, use: Application, name: str, value: Expression) -> Expression:
-    """A coefficient with a name."""
+    """A named coefficient."""
     chosen = draft.unique(f"{use.base}_{name}")
     draft.equation(chosen, of_width(value, use.type), use.span, kind=use.scalar)
     return SignalValue(type=use.scalar, name=chosen)
 
 
 def _initial(draft: Draft, use: Application) -> Expression:
-    """The argument ``init``, zero if it is missing."""
+    """The argument ``init``; zero if it is missing."""
     return use.arguments.get("init", number(0.0, use.type))
 
 
@@ -286,7 +284,7 @@ def _is_zero(expression: Expression) -> bool:
 
 
 def _without_leading_zeros(polynomial: Expression) -> Expression:
-    """A polynomial in falling powers without zeros in front, but for the constant."""
+    """A polynomial in falling powers without leading zeros, except for a constant."""
     if isinstance(polynomial, LiteralValue) and isinstance(polynomial.value, tuple):
         inner = polynomial.type.element if isinstance(polynomial.type, ArrayType) else RealType()
         values = tuple(LiteralValue(type=inner, value=value) for value in polynomial.value)

@@ -1,7 +1,7 @@
-"""What the names in the equations of a submodel stand for in the system that it becomes part of.
+"""The signals of a submodel: what the names in its equations mean in the system that it becomes part of.
 
-``pid.error`` is the input ``error`` of the instance ``pid``. A parameter of an instance is a constant ``pid.kp``,
-unless its argument is a name itself, which then stands in its place.
+``pid.error`` is the input ``error`` of the instance ``pid``. A parameter of an instance becomes a constant ``pid.kp``,
+unless its argument is a name itself, which then replaces it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ NO_VALUES: Mapping[ast.Node, Value] = {}
 
 @node
 class InlinedInto:
-    """Where a definition is inlined: who contains it, and what ``time`` means there."""
+    """Where a definition is inlined: the definitions that contain it, and whether it may use ``time``."""
 
     path: tuple[ast.SubmodelDefinition, ...]
     environment: bool
@@ -45,8 +45,8 @@ class InlinedInto:
 class SubmodelSignals:
     """The signals of one instance of a submodel within a draft.
 
-    ``prefix`` is empty or ends in a dot. ``parameters`` are the arguments in terms of the draft; without one a
-    parameter stays a parameter of the class.
+    ``prefix`` is empty or ends in a dot. ``parameters`` are the arguments in terms of the draft; a parameter without an
+    argument stays a parameter of the class.
     """
 
     def __init__(
@@ -69,19 +69,19 @@ class SubmodelSignals:
         self.context = LoweringContext(values={}, lower_name=self.lower_name, lower_call=self.lower_call)
 
     def instance(self, name: str) -> SubmodelSignals | None:
-        """The instance of that name inside this one."""
+        """The instance with this name inside this one."""
         raise NotImplementedError
 
     def refuse_instance(self, name: str, indexes: Sequence[ast.Expression]) -> None:
-        """There is no such instance inside this one."""
+        """Handles an instance that does not exist inside this one."""
         raise NotImplementedError
 
     def lower_call(self, expression: ast.Call) -> Expression | None:
-        """What a call stands for if it is not that of a function."""
+        """The value of a call of an operator with memory; None for a function."""
         raise NotImplementedError
 
     def ports(self, direction: str) -> Iterator[tuple[PortSymbol, str, Type]]:
-        """The ports of one direction, element by element, with the names of their signals and their types."""
+        """The ports of one direction, element by element, with the names and types of their signals."""
         for symbol in self.scope.ports.values():
             if symbol.declaration.direction == direction:
                 kind = self.declared(symbol.declaration.type, symbol.type)
@@ -89,20 +89,20 @@ class SubmodelSignals:
                     yield symbol, self.prefix + key, kind
 
     def elements(self, symbol: PortSymbol) -> list[str]:
-        """Names of the ports of an array of ports, or of the one port."""
+        """The names of the elements of an array of ports, or of a single port."""
         if not symbol.port.dimensions:
             return [symbol.name]
         total = math.prod(self.size(dimension) for dimension in symbol.port.dimensions)
         return [f"{symbol.name}[{index}]" for index in range(total)]
 
     def size(self, expression: ast.Expression) -> int:
-        """The value of a size; 1 where it is not known, as in a check of the definition by itself."""
+        """The value of a size; 1 if it is not known, as when the definition is checked by itself."""
         self.draft.depends = self.draft.depends or not isinstance(expression, ast.Number)
         value = self.draft.value_of(lower_expression(self.program, expression, self.context))
         return value if isinstance(value, int) and 0 < value < MOST_ELEMENTS else 1
 
     def declared(self, written: ast.TypeName, known: Type) -> Type:
-        """A declared type with the sizes that depend on parameters filled in."""
+        """A declared type with its parameter-dependent sizes filled in."""
         if not written.dimensions:
             return known
         for _ in written.dimensions:
@@ -112,22 +112,20 @@ class SubmodelSignals:
         return known
 
     def constant(self, expression: ast.Expression) -> Expression:
-        """An expression over parameters and constants, whose value the program begins with: one that has none is
-        reported.
+        """Lowers an expression over parameters and constants, which is computed before the program runs; reports it if
+        that fails.
         """
         self.examine(expression)
         return lower_expression(self.program, expression, self.context)
 
     def examine(self, expression: ast.Expression, replicators: Mapping[ast.Node, Value] = NO_VALUES) -> None:
-        """Report what goes wrong in an expression that is computed before the program runs, once the parameters are
-        known.
-        """
+        """Reports errors in an expression that is computed before the program runs, once the parameters are known."""
         if self.draft.concrete and not isinstance(expression, ast.Number | ast.Duration | ast.Boolean):
             self.draft.depends = self.draft.depends or not isinstance(expression, ast.Name)
             evaluate(self.program, expression, {**self._values(), **replicators}, self.report)
 
     def _values(self) -> dict[ast.Node, Value]:
-        """Values of the parameters of the definition."""
+        """The values of the parameters of the definition."""
         values: dict[ast.Node, Value] = {}
         for parameter in self.definition.parameters:
             argument = self.parameters.get(parameter)
@@ -143,7 +141,7 @@ class SubmodelSignals:
         return value if isinstance(value, int) else 0
 
     def refuse_index(self, expression: ast.Expression, what: str, size: int, declared: Span) -> None:
-        """There is no such element of an array of ports or instances."""
+        """Reports an index out of the range of an array of ports or instances."""
         self.draft.complete = False
         if self.draft.concrete:
             self.report.add(
@@ -153,7 +151,7 @@ class SubmodelSignals:
             )
 
     def lower_name(self, use: ast.Name | ast.Member | ast.Reference) -> Expression | None:
-        """What a name in an equation stands for; None for constants, replicators and literals of enums."""
+        """The expression that a name in an equation means; None for constants, replicators and literals of enums."""
         if isinstance(use, ast.Member):
             return self._port_of_instance(use)
         symbol = self.program.bindings.get(use)
@@ -233,7 +231,7 @@ class SubmodelSignals:
 
 
 def _is_name(expression: Expression) -> bool:
-    """Whether an argument is a name, which may stand in many places."""
+    """Whether an argument is a name, which may be used in many places."""
     if isinstance(expression, LiteralValue):
         return expression.name is not None
     return isinstance(expression, ParameterValue | SignalValue)

@@ -1,4 +1,6 @@
-"""A draft becomes a system: sorted, constants apart, discretized, the part that the integration needs picked out."""
+"""Makes a system from a draft: sorts its equations, separates constants, discretizes it, and selects the equations that
+integration needs.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ from cspdiag.network.submodels.vector_states import split_vector_states
 
 
 def evaluation_order(draft: Draft, report: Report) -> tuple[Item, ...] | None:
-    """The equations of a draft, each after those that it reads; None where loops prevent that, which are reported."""
+    """The equations of a draft, each after those that it reads; None if there are loops, which are reported."""
     order = ordered(list(draft.equations.values()))
     for loop in order.loops:
         report.add(_shown(loop, draft))
@@ -29,9 +31,9 @@ def evaluation_order(draft: Draft, report: Report) -> tuple[Item, ...] | None:
 
 
 def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelClass | None:
-    """``system`` with the equations of the draft; its ports and names are those it has.
+    """The class ``system`` with the equations of the draft added.
 
-    None where there are algebraic loops or coefficients that make no sense, which are reported.
+    None if there are algebraic loops or impossible coefficients, which are reported.
     """
     outputs = {
         port.name if port.size is None else f"{port.name}[{index}]"
@@ -72,8 +74,8 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
 def _computed_first(
     draft: Draft, equations: tuple[Item, ...], following: Mapping[str, Expression]
 ) -> tuple[tuple[Item, ...], tuple[tuple[str, Expression], ...]]:
-    """Next values that may fault, or read what integration moves, become equations of their own: computed before any
-    state has changed.
+    """The equations and next values, where next values that may fault, or that read continuous states, become
+    equations: those are computed before any state changes.
     """
     computed: list[Item] = list(equations)
     next_values: list[tuple[str, Expression]] = []
@@ -91,7 +93,9 @@ def _computed_first(
 
 
 def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
-    """A loop, from the outermost of its equations on; what the compiler named is shown as it was written."""
+    """The diagnostic of a loop, from the outermost of its equations on; signals that the compiler has named are shown
+    by their text.
+    """
     start = min(range(len(loop)), key=lambda index: loop[index].name.count("."))
     turned = loop[start:] + loop[:start]
     places = tuple((draft.written.get(item.name, item.name), item.span) for item in turned)
@@ -101,10 +105,10 @@ def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
 def _constants_apart(
     draft: Draft, items: tuple[Item, ...], outputs: set[str]
 ) -> tuple[tuple[SubmodelEquation, ...], tuple[Item, ...]]:
-    """Equations over parameters only, and the others.
+    """The equations over parameters only, which become constants, and the others.
 
-    An output is written at every sample, even if it never changes; and what faults does so in each run of the law, not
-    before the first.
+    An output is not made a constant, since it is written at every sample; nor is an equation that faults, since it does
+    so in each run of the law, and not before the first.
     """
     constants: list[SubmodelEquation] = []
     known: set[str] = set()
@@ -136,10 +140,10 @@ def _reads_time(expression: Expression) -> bool:
 def _alive(
     draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: set[str]
 ) -> set[str]:
-    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names) that
-    cannot fault.
+    """The signals to compute: those that outputs and states need, and those of the submodel itself (without a dot in
+    their names) that cannot fault.
 
-    What nothing needs is not computed, or may as well not be.
+    Other signals need not be computed.
     """
     alive = set(outputs)
     for expression in (*draft.next_values.values(), *draft.derivatives.values()):
@@ -157,7 +161,7 @@ def _alive(
 
 
 def _sound(draft: Draft, items: tuple[Item, ...]) -> set[str]:
-    """The signals that can be computed, with everything that they need, without a fault."""
+    """The signals that can be computed without a fault, including everything that they need."""
     faulty: set[str] = set()
     for item in items:
         values = [item.value] if isinstance(item, SubmodelEquation) else [value for _, value in item.inputs]
@@ -167,7 +171,7 @@ def _sound(draft: Draft, items: tuple[Item, ...]) -> set[str]:
 
 
 def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[SubmodelEquation, ...]:
-    """The equations that derivatives need again in every sub-step.
+    """The equations that must be evaluated again in every sub-step of an integration.
 
     They depend on continuous states or on the time; outputs of discrete operators and of external calls are held over
     the sample.
@@ -188,7 +192,7 @@ def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[Submo
 
 
 def _discretize(draft: Draft, report: Report) -> None:
-    """Give the coefficients of transfer functions and state spaces their values."""
+    """Computes the coefficients of transfer functions and state spaces."""
     for operator in draft.linear_operators:
         if draft.sample is None:
             continue

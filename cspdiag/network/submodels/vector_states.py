@@ -1,4 +1,4 @@
-"""Continuous states that are arrays become states of their numbers, which is what integration works on."""
+"""Splits continuous states that are arrays into states for their elements, as integration requires."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.network.submodels.draft import Draft
 
 
 def split_vector_states(draft: Draft) -> None:
-    """Replace the continuous states of a draft that consist of several numbers; their names become equations."""
+    """Replaces the continuous states of a draft that are arrays; their names become equations."""
     for name, state in list(draft.states.items()):
         if name not in draft.derivatives or not isinstance(state.type, ArrayType):
             continue
@@ -34,7 +34,7 @@ def split_vector_states(draft: Draft) -> None:
 def _numbers(
     kind: Type, initial: Expression, slope: Expression, suffix: str = ""
 ) -> Iterator[tuple[str, Type, Expression, Expression]]:
-    """Each number of a value: how it is named, its type, what it is at first, and its slope."""
+    """For each number in a value its suffix, its type, its initial value, and its derivative."""
     if not isinstance(kind, ArrayType):
         yield suffix, kind, initial, slope
         return
