@@ -62,7 +62,12 @@ MENDS = [
     ("E0307", "const half = sin(30<deg>)\n", "const half = sin(convert(30<deg>, rad))\n"),
     ("E0308", LAW % "if n then angle else 0", LAW % "if n != 0 then angle else 0"),
     ("E0308", LAW % "if not n then angle else 0", LAW % "if not (n != 0) then angle else 0"),
-    ("E0312", LAW % "if is_on then n else angle", LAW % "if is_on then double(n) else angle"),
+    ("E0301", LAW % "if is_on then n else angle", LAW % "if is_on then double(n) else angle"),
+    ("E0303", "const turns : double<rad>[2] = [90<deg>, 1<rad>]\n",
+     "const turns : double<rad>[2] = [convert(90<deg>, rad), 1<rad>]\n"),
+    ("E0312", LAW % "max(n, angle)", LAW % "max(double(n), angle)"),
+    ("E0312", "const turns = [1<rad>, 90<deg>, 2<rad>]\n", "const turns = [1<rad>, convert(90<deg>, rad), 2<rad>]\n"),
+    ("E0312", "const turns = [90<deg>, 1<rad>]\n", "const turns = [convert(90<deg>, rad), 1<rad>]\n"),
     ("E0217", LAW % "lag(angle, 1<s>, method = Tustin)", LAW % "lag(angle, 1<s>, method = tustin)"),
     ("E0456", PORTS.replace("Law", "Law method = Tustin") % "  in  x : double\n  out y : double",
      PORTS.replace("Law", "Law method = tustin") % "  in  x : double\n  out y : double"),
@@ -110,6 +115,18 @@ def test_a_mended_program_is_clean_and_in_the_one_style(code: str, before: str, 
     assert left == [], describe(left)
     assert text == after
     assert format_tree(parse(SourceFile(name=MAIN, text=text), Report())) == text
+
+
+OF_TYPES = [(code, before) for code, before, _ in MENDS if code.startswith("E03")]
+
+
+@pytest.mark.parametrize(("code", "before"), OF_TYPES, ids=[code for code, _ in OF_TYPES])
+def test_what_is_written_in_the_help_of_a_type_error_is_its_mend(code: str, before: str) -> None:
+    found = [each for each in check_files({MAIN: before}).report.diagnostics if each.code == code and each.edits]
+    assert found
+    for each in found:
+        (edit,) = each.edits
+        assert edit.replacement in (each.help or "")
 
 
 def test_every_kind_with_a_mend_is_shown() -> None:

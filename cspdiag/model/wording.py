@@ -73,6 +73,21 @@ def conversion(found: Type, wanted: Type, span: Span) -> tuple[Edit, ...]:
     return ()
 
 
+def converts_left(left: Type, right: Type) -> bool:
+    """Whether of two values that must agree the left is to be converted: the narrower, or that not in SI units."""
+    match left, right:
+        case RealType(), RealType() if left.bits == right.bits:
+            return left.unit.factor != 1 and right.unit.factor == 1
+        case RealType(), RealType():
+            return left.bits < right.bits
+        case IntType(), IntType():
+            return left.bits < right.bits
+        case (TimeType(), RealType()) | (IntType(), RealType()):
+            return True
+        case _:  # Other pairs can only be converted from right to left, if at all.
+            return False
+
+
 def shortened(span: Span) -> str:
     """The text of a place, or ``x`` where that is long."""
     return span.text if len(span.text) <= 30 and "\n" not in span.text else "x"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cspdiag.base import Diagnostic, Edit, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, RealType, Type
-from cspdiag.model.wording import conversion, conversion_help, noun, shortened
+from cspdiag.model.wording import conversion, conversion_help, converts_left, noun, shortened
 
 
 @record
@@ -15,14 +15,21 @@ class WrongType(Diagnostic):
 
     what: str
     found: Type
-    wanted: str
-    advice: str | None = None
+    wanted: Type
     declared: Span | None = None
     declared_text: str = ""
 
     @property
     def message(self) -> str:
-        return f"{self.what} is {self.wanted}, but this is {noun(self.found)}"
+        return f"{self.what} is {noun(self.wanted)}, but this is {noun(self.found)}"
+
+    @property
+    def help(self) -> str | None:
+        return conversion_help(self.found, self.wanted, self.span.text)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return conversion(self.found, self.wanted, self.span)
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -46,19 +53,21 @@ class MixedNumbers(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        if isinstance(self.left, RealType) and not isinstance(self.right, RealType):
-            return conversion_help(self.right, RealType(self.left.bits), self.right_span.text)
-        if isinstance(self.right, RealType) and not isinstance(self.left, RealType):
-            return conversion_help(self.left, RealType(self.right.bits), self.left_span.text)
-        if isinstance(self.left, IntType) and isinstance(self.right, IntType):
-            if self.left.bits > self.right.bits:
-                return conversion_help(self.right, self.left, self.right_span.text)
-            return conversion_help(self.left, self.right, self.left_span.text)
-        return conversion_help(self.right, self.left, self.right_span.text)
+        found, wanted, span = self._converted
+        if isinstance(wanted, RealType) and isinstance(found, IntType):
+            # A factor keeps its own unit.
+            wanted = RealType(wanted.bits)
+        return conversion_help(found, wanted, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        return conversion(self.left, self.right, self.left_span) or conversion(self.right, self.left, self.right_span)
+        return conversion(*self._converted)
+
+    @property
+    def _converted(self) -> tuple[Type, Type, Span]:
+        if converts_left(self.left, self.right):
+            return self.left, self.right, self.left_span
+        return self.right, self.left, self.right_span
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -96,16 +105,19 @@ class NotCondition(Diagnostic):
     @property
     def help(self) -> str | None:
         if isinstance(self.found, IntType | RealType):
-            return f"compare it: `{shortened(self.span)} != 0`"
+            return f"compare it: `{self._compared(shortened(self.span))}`"
         return None
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        text, source = self.span.text, self.span.source.text
+        text = self.span.text
         if not isinstance(self.found, IntType) or not text.replace(".", "_").isidentifier():
             return ()
-        is_negated = source[: self.span.start].rstrip().endswith("not")
-        return (Edit(self.span, f"({text} != 0)" if is_negated else f"{text} != 0"),)
+        return (Edit(self.span, self._compared(text)),)
+
+    def _compared(self, text: str) -> str:
+        is_negated = self.span.source.text[: self.span.start].rstrip().endswith("not")
+        return f"({text} != 0)" if is_negated else f"{text} != 0"
 
 
 @record
@@ -143,13 +155,18 @@ class DifferentTypes(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        if isinstance(self.first, IntType) and isinstance(self.second, RealType):
-            return conversion_help(self.first, self.second, self.first_span.text)
-        return conversion_help(self.second, self.first, self.span.text)
+        found, wanted, span = self._converted
+        return conversion_help(found, wanted, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        return conversion(self.first, self.second, self.first_span) or conversion(self.second, self.first, self.span)
+        return conversion(*self._converted)
+
+    @property
+    def _converted(self) -> tuple[Type, Type, Span]:
+        if converts_left(self.first, self.second):
+            return self.first, self.second, self.first_span
+        return self.second, self.first, self.span
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -6,7 +6,7 @@ from cspdiag.base import Diagnostic, Edit, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.types import RealType, Type
 from cspdiag.model.units import canonical
-from cspdiag.model.wording import conversion, conversion_help, noun, shortened
+from cspdiag.model.wording import conversion, conversion_help, converts_left, noun, shortened
 
 
 @record
@@ -89,17 +89,20 @@ class MixedUnits(Diagnostic):
             return f"write the unit with the number: `{self.number.text}<{unit}>`"
         if self.left.unit.exponents != self.right.unit.exponents:
             return None
-        if self.left.unit.factor == 1 or self.right.unit.factor != 1:
-            return f"write `convert({shortened(self.right_span)}, {self.left.unit})`"
-        return f"write `convert({shortened(self.left_span)}, {self.right.unit})`"
+        found, wanted, span = self._converted
+        return conversion_help(found, wanted, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
         if not isinstance(self.left, RealType) or not isinstance(self.right, RealType) or self.number is not None:
             return ()
-        if self.left.unit.factor == 1 or self.right.unit.factor != 1:
-            return conversion(self.right, self.left, self.right_span)
-        return conversion(self.left, self.right, self.left_span)
+        return conversion(*self._converted)
+
+    @property
+    def _converted(self) -> tuple[Type, Type, Span]:
+        if converts_left(self.left, self.right):
+            return self.left, self.right, self.left_span
+        return self.right, self.left, self.right_span
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -20,7 +20,6 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.model.units import DIMENSIONLESS, SECOND, agree, same_dimension
-from cspdiag.model.wording import conversion_help, noun
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -84,8 +83,7 @@ def _no_time(context: Context, expression: ast.Expression) -> ast.Constant | Non
 def _mismatch(expression: ast.Expression, found: Type, wanted: Type, purpose: Purpose) -> Diagnostic:
     span, what, declared, text = expression.span, purpose.what, purpose.declared, purpose.declared_text
     if not isinstance(found, RealType) or not isinstance(wanted, RealType) or agree(found.unit, wanted.unit):
-        advice = conversion_help(found, wanted, span.text)
-        return WrongType(span, what, found, noun(wanted), advice, declared, text)
+        return WrongType(span, what, found, wanted, declared, text)
     if same_dimension(found.unit, wanted.unit):
         return WrongScale(span, what, found, wanted, declared, text)
     is_number = isinstance(expression, ast.Number) and expression.unit is None

@@ -75,7 +75,34 @@ class Typer:
         typer = self
         if self.in_seconds and _is_of_time(wanted):
             typer = Typer(self.context, self.surroundings, in_seconds=False)
+        if isinstance(expression, ast.ArrayValue) and isinstance(wanted, ArrayType):
+            return typer._require_elements(expression, wanted, purpose)
+        if isinstance(expression, ast.Conditional) and not isinstance(wanted, UnknownType):
+            return typer._require_sides(expression, wanted, purpose)
         return require(self.context, expression, typer.infer(expression), wanted, purpose)
+
+    def _require_elements(self, node: ast.ArrayValue, wanted: ArrayType, purpose: Purpose) -> Type:
+        """Each element is required by itself: what does not agree with the others is of no matter then."""
+        found = [self.require(element, wanted.element, purpose) for element in node.elements]
+        if any(isinstance(element, UnknownType) for element in found):
+            return self._refused(node)
+        whole = ArrayType(found[0] if found else wanted.element, len(found))
+        self.context.program.types[node] = whole
+        return require(self.context, node, whole, wanted, purpose)
+
+    def _require_sides(self, node: ast.Conditional, wanted: Type, purpose: Purpose) -> Type:
+        self.condition(node.condition)
+        found = [self.require(side, wanted, purpose) for side in (node.then, node.otherwise)]
+        if any(isinstance(side, UnknownType) for side in found):
+            return self._refused(node)
+        self.context.program.types[node] = wanted
+        return wanted
+
+    def _refused(self, node: ast.Expression) -> Type:
+        """What has a part that was reported."""
+        self.context.program.poisoned.add(node)
+        self.context.program.types[node] = UNKNOWN
+        return UNKNOWN
 
     def constant(self, expression: ast.Expression, wanted: Type | None, purpose: Purpose) -> Type:
         """The type of a value that must be known before the program runs; any type where ``wanted`` is None.
