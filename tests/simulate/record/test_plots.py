@@ -192,11 +192,66 @@ environment Bench for Crossing step 10 ms {
 }
 """
 
+INSTANTS = """
+enum Mode { idle, moving, done }
+
+process Burst {
+  out at_once, later, twice, last : int
+  out mode : Mode
+  composition {
+    (at_once ! 1000 ; at_once ! 2222 ; wait 1 s ; at_once ! 17 ; wait 30 ms ; at_once ! 18 ; wait 70 ms ; at_once ! 19 ;
+     at_once ! 123456789 ; at_once ! 20 ; wait 90 ms ; at_once ! 21)
+    || (seq i < 5 : (later ! 1 ; later ! i + 100 ; later ! 7 ; wait 230 ms))
+    || (seq i < 6 : (twice ! 5 ; twice ! 5 ; wait 200 ms))
+    || (wait 1200 ms ; last ! 12345678)
+    || (wait 1 s ; mode ! Mode.moving ; mode ! Mode.idle ; mode ! Mode.done ; wait 200 ms)
+  }
+}
+
+environment Bench for Burst {
+  at_once -> _
+  later -> _
+  twice -> _
+  last -> _
+  mode -> _
+}
+"""
+
+ENDS_AT_ONCE = """
+enum Mode { idle, done }
+process Short {
+  out a    : int
+  out mode : Mode
+  composition { a ! 1000 ; a ! 2222 ; mode ! Mode.done }
+}
+environment Bench for Short { a -> _  mode -> _ }
+"""
+
+WIDE_NAMES = """
+enum Phase { waiting_for_the_operator_to_come, clamping_the_work_piece, releasing_the_work_piece_again }
+process Line {
+  out a_very_long_name_of_an_output_of_the_machine[2] : int
+  out phase_of_the_production_line_at_the_left_side : Phase
+  composition {
+    (par k < 2 : (seq i < 7 : (a_very_long_name_of_an_output_of_the_machine[k] ! 1000 + i ; wait 140 ms)))
+    || (seq i < 7 : (phase_of_the_production_line_at_the_left_side ! Phase.clamping_the_work_piece ; wait 300 ms ;
+                     phase_of_the_production_line_at_the_left_side ! Phase.releasing_the_work_piece_again ; wait 20 ms))
+  }
+}
+environment Bench for Line {
+  for i < 2 { a_very_long_name_of_an_output_of_the_machine[i] -> _ }
+  phase_of_the_production_line_at_the_left_side -> _
+}
+"""
+
 NOTHING = "process Nothing { composition { skip } }\n"
 
 PROGRAMS = {
     "pulses": PULSES,
     "lights": LIGHTS,
+    "instants": INSTANTS,
+    "ends at once": ENDS_AT_ONCE,
+    "wide names": WIDE_NAMES,
     "nothing": NOTHING,
     "stations": STATIONS,
     "drive": DRIVE,
@@ -221,7 +276,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     return found
 
 
-UNTIL = {"pulses": "2 s", "lights": "200 ms"}
+UNTIL = {"pulses": "2 s", "lights": "200 ms", "wide names": "1.2 s"}
 NAMES = [*PROGRAMS, "jiwy", "emergency", "watchdog", "buffer", "cascade", "dining", "ring"]
 
 
@@ -332,6 +387,41 @@ def test_events_that_bring_the_same_again_are_all_seen(runs: dict[str, Run]) -> 
     assert numpy.diff(fast).max() < 0.0031
     weight = [line for line in panel_of(figure, "weight").lines if line.get_marker() == "|"]
     assert [float(at) for line in weight for at in line.get_xdata()] == pytest.approx(written[1:])
+
+
+def told_in_lane(figure: Figure, port: str) -> list[str]:
+    """The texts beside the marks of a lane, from left to right."""
+    axes = lanes_of(figure)
+    row = names(axes).index(port)
+    found = [(*text.get_position()[::-1], text.get_text()) for text in axes.texts]
+    return [text for _, text in sorted((place, text) for height, place, text in found if row < height < row + 1)]
+
+
+def test_values_of_one_instant_share_a_label(runs: dict[str, Run]) -> None:
+    figure = drawn(runs["instants"])
+    assert told_in_lane(figure, "at_once") == ["1000, 2222", "17", "18", "…", "21, 0"]
+    assert told_in_lane(figure, "later") == [*(f"1, {100 + i}, 7" for i in range(5)), "0"]
+    assert told_in_lane(figure, "twice") == ["5, 5"] * 6 + ["0"]
+    assert told_in_lane(figure, "last") == ["12345678, 0"]
+
+
+def test_literals_that_pass_in_no_time_are_seen(runs: dict[str, Run]) -> None:
+    axes = lanes_of(drawn(runs["instants"]))
+    legend = axes.get_legend()
+    assert legend is not None
+    (several,) = (
+        patch.get_facecolor()
+        for patch, text in zip(legend.get_patches(), legend.get_texts(), strict=True)
+        if text.get_text() == "several, briefly"
+    )
+    (bar,) = [each for each in axes.patches if isinstance(each, Rectangle) and each.get_facecolor() == several]
+    assert (bar.get_x(), bar.get_width() > 0.001) == (1.0, True)
+
+
+def test_a_run_of_no_time_says_what_it_wrote(runs: dict[str, Run]) -> None:
+    figure = drawn(runs["ends at once"])
+    assert told_in_lane(figure, "a") == ["1000, 2222, 0"]
+    assert told_in_lane(figure, "mode") == ["idle"]
 
 
 def test_numbers_without_room_to_be_written_are_a_curve(runs: dict[str, Run]) -> None:

@@ -33,6 +33,7 @@ from cspdiag.simulate.record.plot.series import (
     WHOLE_NUMBERS,
     Series,
     apart,
+    end_of,
     quantity,
     series_of,
     shortened,
@@ -56,6 +57,8 @@ _SAFE = "   ·   ▾ ▴ safe value, off the scale"
 _MOST_COLUMNS = 3
 _PANEL_HEIGHT = 1.7
 _COLUMN_WIDTH = 4.8
+_BEFORE = 0.005
+"""Part of the width that is left free before 0 s, so that what happens at the beginning does not stand on the axis."""
 _LINE_WIDTH = 1.2
 _WIDER = 1.5
 _STYLE = {
@@ -104,6 +107,7 @@ def plot(run: RunData, path: Path | None) -> Figure:
         lanes = max(len(column.lanes) for column in columns)
         heights = [LANE_HEIGHT * lanes + 0.05] * bool(lanes) + [_PANEL_HEIGHT] * len(rows) or [_PANEL_HEIGHT]
         width = 1.6 + _COLUMN_WIDTH * len(columns) * (1 if len(columns) > 1 else 1.35)
+        inches = _COLUMN_WIDTH * (0.62 if len(columns) > 1 else 1.12)
         figure = Figure(figsize=(width, 0.9 + sum(heights) + 0.1 * len(heights)), layout="constrained")
         grid = figure.add_gridspec(len(heights), len(columns), height_ratios=heights)
         shared: dict[int, Axes] = {}
@@ -115,9 +119,8 @@ def plot(run: RunData, path: Path | None) -> Figure:
                     grid[row, position], sharex=first, sharey=None if is_lanes else shared.get(row)
                 )
                 first = first or axes
-                axes.set_xlim(0, max(run.outcome.time / 1e9, 1e-6))
+                axes.set_xlim(-_BEFORE * end_of(run), end_of(run))
                 if is_lanes:
-                    inches = _COLUMN_WIDTH * (0.62 if len(columns) > 1 else 1.12)
                     draw_lanes(axes, column.lanes, axes.get_xlim()[1], inches)
                 elif rows:
                     shared.setdefault(row, axes)
@@ -138,6 +141,7 @@ def plot(run: RunData, path: Path | None) -> Figure:
             below.set_xlabel(below.get_xlabel() + _SAFE)
         # The layout of the first time decides how many ticks there are, and these how wide their labels are.
         figure.draw_without_rendering()
+        _widen(figure, inches, len(columns))
         if path is not None:
             write_whole(path, _rendered(figure, path.suffix.lstrip(".") or "svg"))
     return figure
@@ -146,6 +150,15 @@ def plot(run: RunData, path: Path | None) -> Figure:
 def svg_text(run: RunData) -> str:
     """The figure as SVG."""
     return _rendered(plot(run, None), "svg").decode()
+
+
+def _widen(figure: Figure, inches: float, columns: int) -> None:
+    """Gives every column the width that decided which texts have room, however long the names beside it are."""
+    missing = inches - min(axes.get_window_extent().width / figure.dpi for axes in figure.axes)
+    if missing > 0:
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(width + missing * columns, height)
+        figure.draw_without_rendering()
 
 
 def _rendered(figure: Figure, kind: str) -> bytes:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType
 from cspdiag.simulate.record.modes import ModeGroup
-from cspdiag.simulate.record.plot.series import Series, apart, shortened, stairs
+from cspdiag.simulate.record.plot.labels import Event, labels_of
+from cspdiag.simulate.record.plot.series import Series, apart, end_of, shortened, stairs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +59,7 @@ class Lane:
     name: str
     bars: Sequence[Bar] = ()
     truth: Series | None = None
-    events: Sequence[tuple[float, str]] = ()
+    events: Sequence[Event] = ()
     arrivals: Sequence[float] = ()
 
 
@@ -125,20 +126,20 @@ def are_events(series: Series) -> bool:
 
     if not (series.is_event and isinstance(series.type, IntType)):
         return False
-    return sum(len(str(series.value[position])) + 2 for position in series.changes) <= _MOST_LETTERS
+    return sum(len(str(series.value[position])) + 2 for position in series.written) <= _MOST_LETTERS
 
 
 def series_lane(run: RunData, series: Series) -> Lane:
     """The lane of truth values, literals or events."""
-    end = run.outcome.time / 1e9
+    end = end_of(run)
     arrivals = apart(series, end).time.tolist() if series.is_event else []
     if isinstance(series.type, BoolType):
         return Lane(series.name, truth=series, arrivals=arrivals)
+    if not isinstance(series.type, EnumType):
+        events = [Event(float(series.time[at]), str(series.value[at])) for at in series.written]
+        return Lane(series.name, events=events, arrivals=arrivals)
     changes = series.changes.tolist()
     instants = [float(series.time[position]) for position in changes]
-    if not isinstance(series.type, EnumType):
-        shown = [str(series.value[position]) for position in changes]
-        return Lane(series.name, events=list(zip(instants, shown, strict=True)), arrivals=arrivals)
     ends = [*instants[1:], end]
     literals = series.type.literals
     bars = [
@@ -154,6 +155,11 @@ def series_lane(run: RunData, series: Series) -> Lane:
     return Lane(series.name, bars, arrivals=arrivals)
 
 
+_SEVERAL = "several, briefly"
+_SEVERAL_COLOR = "#555555"
+"""Of bars that are too narrow to be distinguished."""
+
+
 def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> None:
     """Draw lanes below each other; ``inches`` is how wide the axes are about, which says what texts have room."""
     axes.set_ylim(len(lanes), 0)
@@ -167,7 +173,7 @@ def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> 
     for row, lane in enumerate(lanes):
         axes.axhline(row, color="#dddddd", linewidth=0.4, zorder=0)
         sort = lane.name.partition("[")[0]
-        untold_bars = _draw_bars(axes, row, _joined(lane.bars, end), letter)
+        untold_bars = _draw_bars(axes, row, _joined(lane.bars, end), letter, end * _NARROW)
         untold.update({(sort, name): color for name, color in untold_bars.items()})
         if lane.truth is not None:
             _draw_truth(axes, row, lane.truth, end)
@@ -178,17 +184,17 @@ def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> 
         _legend(axes, untold)
 
 
-def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float) -> dict[str, str]:
-    """Draws bars; the colours of those that have no room for their names, by name."""
+def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float, least: float) -> dict[str, str]:
+    """Draws bars, none narrower than ``least``; the colours of those that have no room for their names, by name."""
     from matplotlib.patches import Rectangle
 
     shown = set()
     for bar in bars:
         axes.add_patch(
             Rectangle(
-                (bar.start, row + _HIGH), bar.end - bar.start, _LOW - _HIGH,
+                (bar.start, row + _HIGH), max(bar.end - bar.start, least), _LOW - _HIGH,
                 facecolor="none" if bar.thin else bar.color,
-                edgecolor=INK, linewidth=0.3 if bar.thin else 0.7,
+                edgecolor=INK, linewidth=0.3 if bar.thin else 0.7, zorder=1.5 if bar.end - bar.start < least else 1,
             )
         )  # fmt: skip
         if bar.text and (len(bar.text) + 0.7) * letter <= bar.end - bar.start:
@@ -205,7 +211,8 @@ def _joined(bars: Sequence[Bar], end: float) -> list[Bar]:
     for bar in bars:
         last = joined[-1] if joined else None
         if last is not None and max(bar.end - last.start, 0) < end * _NARROW and bar.start - last.end < end * _NARROW:
-            joined[-1] = Bar(last.start, bar.end, "" if bar.text != last.text else bar.text, "#555555")
+            text = bar.text if bar.text == last.text else _SEVERAL
+            joined[-1] = Bar(last.start, bar.end, text, _SEVERAL_COLOR)
         else:
             joined.append(bar)
     return joined
@@ -236,12 +243,11 @@ def _draw_events(axes: Axes, row: int, lane: Lane, end: float, letter: float) ->
         marker = {"marker": "d", "markersize": 4}
     if lane.arrivals:  # an empty line that is not clipped would stretch the layout
         axes.plot(lane.arrivals, [below] * len(lane.arrivals), linestyle="", color=INK, clip_on=False, **marker)
-    beside = lane.arrivals if is_wide else [instant for instant, _ in lane.events]
-    for instant, text in lane.events:
-        following = next((other for other in beside if other > instant), end + 6 * letter)
-        if (len(text) + 2) * letter <= following - instant:
-            place = (instant + letter, row + 0.52) if is_wide else (instant, row + 0.4)
-            axes.text(*place, text, va="center", fontsize=7, color="#222222")
+    marks = lane.arrivals if is_wide else [event.instant for event in lane.events]
+    for label in labels_of(lane.events, marks, end, letter, gap=letter if is_wide else 0.0):
+        height = row + (0.52 if is_wide else 0.4)
+        side = "right" if label.is_left else "left"
+        axes.text(label.place, height, label.text, ha=side, va="center", fontsize=7, color="#222222")
 
 
 def _legend(axes: Axes, names: dict[tuple[str, str], str]) -> None:

@@ -53,12 +53,26 @@ class Series:
         return numpy.flatnonzero(numpy.concatenate([[True], different])) if len(self.value) else numpy.array([], int)
 
     @property
+    def written(self) -> numpy.ndarray:
+        """Positions of the values that a text has to say: the changes, and all of an instant that has several."""
+        import numpy
+
+        together = self.time[1:] == self.time[:-1]
+        several = numpy.flatnonzero(numpy.append(together, False) | numpy.append(False, together))
+        return numpy.union1d(self.changes, several) if len(self.value) else self.changes
+
+    @property
     def repeated(self) -> Series:
         """The values that are the same as the one before: nothing in a held line shows that they came."""
         import numpy
 
         again = numpy.setdiff1d(numpy.arange(len(self.value)), self.changes)
         return replaced(self, time=self.time[again], value=self.value[again], unread=self.unread[again])
+
+
+def end_of(run: RunData) -> float:
+    """Where the axis of time ends, in seconds; a run of 0 s has a width, too."""
+    return run.outcome.time / 1e9 or 1e-6
 
 
 def series_of(run: RunData) -> list[Series]:
