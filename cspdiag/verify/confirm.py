@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from itertools import islice
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -15,6 +15,7 @@ from cspdiag.proofs.answers.prove import answered, not_followed, not_replayed, p
 from cspdiag.proofs.answers.question import Property, Question
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification
 from cspdiag.proofs.verdict import LimitError, Limits, Method
+from cspdiag.verify.alarm import ended_by_alarm
 from cspdiag.verify.systems import SystemCache, VerificationError
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class Verifier:
         *,
         spin: bool = False,
         settings: Mapping[str, str] | None = None,
-        enforced: Enforced = nullcontext,
+        enforced: Enforced = ended_by_alarm,
     ) -> None:
         self._obligations = obligations
         self._read = read

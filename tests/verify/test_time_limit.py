@@ -9,9 +9,9 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
-from cspdiag.cli.support.proofs.alarm import ended_by_alarm
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify import suggest
+from cspdiag.verify.alarm import ended_by_alarm
 from cspdiag.verify.confirm import Verifier, replayed
 from cspdiag.verify.replay import attempt, attempts
 from cspdiag.verify.runs.trace import Trace

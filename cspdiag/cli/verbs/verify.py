@@ -160,16 +160,13 @@ def _settings(arguments: Namespace) -> dict[str, str]:
 
 
 def _answers(obligations: ProofObligations, arguments: Namespace, read: Reader) -> list[Answer]:
-    from cspdiag.cli.support.proofs.alarm import ended_by_alarm
     from cspdiag.proofs.verdict import Limits
     from cspdiag.verify.confirm import Verifier
     from cspdiag.verify.systems import VerificationError
 
     memory = int(arguments.memory_limit * 1e6)
     spin = arguments.engine == "spin"
-    verifier = Verifier(
-        obligations, read, arguments.method, spin=spin, settings=_settings(arguments), enforced=ended_by_alarm
-    )
+    verifier = Verifier(obligations, read, arguments.method, spin=spin, settings=_settings(arguments))
     try:
         return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in obligations.questions]
     except VerificationError as problem:

@@ -4,25 +4,33 @@ from __future__ import annotations
 
 import gc
 import importlib
-import signal
 import sys
 import threading
+import time
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from cspdiag import pipeline
+from cspdiag import parse, pipeline
 from cspdiag.base import SourceFile
-from cspdiag.cli.support.proofs import alarm
-from cspdiag.cli.support.proofs.alarm import ended_by_alarm
-from cspdiag.proofs import portfolio
+from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.kernel.stopping import stopping
+from cspdiag.verify import alarm
+from cspdiag.verify.alarm import ended_by_alarm
 from cspdiag.verify.confirm import Verifier
-from tests.cli.conftest import Command
 from tests.verify.test_time_limit import STUCK, read
 
-pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs timers with signals")
+pytestmark = pytest.mark.skipif(sys.implementation.name != "cpython", reason="needs exceptions in other threads")
+
+BUSY = """process Busy {
+  communication { var n : int = 0 }
+  composition { mu (if n < 3 then skip else wait 1 ms) }
+}
+assert Busy livelock free
+"""
 
 
 def never_look_at_the_clock(*_: object) -> None:
@@ -103,6 +111,16 @@ def test_modules_are_loaded_to_their_end(tmp_path: Path, monkeypatch: pytest.Mon
     assert sys.modules.pop("slow_to_load").loaded
 
 
+@pytest.fixture
+def often_switched() -> Iterator[None]:
+    """Threads take turns every tenth of a millisecond."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-4)
+    yield
+    sys.setswitchinterval(before)
+
+
+@pytest.mark.usefixtures("often_switched")
 @pytest.mark.filterwarnings("error")
 def test_at_whatever_moment_it_rings_the_answer_is_none_or_the_right_one(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -125,34 +143,25 @@ def test_at_whatever_moment_it_rings_the_answer_is_none_or_the_right_one(
     assert capsys.readouterr().err == ""
 
 
-def test_afterwards_no_alarm_is_left() -> None:
-    before = signal.getsignal(signal.SIGALRM)
+def test_afterwards_no_alarm_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(alarm, "LATER", 0.01)
+    hook, filters = sys.unraisablehook, list(warnings.filters)
     with ended_by_alarm(Limits()):
-        assert signal.getitimer(signal.ITIMER_REAL)[0] > 0
-    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
-    assert signal.getsignal(signal.SIGALRM) is before
+        (waiting,) = (thread for thread in threading.enumerate() if thread.name == "time limit")
+    waiting.join(5)
+    assert not waiting.is_alive()
+    with pytest.raises(LimitError), ended_by_alarm(Limits(seconds=0.0)):
+        never_look_at_the_clock()
+    end = time.monotonic() + 0.05
+    while time.monotonic() < end:
+        pass
+    assert (sys.unraisablehook, list(warnings.filters)) == (hook, filters)
 
 
-def test_in_another_thread_there_is_none() -> None:
-    seen: list[tuple[float, float]] = []
-
-    def look() -> None:
-        with ended_by_alarm(Limits()):
-            seen.append(signal.getitimer(signal.ITIMER_REAL))
-
-    thread = threading.Thread(target=look)
-    thread.start()
-    thread.join()
-    assert seen == [(0.0, 0.0)]
-
-
-def test_a_method_that_never_looks_at_the_clock_is_an_unknown_answer(
-    cspdiag: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(portfolio._ENGINES, "rules", never_look_at_the_clock)
-    program = tmp_path / "idle.csp"
-    program.write_text("process Idle {\n  composition {\n    mu wait 1 s\n  }\n}\n\nassert Idle deadlock free\n")
-    result = cspdiag("verify", "--no-cache", "--time-limit", "0.01", str(program))
-    assert result.code == 1
-    assert "UNKNOWN  Idle deadlock free" in result.err
-    assert "the time limit of 0.01 s was reached" in result.err
+def test_it_rings_in_the_thread_that_asks() -> None:
+    found: list[Answer] = []
+    program = parse(BUSY)
+    asking = threading.Thread(target=lambda: found.extend(program.verify(time_limit=0.5)), daemon=True)
+    asking.start()
+    asking.join(30)
+    assert [answer.outcome for answer in found] == ["unknown"]
