@@ -48,7 +48,8 @@ def _best_repetition(sequence: Sequence[int], start: int) -> tuple[int, int]:
 def _loop(body: Sequence[Action], times: int, counter: str) -> list[Action]:
     place = body[0]
     counted = VariableValue(type=INT, channel=counter)
-    one_more: Expression = BinaryOperation(type=INT, operator="+", left=counted, right=LiteralValue(type=INT, value=1))
+    before = VariableValue(type=INT, channel=counter, range=(0, times - 1))  # one more is surely a number
+    one_more: Expression = BinaryOperation(type=INT, operator="+", left=before, right=LiteralValue(type=INT, value=1))
     is_last = BinaryOperation(type=BOOL, operator="==", left=counted, right=LiteralValue(type=INT, value=times))
     zero = LiteralValue(type=INT, value=0)
     return [

@@ -147,3 +147,17 @@ def test_ports_that_count_are_attached_in_loops() -> None:
     star = pipeline.generate(network, read_source, "c")["star.c"]
     assert "ports_of_server.request[i] = &self->client_request[i];" in star
     assert ".request[1] =" not in star
+
+
+def test_a_long_law_is_one_function_wherever_it_runs() -> None:
+    network = network_of(PROGRAMS / "faults_within_long_laws.csp")
+    main = pipeline.generate(network, read_source, "c", 1)["main_.c"]
+    assert main.count("static bool main__law_calculate(struct main_ *self)") == 1
+    assert main.count("(void)main__law_calculate(self);") == 3
+    assert "    const int8_t error = " in main  # its variables are called as in the text
+
+
+def test_turns_of_a_fused_loop_are_counted_without_looking_for_overflow() -> None:
+    network = network_of(ROOT / "models" / "cascade" / "cascade.csp")
+    cascade = pipeline.generate(network, read_source, "c", 1)["cascade.c"]
+    assert "self->turn = self->turn + 1;" in cascade

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from cspdiag.base.record import record
+from cspdiag.codegen.c.laws.equations import Check
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
 from cspdiag.codegen.c.laws.laws import law_may_fault, law_members
 from cspdiag.codegen.c.process.plain_steps import (
@@ -20,16 +22,21 @@ from cspdiag.codegen.c.process.plain_steps import (
 )
 from cspdiag.codegen.c.process.routines import Waiting
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, ignored, infix, own
+from cspdiag.codegen.c.text.code import EQUALITY, Call, Code, address, call, code, ignored, infix, own
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.media import Spelling
-from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, go, in_block, run, store
+from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.statements import Plain, Remark, Statement, choose, give, go, in_block, run, store
+from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, SignalValue
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, SubmodelClass
 
 EXTERNAL = ("latched", "direct")
+
+_LONGEST_BLOCK = 10
+"""A run of more equations than this is a function of its own, and the step function stays short."""
 
 
 @record
@@ -121,30 +128,54 @@ def write_outputs(writer: Writer, step: ir.WriteOutputs) -> list[Statement]:
 
 
 def run_inlined_law(writer: Writer, step: ir.RunLaw) -> list[Statement]:
-    """One run of an inlined law; what only it needs are local variables of a block."""
+    """One run of an inlined law: a function if it is long, else a block in which what only it needs are local
+    variables.
+    """
+
+    def look(where: str) -> list[Plain]:
+        return [run(call("CSP_FAULT_INSIDE", quoted(step.law), quoted(where), writer.failing()))]
+
+    outside = writer.members.local_signals
+    local = {name: outside[name] for name, _ in run_law_signals(step) if name in outside}
+    text = f"{step.law}: {' '.join(step.doc.split())}" if step.doc else step.law
+    remark = Remark(f"{text} ({writer.where(step)})")
+    if len(step.equations) + len(step.next_values) + len(step.derivatives) <= _LONGEST_BLOCK:
+        return [remark, *in_block(_law_statements(writer, step, look, local))]
+    if not step.derivatives:  # Their integration has local variables of its own.
+        names = Names({*writer.members.types.names.globals, "self"})
+        local = {name: names[name.removeprefix(f"{step.law}.")] for name in local}
+    body = _law_statements(writer, step, lambda where: [run(call("CSP_CHECK_LAW", quoted(where)))], local)
+    faulty = any(isinstance(node, Call) and node.function == "CSP_CHECK_LAW" for node in nodes(body))
+    name = writer.law_function(
+        step.law, [*body, give("true")] if faulty else body, "bool" if faulty else "void", remark
+    )
+    called = call(name, "self")
+    ran = [run(ignored(called)), *look(writer.where(step))] if faulty else [run(called)]
+    return [Remark(f"{step.law} ({writer.where(step)})"), *ran]
+
+
+def _law_statements(writer: Writer, step: ir.RunLaw, check: Check, local: Mapping[str, str]) -> list[Statement]:
+    """``local`` are the names of the signals that are local variables."""
     members = writer.members
 
     def place(item: Declared) -> str:
         return writer.names.place(item.span.file, item.span.line)
 
-    def look(where: str) -> list[Plain]:
-        return [run(call("CSP_FAULT_INSIDE", quoted(step.law), quoted(where), writer.failing()))]
+    def signal(name: str) -> Code:
+        return code(local[name]) if name in local else members.signal(name)
 
-    local = {name: members.local_signals[name] for name, _ in run_law_signals(step) if name in members.local_signals}
     law = run_law(
         step,
         members.process,
         owner=writer.struct,
-        printer=writer.printer,
+        printer=replace(writer.printer, signal=signal),
         place=place,
-        check=look,
+        check=check,
         types_of=members.signal_types,
         local=local,
     )
     writer.add_function(law.functions)
-    unread = [run(ignored(code(name))) for signal, name in local.items() if signal in law.unread]
-    text = f"{step.law}: {' '.join(step.doc.split())}" if step.doc else step.law
-    return [Remark(f"{text} ({writer.where(step)})"), *in_block([*law.statements, *unread])]
+    return [*law.statements, *(run(ignored(code(name))) for signal, name in local.items() if signal in law.unread)]
 
 
 def reset_law_states(writer: Writer, step: ir.ResetStates) -> list[Statement]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.writer import Writer
-from cspdiag.codegen.c.text.code import SUM, Aggregate, Parenthesized, address, call, code, infix, own, unsigned
+from cspdiag.codegen.c.text.code import SUM, Aggregate, Code, Parenthesized, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.names import identifier
 from cspdiag.codegen.c.text.statements import Directive, Plain, Remark, Statement, go, run
 from cspdiag.codegen.shared.trees import nodes
@@ -53,7 +53,8 @@ def report(writer: Writer, step: ReportCommunication) -> list[Statement]:
     """Tells the trace of a communication that is no more than an assignment."""
     number = writer.members.report(step.channel, step.value.type)
     slot = writer.slot(step.channel, step.value.type, "reported")
-    channel = infix("+", SUM, own("first_report"), unsigned(number))
+    first: Code = own("first_report")
+    channel = infix("+", SUM, first, unsigned(number)) if number else first
     if not writer.may_fault(step.value):
         value = writer.printed(step.value)
         has_braces = any(isinstance(node, Aggregate) for node in nodes(value))

@@ -20,6 +20,7 @@ from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.c.text.rolling import VARIABLE
 from cspdiag.codegen.c.text.statements import (
     For,
+    Function,
     Label,
     Plain,
     Remark,
@@ -84,6 +85,7 @@ class Writer:
         definitions.
         """
         self._singles: dict[tuple[str, str], str] = {}
+        self._laws: dict[tuple[str, tuple[Statement, ...]], str] = {}
         self._sizes: dict[tuple[str, str], str] = {}
         self._slots: dict[tuple[str, str], list[StructMember]] = {}
         self._offers: dict[str, int] = {}
@@ -206,6 +208,15 @@ class Writer:
         """A function that step functions call, once however often it is added."""
         if function and tuple(function) not in self.functions:
             self.functions.append(tuple(function))
+
+    def law_function(self, law: str, body: Sequence[Statement], result: str, remark: Remark) -> str:
+        """The name of the function for the runs of an inlined law that do the same."""
+        key = (law, tuple(body))
+        if key not in self._laws:
+            name = self._laws[key] = self.states.fresh(f"{self.struct}_{identifier(snake_case(law))}_calculate")
+            head = f"static {result} {name}"
+            self.add_function([remark, Function(head, (f"struct {self.struct} *self",), key[1])])
+        return self._laws[key]
 
     def add_member(self, name: str, type_: str) -> Code:
         """A new member for the present step function: one for each branch that it is the step function of."""

@@ -196,8 +196,16 @@ class Conditional(Code):
     _PRECEDENCE = CONDITIONAL
 
     def _document(self) -> Document:
+        return self._choices(self.condition.document)
+
+    @property
+    def with_whole_condition(self) -> Document:
+        """The text, broken behind the condition at the earliest."""
+        return self._choices(Flat(self.condition.document))
+
+    def _choices(self, condition: Document) -> Document:
         choices = (LINE, "? ", self.then.document, LINE, ": ", self.otherwise.document)
-        return Group(Nest(STEP, (self.condition.document, choices)))
+        return Group(Nest(STEP, (condition, choices)))
 
 
 @record
@@ -211,7 +219,8 @@ class Assignment(Code):
     _PRECEDENCE = ASSIGNMENT
 
     def _document(self) -> Document:
-        return assigned((self.target.document, f" {self.operator}"), self.value.document)
+        preferred = self.value.with_whole_condition if isinstance(self.value, Conditional) else None
+        return assigned((self.target.document, f" {self.operator}"), self.value.document, preferred)
 
 
 @record
@@ -253,16 +262,14 @@ class Aggregate(Code):
         return Group((before, Nest(STEP, (SOFT, items)), SOFT, "}"))
 
 
-def assigned(head: Document, value: Document) -> Document:
-    """``head value``: on one line, else all of the value on the next, else broken inside the value."""
-    return FirstThatFits(
-        (
-            (head, " ", Flat(value)),
-            (head, Nest(STEP, (LINE, Flat(value)))),
-            (head, " ", value),
-            (head, Nest(STEP, (LINE, value))),
-        )
-    )
+def assigned(head: Document, value: Document, preferred: Document | None = None) -> Document:
+    """``head value``: on one line, else all of the value on the next, else broken inside the value, in a ``preferred``
+    way if there is one that fits.
+    """
+    layouts: list[Document] = [(head, " ", Flat(value)), (head, Nest(STEP, (LINE, Flat(value))))]
+    for broken in (value,) if preferred is None else (preferred, value):
+        layouts += [(head, " ", broken), (head, Nest(STEP, (LINE, broken)))]
+    return FirstThatFits(tuple(layouts))
 
 
 def code(item: Code | str) -> Code:
@@ -377,4 +384,7 @@ def in_order(parts: tuple[Code, ...]) -> Code:
 
 def mentions_self(item: object) -> bool:
     """Whether an expression or statements need the object that the function is about."""
-    return any(isinstance(node, Own) for node in nodes(item))
+    return any(isinstance(node, Own) or node == _SELF for node in nodes(item))
+
+
+_SELF = Atom("self")

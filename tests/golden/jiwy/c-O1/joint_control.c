@@ -22,6 +22,237 @@ enum {
     HOMING_RUN_SERVO_FAILS
 };
 
+/* alignL.velocity: Constant speed: PI on the filtered difference of the encoder, its output
+ * limited, so that it presses gently on the end stop. The end stop is the joint standing still
+ * for `dwell` although the controller drives with more than `effort`; `max` is where the joint
+ * is. (jiwy.csp:39)
+ */
+static bool joint_control_align_l_velocity_calculate(struct joint_control *self)
+{
+    /* laws.csp:103 */
+    const double difference = self->alignL_velocity_moving
+        ? csp_divide(self->alignL_velocity_feedback - self->alignL_velocity_last,
+            self->alignL_velocity_sample)
+        : 0.0;
+    CSP_CHECK_LAW("laws.csp:103");
+    /* laws.csp:104 */
+    const double velocity = self->alignL_velocity_filtered
+        + csp_divide(self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
+            * (difference - self->alignL_velocity_filtered);
+    CSP_CHECK_LAW("laws.csp:104");
+    const double error = -1.0 - velocity; /* laws.csp:105 */
+    /* laws.csp:106 */
+    const double i = self->alignL_velocity_ui + self->alignL_velocity_sample * 2.2 * error;
+    const double sum = self->alignKp * error + i; /* laws.csp:107 */
+    self->alignL_velocity_control = csp_real(csp_limit(sum, -1.5, 1.5)); /* laws.csp:109 */
+    CSP_CHECK_LAW("laws.csp:109");
+    /* laws.csp:115 */
+    const bool pressing = (fabs(velocity) < 0.1) && (self->alignL_velocity_control * -1.0 > 0.9);
+    /* laws.csp:116 */
+    const double held =
+        pressing ? self->alignL_velocity_pressed + self->alignL_velocity_sample : 0.0;
+    self->alignL_velocity_stop = held >= 0.1; /* laws.csp:118 */
+    const double filtered_next = csp_real(velocity); /* laws.csp:99 */
+    CSP_CHECK_LAW("laws.csp:99");
+    /* laws.csp:100 */
+    const double ui_next =
+        csp_real((sum == self->alignL_velocity_control) ? i : self->alignL_velocity_ui);
+    CSP_CHECK_LAW("laws.csp:100");
+    const double pressed_next = csp_real(held); /* laws.csp:101 */
+    CSP_CHECK_LAW("laws.csp:101");
+    self->alignL_velocity_moving = true; /* laws.csp:97 */
+    self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:98 */
+    self->alignL_velocity_filtered = filtered_next; /* laws.csp:99 */
+    self->alignL_velocity_ui = ui_next; /* laws.csp:100 */
+    self->alignL_velocity_pressed = pressed_next; /* laws.csp:101 */
+    return true;
+}
+
+/* alignR.velocity: Constant speed: PI on the filtered difference of the encoder, its output
+ * limited, so that it presses gently on the end stop. The end stop is the joint standing still
+ * for `dwell` although the controller drives with more than `effort`; `max` is where the joint
+ * is. (jiwy.csp:39)
+ */
+static bool joint_control_align_r_velocity_calculate(struct joint_control *self)
+{
+    /* laws.csp:103 */
+    const double difference = self->alignR_velocity_moving
+        ? csp_divide(self->alignR_velocity_feedback - self->alignR_velocity_last,
+            self->alignR_velocity_sample)
+        : 0.0;
+    CSP_CHECK_LAW("laws.csp:103");
+    /* laws.csp:104 */
+    const double velocity = self->alignR_velocity_filtered
+        + csp_divide(self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
+            * (difference - self->alignR_velocity_filtered);
+    CSP_CHECK_LAW("laws.csp:104");
+    const double error = 1.0 - velocity; /* laws.csp:105 */
+    /* laws.csp:106 */
+    const double i = self->alignR_velocity_ui + self->alignR_velocity_sample * 2.2 * error;
+    const double sum = self->alignKp * error + i; /* laws.csp:107 */
+    self->alignR_velocity_control = csp_real(csp_limit(sum, -1.5, 1.5)); /* laws.csp:109 */
+    CSP_CHECK_LAW("laws.csp:109");
+    /* laws.csp:115 */
+    const bool pressing = (fabs(velocity) < 0.1) && (self->alignR_velocity_control > 0.9);
+    /* laws.csp:116 */
+    const double held =
+        pressing ? self->alignR_velocity_pressed + self->alignR_velocity_sample : 0.0;
+    self->alignR_velocity_stop = held >= 0.1; /* laws.csp:118 */
+    const double filtered_next = csp_real(velocity); /* laws.csp:99 */
+    CSP_CHECK_LAW("laws.csp:99");
+    /* laws.csp:100 */
+    const double ui_next =
+        csp_real((sum == self->alignR_velocity_control) ? i : self->alignR_velocity_ui);
+    CSP_CHECK_LAW("laws.csp:100");
+    const double pressed_next = csp_real(held); /* laws.csp:101 */
+    CSP_CHECK_LAW("laws.csp:101");
+    self->alignR_velocity_moving = true; /* laws.csp:97 */
+    self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:98 */
+    self->alignR_velocity_filtered = filtered_next; /* laws.csp:99 */
+    self->alignR_velocity_ui = ui_next; /* laws.csp:100 */
+    self->alignR_velocity_pressed = pressed_next; /* laws.csp:101 */
+    return true;
+}
+
+/* motionControl.servo: Position servo of one joint. The set-point counts from the centre between
+ * the end stops, 1 being `reach`; `reference` is the angle that this means. The voltage for the
+ * friction is added in the direction in which the profile moves. `stop` tells that the joint has
+ * stood where it should for `dwell`. (jiwy.csp:68)
+ */
+static bool joint_control_motion_control_servo_calculate(struct joint_control *self)
+{
+    /* laws.csp:71 */
+    const double centre =
+        (self->motionControl_servo_leftmax + self->motionControl_servo_rightmax) / 2.0;
+    /* laws.csp:72 */
+    self->motionControl_servo_reference = csp_real(csp_limit(
+            centre + 1.25 * self->motionControl_servo_setpoint,
+            self->motionControl_servo_leftmax + 0.05, self->motionControl_servo_rightmax - 0.05));
+    CSP_CHECK_LAW("laws.csp:72");
+    /* laws.csp:35 */
+    const double profile_from = self->motionControl_servo_profile_moving
+        ? self->motionControl_servo_profile_last
+        : self->motionControl_servo_feedback;
+    /* laws.csp:36 */
+    const double profile_velocity =
+        csp_limit((self->motionControl_servo_reference - profile_from) / 0.05, -6.0, 6.0);
+    /* laws.csp:37 */
+    const double profile_angle = profile_from + self->motionControl_servo_sample * profile_velocity;
+    const double pid_error = profile_angle - self->motionControl_servo_feedback; /* laws.csp:75 */
+    /* laws.csp:15 */
+    const double pid_d = self->motionControl_servo_pid_f
+        * (self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta
+                * self->motionControl_servo_pid_ud
+            + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_kp
+                * (pid_error - self->motionControl_servo_pid_e1)
+            + self->motionControl_servo_sample * self->motionControl_servo_pid_kp * pid_error);
+    /* laws.csp:16 */
+    const double pid_i = self->motionControl_servo_pid_ui
+        + csp_divide(self->motionControl_servo_sample * pid_d, self->motionControl_servo_pid_tauI);
+    CSP_CHECK_LAW("laws.csp:16");
+    const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
+    const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
+    /* laws.csp:77 */
+    const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
+    /* laws.csp:78 */
+    self->motionControl_servo_control =
+        csp_real(csp_limit(supply * pid_output + assistance, -12.0, supply));
+    CSP_CHECK_LAW("laws.csp:78");
+    /* laws.csp:80 */
+    const double standing = (fabs(
+                self->motionControl_servo_reference - self->motionControl_servo_feedback)
+            < self->gains.tolerance)
+        ? self->motionControl_servo_arrived + self->motionControl_servo_sample
+        : 0.0;
+    const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
+    CSP_CHECK_LAW("laws.csp:33");
+    const double pid_e1_next = csp_real(pid_error); /* laws.csp:10 */
+    CSP_CHECK_LAW("laws.csp:10");
+    const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
+    CSP_CHECK_LAW("laws.csp:11");
+    /* laws.csp:12 */
+    const double pid_ui_next =
+        csp_real((pid_sum == pid_output) ? pid_i : self->motionControl_servo_pid_ui);
+    CSP_CHECK_LAW("laws.csp:12");
+    const double arrived_next = csp_real(standing); /* laws.csp:69 */
+    CSP_CHECK_LAW("laws.csp:69");
+    self->motionControl_servo_profile_moving = true; /* laws.csp:32 */
+    self->motionControl_servo_profile_last = profile_last_next; /* laws.csp:33 */
+    self->motionControl_servo_pid_e1 = pid_e1_next; /* laws.csp:10 */
+    self->motionControl_servo_pid_ud = pid_ud_next; /* laws.csp:11 */
+    self->motionControl_servo_pid_ui = pid_ui_next; /* laws.csp:12 */
+    self->motionControl_servo_arrived = arrived_next; /* laws.csp:69 */
+    return true;
+}
+
+/* homing.servo: Position servo of one joint. The set-point counts from the centre between the
+ * end stops, 1 being `reach`; `reference` is the angle that this means. The voltage for the
+ * friction is added in the direction in which the profile moves. `stop` tells that the joint has
+ * stood where it should for `dwell`. (jiwy.csp:97)
+ */
+static bool joint_control_homing_servo_calculate(struct joint_control *self)
+{
+    /* laws.csp:71 */
+    const double centre = (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
+    /* laws.csp:72 */
+    self->homing_servo_reference = csp_real(csp_limit(centre + 0.0,
+            self->homing_servo_leftmax + 0.05, self->homing_servo_rightmax - 0.05));
+    CSP_CHECK_LAW("laws.csp:72");
+    /* laws.csp:35 */
+    const double profile_from = self->homing_servo_profile_moving
+        ? self->homing_servo_profile_last
+        : self->homing_servo_feedback;
+    /* laws.csp:36 */
+    const double profile_velocity =
+        csp_limit((self->homing_servo_reference - profile_from) / 0.05, -6.0, 6.0);
+    /* laws.csp:37 */
+    const double profile_angle = profile_from + self->homing_servo_sample * profile_velocity;
+    const double pid_error = profile_angle - self->homing_servo_feedback; /* laws.csp:75 */
+    /* laws.csp:15 */
+    const double pid_d = self->homing_servo_pid_f
+        * (self->homing_servo_pid_tauD * self->homing_servo_pid_beta * self->homing_servo_pid_ud
+            + self->homing_servo_pid_tauD * self->homing_servo_pid_kp
+                * (pid_error - self->homing_servo_pid_e1)
+            + self->homing_servo_sample * self->homing_servo_pid_kp * pid_error);
+    /* laws.csp:16 */
+    const double pid_i = self->homing_servo_pid_ui
+        + csp_divide(self->homing_servo_sample * pid_d, self->homing_servo_pid_tauI);
+    CSP_CHECK_LAW("laws.csp:16");
+    const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
+    const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
+    /* laws.csp:77 */
+    const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
+    /* laws.csp:78 */
+    self->homing_servo_control =
+        csp_real(csp_limit(supply * pid_output + assistance, -12.0, supply));
+    CSP_CHECK_LAW("laws.csp:78");
+    /* laws.csp:80 */
+    const double standing =
+        (fabs(self->homing_servo_reference - self->homing_servo_feedback) < self->gains.tolerance)
+            ? self->homing_servo_arrived + self->homing_servo_sample
+            : 0.0;
+    self->homing_servo_stop = standing >= 0.1; /* laws.csp:82 */
+    const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
+    CSP_CHECK_LAW("laws.csp:33");
+    const double pid_e1_next = csp_real(pid_error); /* laws.csp:10 */
+    CSP_CHECK_LAW("laws.csp:10");
+    const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
+    CSP_CHECK_LAW("laws.csp:11");
+    /* laws.csp:12 */
+    const double pid_ui_next =
+        csp_real((pid_sum == pid_output) ? pid_i : self->homing_servo_pid_ui);
+    CSP_CHECK_LAW("laws.csp:12");
+    const double arrived_next = csp_real(standing); /* laws.csp:69 */
+    CSP_CHECK_LAW("laws.csp:69");
+    self->homing_servo_profile_moving = true; /* laws.csp:32 */
+    self->homing_servo_profile_last = profile_last_next; /* laws.csp:33 */
+    self->homing_servo_pid_e1 = pid_e1_next; /* laws.csp:10 */
+    self->homing_servo_pid_ud = pid_ud_next; /* laws.csp:11 */
+    self->homing_servo_pid_ui = pid_ui_next; /* laws.csp:12 */
+    self->homing_servo_arrived = arrived_next; /* laws.csp:69 */
+    return true;
+}
+
 static csp_party *joint_control_homing_run_servo_step(csp_party *party)
 {
     struct joint_control *const self =
@@ -40,88 +271,9 @@ static csp_party *joint_control_homing_run_servo_step(csp_party *party)
             self->homing_servo_rightmax = self->rightmax;
             CSP_TAKE(csp_sampled_read, &self->feedback_4, self->homing_servo_feedback,
                 HOMING_RUN_SERVO_READS_FEEDBACK, fails)
-            /* homing.servo: Position servo of one joint. The set-point counts from the centre
-             * between the end stops, 1 being `reach`; `reference` is the angle that this means.
-             * The voltage for the friction is added in the direction in which the profile moves.
-             * `stop` tells that the joint has stood where it should for `dwell`. (jiwy.csp:97)
-             */
-            {
-                /* laws.csp:71 */
-                const double homing_servo_centre =
-                    (self->homing_servo_leftmax + self->homing_servo_rightmax) / 2.0;
-                /* laws.csp:72 */
-                self->homing_servo_reference = csp_real(csp_limit(homing_servo_centre + 0.0,
-                        self->homing_servo_leftmax + 0.05, self->homing_servo_rightmax - 0.05));
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:72", fails);
-                /* laws.csp:35 */
-                const double homing_servo_profile_from = self->homing_servo_profile_moving
-                    ? self->homing_servo_profile_last
-                    : self->homing_servo_feedback;
-                /* laws.csp:36 */
-                const double homing_servo_profile_velocity = csp_limit(
-                    (self->homing_servo_reference - homing_servo_profile_from) / 0.05, -6.0, 6.0);
-                /* laws.csp:37 */
-                const double homing_servo_profile_angle = homing_servo_profile_from
-                    + self->homing_servo_sample * homing_servo_profile_velocity;
-                /* laws.csp:75 */
-                const double homing_servo_pid_error =
-                    homing_servo_profile_angle - self->homing_servo_feedback;
-                /* laws.csp:15 */
-                const double homing_servo_pid_d = self->homing_servo_pid_f
-                    * (self->homing_servo_pid_tauD * self->homing_servo_pid_beta
-                            * self->homing_servo_pid_ud
-                        + self->homing_servo_pid_tauD * self->homing_servo_pid_kp
-                            * (homing_servo_pid_error - self->homing_servo_pid_e1)
-                        + self->homing_servo_sample * self->homing_servo_pid_kp
-                            * homing_servo_pid_error);
-                /* laws.csp:16 */
-                const double homing_servo_pid_i = self->homing_servo_pid_ui
-                    + csp_divide(self->homing_servo_sample * homing_servo_pid_d,
-                        self->homing_servo_pid_tauI);
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:16", fails);
-                /* laws.csp:17 */
-                const double homing_servo_pid_sum = homing_servo_pid_i + homing_servo_pid_d;
-                /* laws.csp:19 */
-                const double homing_servo_pid_output = csp_limit(homing_servo_pid_sum, -0.99, 0.99);
-                /* laws.csp:77 */
-                const double homing_servo_assistance = self->gains.friction
-                    * csp_limit(homing_servo_profile_velocity / 0.05, -1.0, 1.0);
-                /* laws.csp:78 */
-                self->homing_servo_control = csp_real(csp_limit(
-                        supply * homing_servo_pid_output + homing_servo_assistance, -12.0, supply));
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:78", fails);
-                /* laws.csp:80 */
-                const double homing_servo_standing = (fabs(
-                            self->homing_servo_reference - self->homing_servo_feedback)
-                        < self->gains.tolerance)
-                    ? self->homing_servo_arrived + self->homing_servo_sample
-                    : 0.0;
-                self->homing_servo_stop = homing_servo_standing >= 0.1; /* laws.csp:82 */
-                /* laws.csp:33 */
-                const double homing_servo_profile_last_next = csp_real(homing_servo_profile_angle);
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:33", fails);
-                /* laws.csp:10 */
-                const double homing_servo_pid_e1_next = csp_real(homing_servo_pid_error);
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:10", fails);
-                /* laws.csp:11 */
-                const double homing_servo_pid_ud_next = csp_real(homing_servo_pid_d);
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:11", fails);
-                /* laws.csp:12 */
-                const double homing_servo_pid_ui_next = csp_real(
-                    (homing_servo_pid_sum == homing_servo_pid_output)
-                        ? homing_servo_pid_i
-                        : self->homing_servo_pid_ui);
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:12", fails);
-                /* laws.csp:69 */
-                const double homing_servo_arrived_next = csp_real(homing_servo_standing);
-                CSP_FAULT_INSIDE("homing.servo", "laws.csp:69", fails);
-                self->homing_servo_profile_moving = true; /* laws.csp:32 */
-                self->homing_servo_profile_last = homing_servo_profile_last_next; /* laws.csp:33 */
-                self->homing_servo_pid_e1 = homing_servo_pid_e1_next; /* laws.csp:10 */
-                self->homing_servo_pid_ud = homing_servo_pid_ud_next; /* laws.csp:11 */
-                self->homing_servo_pid_ui = homing_servo_pid_ui_next; /* laws.csp:12 */
-                self->homing_servo_arrived = homing_servo_arrived_next; /* laws.csp:69 */
-            }
+            /* homing.servo (jiwy.csp:97) */
+            (void)joint_control_homing_servo_calculate(self);
+            CSP_FAULT_INSIDE("homing.servo", "jiwy.csp:97", fails);
             /* PositionController (laws.csp:56) */
             CSP_CHECK(fails)
             csp_finite(self->homing_servo_control, self->control->name);
@@ -177,60 +329,9 @@ static csp_party *joint_control_align_r_run_velocity_step(csp_party *party)
             /* VelocityController (laws.csp:88) */
             CSP_TAKE(csp_sampled_read, &self->feedback_2, self->alignR_velocity_feedback,
                 ALIGN_R_RUN_VELOCITY_READS_FEEDBACK, fails)
-            /* alignR.velocity: Constant speed: PI on the filtered difference of the encoder, its
-             * output limited, so that it presses gently on the end stop. The end stop is the
-             * joint standing still for `dwell` although the controller drives with more than
-             * `effort`; `max` is where the joint is. (jiwy.csp:39)
-             */
-            {
-                /* laws.csp:103 */
-                const double alignR_velocity_difference = self->alignR_velocity_moving
-                    ? csp_divide(self->alignR_velocity_feedback - self->alignR_velocity_last,
-                        self->alignR_velocity_sample)
-                    : 0.0;
-                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:103", fails);
-                /* laws.csp:104 */
-                const double alignR_velocity_velocity = self->alignR_velocity_filtered
-                    + csp_divide(self->alignR_velocity_sample, 0.02 + self->alignR_velocity_sample)
-                        * (alignR_velocity_difference - self->alignR_velocity_filtered);
-                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:104", fails);
-                /* laws.csp:105 */
-                const double alignR_velocity_error = 1.0 - alignR_velocity_velocity;
-                /* laws.csp:106 */
-                const double alignR_velocity_i = self->alignR_velocity_ui
-                    + self->alignR_velocity_sample * 2.2 * alignR_velocity_error;
-                /* laws.csp:107 */
-                const double alignR_velocity_sum =
-                    self->alignKp * alignR_velocity_error + alignR_velocity_i;
-                /* laws.csp:109 */
-                self->alignR_velocity_control = csp_real(csp_limit(alignR_velocity_sum, -1.5, 1.5));
-                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:109", fails);
-                /* laws.csp:115 */
-                const bool alignR_velocity_pressing =
-                    (fabs(alignR_velocity_velocity) < 0.1) && (self->alignR_velocity_control > 0.9);
-                /* laws.csp:116 */
-                const double alignR_velocity_held = alignR_velocity_pressing
-                    ? self->alignR_velocity_pressed + self->alignR_velocity_sample
-                    : 0.0;
-                self->alignR_velocity_stop = alignR_velocity_held >= 0.1; /* laws.csp:118 */
-                /* laws.csp:99 */
-                const double alignR_velocity_filtered_next = csp_real(alignR_velocity_velocity);
-                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:99", fails);
-                /* laws.csp:100 */
-                const double alignR_velocity_ui_next = csp_real(
-                    (alignR_velocity_sum == self->alignR_velocity_control)
-                        ? alignR_velocity_i
-                        : self->alignR_velocity_ui);
-                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:100", fails);
-                /* laws.csp:101 */
-                const double alignR_velocity_pressed_next = csp_real(alignR_velocity_held);
-                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:101", fails);
-                self->alignR_velocity_moving = true; /* laws.csp:97 */
-                self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:98 */
-                self->alignR_velocity_filtered = alignR_velocity_filtered_next; /* laws.csp:99 */
-                self->alignR_velocity_ui = alignR_velocity_ui_next; /* laws.csp:100 */
-                self->alignR_velocity_pressed = alignR_velocity_pressed_next; /* laws.csp:101 */
-            }
+            /* alignR.velocity (jiwy.csp:39) */
+            (void)joint_control_align_r_velocity_calculate(self);
+            CSP_FAULT_INSIDE("alignR.velocity", "jiwy.csp:39", fails);
             /* VelocityController (laws.csp:88) */
             CSP_CHECK(fails)
             csp_finite(self->alignR_velocity_control, self->control->name);
@@ -287,60 +388,9 @@ static csp_party *joint_control_align_l_run_velocity_step(csp_party *party)
             /* VelocityController (laws.csp:88) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->alignL_velocity_feedback,
                 ALIGN_L_RUN_VELOCITY_READS_FEEDBACK, fails)
-            /* alignL.velocity: Constant speed: PI on the filtered difference of the encoder, its
-             * output limited, so that it presses gently on the end stop. The end stop is the
-             * joint standing still for `dwell` although the controller drives with more than
-             * `effort`; `max` is where the joint is. (jiwy.csp:39)
-             */
-            {
-                /* laws.csp:103 */
-                const double alignL_velocity_difference = self->alignL_velocity_moving
-                    ? csp_divide(self->alignL_velocity_feedback - self->alignL_velocity_last,
-                        self->alignL_velocity_sample)
-                    : 0.0;
-                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:103", fails);
-                /* laws.csp:104 */
-                const double alignL_velocity_velocity = self->alignL_velocity_filtered
-                    + csp_divide(self->alignL_velocity_sample, 0.02 + self->alignL_velocity_sample)
-                        * (alignL_velocity_difference - self->alignL_velocity_filtered);
-                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:104", fails);
-                /* laws.csp:105 */
-                const double alignL_velocity_error = -1.0 - alignL_velocity_velocity;
-                /* laws.csp:106 */
-                const double alignL_velocity_i = self->alignL_velocity_ui
-                    + self->alignL_velocity_sample * 2.2 * alignL_velocity_error;
-                /* laws.csp:107 */
-                const double alignL_velocity_sum =
-                    self->alignKp * alignL_velocity_error + alignL_velocity_i;
-                /* laws.csp:109 */
-                self->alignL_velocity_control = csp_real(csp_limit(alignL_velocity_sum, -1.5, 1.5));
-                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:109", fails);
-                /* laws.csp:115 */
-                const bool alignL_velocity_pressing = (fabs(alignL_velocity_velocity) < 0.1)
-                    && (self->alignL_velocity_control * -1.0 > 0.9);
-                /* laws.csp:116 */
-                const double alignL_velocity_held = alignL_velocity_pressing
-                    ? self->alignL_velocity_pressed + self->alignL_velocity_sample
-                    : 0.0;
-                self->alignL_velocity_stop = alignL_velocity_held >= 0.1; /* laws.csp:118 */
-                /* laws.csp:99 */
-                const double alignL_velocity_filtered_next = csp_real(alignL_velocity_velocity);
-                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:99", fails);
-                /* laws.csp:100 */
-                const double alignL_velocity_ui_next = csp_real(
-                    (alignL_velocity_sum == self->alignL_velocity_control)
-                        ? alignL_velocity_i
-                        : self->alignL_velocity_ui);
-                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:100", fails);
-                /* laws.csp:101 */
-                const double alignL_velocity_pressed_next = csp_real(alignL_velocity_held);
-                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:101", fails);
-                self->alignL_velocity_moving = true; /* laws.csp:97 */
-                self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:98 */
-                self->alignL_velocity_filtered = alignL_velocity_filtered_next; /* laws.csp:99 */
-                self->alignL_velocity_ui = alignL_velocity_ui_next; /* laws.csp:100 */
-                self->alignL_velocity_pressed = alignL_velocity_pressed_next; /* laws.csp:101 */
-            }
+            /* alignL.velocity (jiwy.csp:39) */
+            (void)joint_control_align_l_velocity_calculate(self);
+            CSP_FAULT_INSIDE("alignL.velocity", "jiwy.csp:39", fails);
             /* VelocityController (laws.csp:88) */
             CSP_CHECK(fails)
             csp_finite(self->alignL_velocity_control, self->control->name);
@@ -525,118 +575,10 @@ static csp_party *joint_control_step(csp_party *party)
                     motion_control_catches_timeout)
                 CSP_AWAIT(csp_offers_wait(&self->offers), csp_offers_again(party, &self->offers),
                     MOTION_CONTROL_READS_INPUTS, motion_control_catches_timeout)
-                /* motionControl.servo: Position servo of one joint. The set-point counts from
-                 * the centre between the end stops, 1 being `reach`; `reference` is the angle
-                 * that this means. The voltage for the friction is added in the direction in
-                 * which the profile moves. `stop` tells that the joint has stood where it should
-                 * for `dwell`. (jiwy.csp:68)
-                 */
-                {
-                    /* laws.csp:71 */
-                    const double motionControl_servo_centre = (self->motionControl_servo_leftmax
-                            + self->motionControl_servo_rightmax)
-                        / 2.0;
-                    /* laws.csp:72 */
-                    self->motionControl_servo_reference = csp_real(csp_limit(
-                            motionControl_servo_centre + 1.25 * self->motionControl_servo_setpoint,
-                            self->motionControl_servo_leftmax + 0.05,
-                            self->motionControl_servo_rightmax - 0.05));
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:72",
-                        motion_control_catches_timeout);
-                    /* laws.csp:35 */
-                    const double motionControl_servo_profile_from =
-                        self->motionControl_servo_profile_moving
-                            ? self->motionControl_servo_profile_last
-                            : self->motionControl_servo_feedback;
-                    /* laws.csp:36 */
-                    const double motionControl_servo_profile_velocity = csp_limit(
-                        (self->motionControl_servo_reference - motionControl_servo_profile_from)
-                            / 0.05,
-                        -6.0, 6.0);
-                    /* laws.csp:37 */
-                    const double motionControl_servo_profile_angle =
-                        motionControl_servo_profile_from
-                            + self->motionControl_servo_sample
-                                * motionControl_servo_profile_velocity;
-                    /* laws.csp:75 */
-                    const double motionControl_servo_pid_error =
-                        motionControl_servo_profile_angle - self->motionControl_servo_feedback;
-                    /* laws.csp:15 */
-                    const double motionControl_servo_pid_d = self->motionControl_servo_pid_f
-                        * (self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_beta
-                                * self->motionControl_servo_pid_ud
-                            + self->motionControl_servo_pid_tauD * self->motionControl_servo_pid_kp
-                                * (motionControl_servo_pid_error - self->motionControl_servo_pid_e1)
-                            + self->motionControl_servo_sample * self->motionControl_servo_pid_kp
-                                * motionControl_servo_pid_error);
-                    /* laws.csp:16 */
-                    const double motionControl_servo_pid_i = self->motionControl_servo_pid_ui
-                        + csp_divide(self->motionControl_servo_sample * motionControl_servo_pid_d,
-                            self->motionControl_servo_pid_tauI);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:16",
-                        motion_control_catches_timeout);
-                    /* laws.csp:17 */
-                    const double motionControl_servo_pid_sum =
-                        motionControl_servo_pid_i + motionControl_servo_pid_d;
-                    /* laws.csp:19 */
-                    const double motionControl_servo_pid_output =
-                        csp_limit(motionControl_servo_pid_sum, -0.99, 0.99);
-                    /* laws.csp:77 */
-                    const double motionControl_servo_assistance = self->gains.friction
-                        * csp_limit(motionControl_servo_profile_velocity / 0.05, -1.0, 1.0);
-                    /* laws.csp:78 */
-                    self->motionControl_servo_control = csp_real(csp_limit(
-                            supply * motionControl_servo_pid_output
-                                + motionControl_servo_assistance,
-                            -12.0, supply));
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:78",
-                        motion_control_catches_timeout);
-                    /* laws.csp:80 */
-                    const double motionControl_servo_standing = (fabs(
-                                self->motionControl_servo_reference
-                                    - self->motionControl_servo_feedback)
-                            < self->gains.tolerance)
-                        ? self->motionControl_servo_arrived + self->motionControl_servo_sample
-                        : 0.0;
-                    /* laws.csp:33 */
-                    const double motionControl_servo_profile_last_next =
-                        csp_real(motionControl_servo_profile_angle);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:33",
-                        motion_control_catches_timeout);
-                    /* laws.csp:10 */
-                    const double motionControl_servo_pid_e1_next =
-                        csp_real(motionControl_servo_pid_error);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:10",
-                        motion_control_catches_timeout);
-                    /* laws.csp:11 */
-                    const double motionControl_servo_pid_ud_next =
-                        csp_real(motionControl_servo_pid_d);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:11",
-                        motion_control_catches_timeout);
-                    /* laws.csp:12 */
-                    const double motionControl_servo_pid_ui_next = csp_real(
-                        (motionControl_servo_pid_sum == motionControl_servo_pid_output)
-                            ? motionControl_servo_pid_i
-                            : self->motionControl_servo_pid_ui);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:12",
-                        motion_control_catches_timeout);
-                    /* laws.csp:69 */
-                    const double motionControl_servo_arrived_next =
-                        csp_real(motionControl_servo_standing);
-                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:69",
-                        motion_control_catches_timeout);
-                    self->motionControl_servo_profile_moving = true; /* laws.csp:32 */
-                    /* laws.csp:33 */
-                    self->motionControl_servo_profile_last = motionControl_servo_profile_last_next;
-                    /* laws.csp:10 */
-                    self->motionControl_servo_pid_e1 = motionControl_servo_pid_e1_next;
-                    /* laws.csp:11 */
-                    self->motionControl_servo_pid_ud = motionControl_servo_pid_ud_next;
-                    /* laws.csp:12 */
-                    self->motionControl_servo_pid_ui = motionControl_servo_pid_ui_next;
-                    /* laws.csp:69 */
-                    self->motionControl_servo_arrived = motionControl_servo_arrived_next;
-                }
+                /* motionControl.servo (jiwy.csp:68) */
+                (void)joint_control_motion_control_servo_calculate(self);
+                CSP_FAULT_INSIDE("motionControl.servo", "jiwy.csp:68",
+                    motion_control_catches_timeout);
                 /* PositionController (laws.csp:56) */
                 CSP_CHECK(motion_control_catches_timeout)
                 csp_finite(self->motionControl_servo_control, self->control->name);
