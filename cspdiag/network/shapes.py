@@ -152,12 +152,12 @@ class ChannelShape:
         "declaration",
         "excused",
         "initial",
+        "iterations",
         "kind",
         "name",
         "replicators",
         "requested",
         "span",
-        "turns",
         "type",
     )
 
@@ -180,7 +180,7 @@ class ChannelShape:
         self.initial: Expression | None = None
         self.replicators: Mapping[ast.Node, Value] = {}
         """Values of the replicators around the declaration of a variable."""
-        self.turns: int | None = None
+        self.iterations: int | None = None
         """The number of iterations of a loop that a variable counts."""
 
     @property

@@ -232,7 +232,7 @@ class ProcessInstance:
                 while self.value(action.condition):
                     yield from self.steps(action.body)
             case act.CountedLoop():
-                for _ in range(action.turns):
+                for _ in range(action.iterations):
                     yield from self.steps(action.body)
             case act.IfElse():
                 yield from self.steps(action.then if self.value(action.condition) else action.otherwise)

@@ -7,7 +7,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
-from cspdiag.network.elaborate.turns import MOST_ALIKE_UNROLLED, MOST_UNROLLED
+from cspdiag.network.elaborate.counted_loops import MOST_ALIKE_UNROLLED, MOST_UNROLLED
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -47,7 +47,7 @@ def first_step(body: str) -> Action:
 def test_turns_that_are_all_the_same_are_a_loop() -> None:
     found = first_step(f"(seq i < {SOME} : y ! 1)")
     assert isinstance(found, CountedLoop)
-    assert found.turns == SOME
+    assert found.iterations == SOME
 
 
 def test_a_few_turns_are_written_down() -> None:
@@ -77,7 +77,7 @@ def test_many_turns_with_different_values_are_a_loop_that_counts(body: str) -> N
     begin, loop = found.steps
     assert isinstance(begin, AssignValue)
     assert isinstance(loop, CountedLoop)
-    assert (begin.target.channel, loop.turns) == ("i", MANY)
+    assert (begin.target.channel, loop.iterations) == ("i", MANY)
 
 
 def test_a_count_by_the_index_around_it_unrolls_a_sequence() -> None:
@@ -94,7 +94,7 @@ def test_indexes_of_the_same_name_have_variables_of_their_own() -> None:
 
 def test_an_index_that_counts_in_another_loop_is_a_value_there() -> None:
     main = process(network(MAIN.format(body=f"(seq i < {MANY} : (seq k < {MANY} : y ! i + k))")), "Main")
-    assert [part.turns for part in parts(main) if isinstance(part, CountedLoop)] == [MANY, MANY]
+    assert [part.iterations for part in parts(main) if isinstance(part, CountedLoop)] == [MANY, MANY]
 
 
 def test_a_condition_that_holds_in_every_turn_decides_nothing_in_the_run() -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.network.elaborate.turns import MOST_UNROLLED
+from cspdiag.network.elaborate.counted_loops import MOST_UNROLLED
 from tests.support.verifying import answer_to
 
 PROGRAM = """

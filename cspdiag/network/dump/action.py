@@ -67,7 +67,7 @@ def action_lines(action: ir.Action) -> Iterator[str]:
             yield f"while {expression_text(action.condition)}"
             yield from _inside(action.body)
         case ir.CountedLoop():
-            yield f"repeat {action.turns} times"
+            yield f"repeat {action.iterations} times"
             yield from _inside(action.body)
         case ir.IfElse():
             yield f"if {expression_text(action.condition)}"

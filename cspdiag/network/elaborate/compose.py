@@ -11,11 +11,11 @@ from cspdiag.model.types import TIME, UNKNOWN
 from cspdiag.network.diagnostics.channels import LabelOfPortRead
 from cspdiag.network.diagnostics.composition.alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.elaborate.array_sizes import check_sizes
+from cspdiag.network.elaborate.counted_loops import Indexes, IndexUse, counted_loop
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.elaborate.finite import assured
 from cspdiag.network.elaborate.places import ChannelPlace, Places, ProcessPort
 from cspdiag.network.elaborate.sizes import Sizes
-from cspdiag.network.elaborate.turns import Indexes, IndexUse, counted_loop
 from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
@@ -164,7 +164,7 @@ class _Composer:
         """
         if not any(isinstance(self.program.bindings.get(name), ast.Replicator) for name in names((condition,))):
             return None
-        return self.indexes.in_every_turn(lowered)
+        return self.indexes.in_every_iteration(lowered)
 
     def _interrupt(self, part: ast.Interrupt, values: Values) -> CoreAction:
         body = self.action(part.process, values)
@@ -182,10 +182,10 @@ class _Composer:
         match self.indexes.use_in_loop(part, len(repetitions)):
             case IndexUse.NOTHING:
                 body = self.action(part.process, repetitions[0])
-                return CountedLoop(span=part.span, body=body, turns=len(repetitions))
+                return CountedLoop(span=part.span, body=body, iterations=len(repetitions))
             case IndexUse.VALUES:
-                with self.indexes.counting(part.replicator, len(repetitions)) as turns:
-                    return counted_loop(part, turns, self.action(part.process, values))
+                with self.indexes.counting(part.replicator, len(repetitions)) as counter:
+                    return counted_loop(part, counter, self.action(part.process, values))
             case IndexUse.STRUCTURE | None:
                 pass
         steps = tuple(self.action(part.process, inner) for inner in repetitions)
@@ -197,7 +197,7 @@ class _Composer:
 
     def _repeated(self, replicator: ast.Replicator, values: Values) -> list[dict[ast.Node, Value]]:
         what = f"the replicator `{replicator.name.text}`"
-        repetitions = self.sizes.repeated(replicator, what, values, self.indexes.turns_around())
+        repetitions = self.sizes.repeated(replicator, what, values, self.indexes.iterations_around())
         self.shape.incomplete = self.shape.incomplete or repetitions is None
         return repetitions or []
 

@@ -14,10 +14,11 @@ from cspdiag.network.flow.code import (
     Enter,
     Fork,
     Instruction,
+    IterationEnd,
     Join,
     Leave,
     Loop,
-    Meet,
+    Merge,
     ProcessEnd,
     Raise,
     Resume,
@@ -25,7 +26,6 @@ from cspdiag.network.flow.code import (
     Stop,
     Take,
     Test,
-    Turn,
     Unwatch,
     Watch,
 )
@@ -141,7 +141,7 @@ class _Builder:
             case CountedLoop():
                 start = self.add(Loop(span=span))
                 self.action(action.body)
-                self.add(Turn(span=span))
+                self.add(IterationEnd(span=span))
                 self._back(start)
             case IfElse():
                 test = self.add(Test(span=span, condition=action.condition))
@@ -149,7 +149,7 @@ class _Builder:
                 then, self._open = self._open, (test,)
                 self.action(action.otherwise)
                 self._open = then + self._open
-                self.add(Meet(span=span))
+                self.add(Merge(span=span))
             case CatchException():
                 ended = self._watch(action)
                 self.action(action.handler)
@@ -195,7 +195,7 @@ class _Builder:
             self._branch(branch)
             ends += self._open
         self._open = tuple(ends)
-        self.add(Meet(span=choice.span))
+        self.add(Merge(span=choice.span))
 
     def _branch(self, branch: Branch) -> None:
         self.add(Take(span=branch.event.span, branch=branch))

@@ -111,7 +111,7 @@ class Loop(Placed):
     """The beginning of each iteration of a loop."""
 
 
-class Turn(Placed):
+class IterationEnd(Placed):
     """The end of an iteration of a counted loop: goes back, or ends the loop."""
 
 
@@ -129,7 +129,7 @@ class Join(Placed):
     fork: int
 
 
-class Meet(Placed):
+class Merge(Placed):
     """Joins several paths of which one was taken."""
 
 
@@ -198,10 +198,10 @@ Instruction: TypeAlias = (
     | Take[A_co]
     | Test
     | Loop
-    | Turn
+    | IterationEnd
     | Fork[A_co]
     | Join
-    | Meet
+    | Merge
     | Watch[A_co]
     | Unwatch
     | Abandon[A_co]

@@ -15,10 +15,11 @@ from cspdiag.network.flow.code import (
     Enter,
     Fork,
     Instruction,
+    IterationEnd,
     Join,
     Leave,
     Loop,
-    Meet,
+    Merge,
     ProcessEnd,
     Raise,
     Resume,
@@ -26,7 +27,6 @@ from cspdiag.network.flow.code import (
     Stop,
     Take,
     Test,
-    Turn,
     Unwatch,
     Watch,
 )
@@ -53,7 +53,7 @@ def reads(instruction: Instruction) -> Iterator[VariableValue | ir.End]:
             yield from _variables(instruction.branch.condition)
             yield from _of_communication(instruction.branch.event)
         case (
-            Call() | Select() | Loop() | Turn() | Fork() | Join() | Meet() | Watch() | Unwatch() | Abandon()
+            Call() | Select() | Loop() | IterationEnd() | Fork() | Join() | Merge() | Watch() | Unwatch() | Abandon()
             | Resume() | Raise() | Stop() | Enter() | Leave() | ProcessEnd()
         ):  # fmt: skip
             return
@@ -72,8 +72,8 @@ def writes(instruction: Instruction) -> Iterator[ir.Target | ir.End]:
         case Take():
             step = instruction.branch.event
         case (
-            Compute() | Delay() | Call() | Select() | Test() | Loop() | Turn() | Fork()
-            | Join() | Meet() | Watch() | Unwatch() | Abandon() | Resume() | Raise() | Stop()
+            Compute() | Delay() | Call() | Select() | Test() | Loop() | IterationEnd() | Fork()
+            | Join() | Merge() | Watch() | Unwatch() | Abandon() | Resume() | Raise() | Stop()
             | Enter() | Leave() | ProcessEnd()
         ):  # fmt: skip
             return

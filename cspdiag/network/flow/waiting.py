@@ -19,10 +19,11 @@ from cspdiag.network.flow.code import (
     Enter,
     Fork,
     Instruction,
+    IterationEnd,
     Join,
     Leave,
     Loop,
-    Meet,
+    Merge,
     ProcessEnd,
     Raise,
     Resume,
@@ -30,7 +31,6 @@ from cspdiag.network.flow.code import (
     Stop,
     Take,
     Test,
-    Turn,
     Unwatch,
     Watch,
 )
@@ -73,8 +73,8 @@ def only_computes(action: ir.Action) -> bool:
 def _only_computes(instruction: Instruction) -> bool:
     match instruction:
         case (
-            Compute() | Test() | Loop() | Turn() | Meet() | Unwatch() | Abandon() | Resume() | Raise() | Enter()
-            | Leave() | ProcessEnd()
+            Compute() | Test() | Loop() | IterationEnd() | Merge() | Unwatch() | Abandon() | Resume() | Raise()
+            | Enter() | Leave() | ProcessEnd()
         ):  # fmt: skip
             return True
         case Watch():

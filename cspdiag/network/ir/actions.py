@@ -219,14 +219,14 @@ class WhileLoop(Step, Generic[A_co]):
 
 @record(kw_only=True)
 class CountedLoop(Step, Generic[A_co]):
-    """A replicated ``seq`` with many iterations: runs the body ``turns`` times, at least twice.
+    """A replicated ``seq`` with many iterations: runs the body ``iterations`` times, at least twice.
 
     If iterations differ by their index, a variable holds it, which is set to 0 before the loop and incremented at the
     end of the body.
     """
 
     body: A_co
-    turns: int
+    iterations: int
 
 
 @record(kw_only=True)

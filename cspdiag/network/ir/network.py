@@ -85,8 +85,8 @@ class Port(Declared):
 class LocalChannel(Declared):
     """A channel that a process class owns; a variable of the text is one of kind ``var``.
 
-    ``initial`` belongs to ``var``, and so does ``turns``, how many turns of a loop the compiler counts in it;
-    ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends) to ``broadcast``.
+    ``initial`` belongs to ``var``, and so does ``iterations``, the number of iterations of a loop that the compiler
+    counts in it; ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends) to ``broadcast``.
     ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are specialized.
     """
 
@@ -94,7 +94,7 @@ class LocalChannel(Declared):
     kind: ChannelKind
     initial: Expression | None = None
     capacity: int | None = None
-    turns: int | None = None
+    iterations: int | None = None
     ends: int = 1
     guarded_reads: bool = False
     guarded_writes: bool = False

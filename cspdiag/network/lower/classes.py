@@ -192,7 +192,7 @@ class _Sketch:
             kind=channel.kind,
             initial=channel.initial,
             capacity=channel.capacity,
-            turns=channel.turns,
+            iterations=channel.iterations,
             ends=ends,
         )
 

@@ -109,8 +109,8 @@ class CompositionCheck:
                 yield from self._value(action.condition, BOOL)
                 yield from self._action(action.body)
             case ir.CountedLoop():
-                if action.turns < 2:
-                    yield f"a counted loop has {action.turns} turns"
+                if action.iterations < 2:
+                    yield f"a counted loop has {action.iterations} iterations"
                 yield from self._action(action.body)
             case ir.IfElse():
                 yield from self._value(action.condition, BOOL)

@@ -70,11 +70,11 @@ class Code:
         action = with_inner_actions(action, self._unrolled)
         if (
             not isinstance(action, ir.CountedLoop)
-            or action.turns > LARGEST_NUMBER_OF_ITERATIONS
+            or action.iterations > LARGEST_NUMBER_OF_ITERATIONS
             or 0 in self._computations(flow_of(action))
         ):
             return action
-        return ir.SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        return ir.SequentialSteps(span=action.span, steps=(action.body,) * action.iterations)
 
     def _computations(self, code: flow.Code) -> dict[int, tuple[ir.Action, int]]:
         after = flow.following(code)
@@ -96,7 +96,7 @@ class Code:
             case flow.Communicate():
                 return self.is_done_at_once(instruction.step)
             case _:  # Of the others, these only transfer control.
-                return isinstance(instruction, flow.Test | flow.Loop | flow.Turn | flow.Meet)
+                return isinstance(instruction, flow.Test | flow.Loop | flow.IterationEnd | flow.Merge)
 
     def is_done_at_once(self, step: flow.Communication) -> bool:
         """Whether a communication never waits, and no other process can have waited for it."""
@@ -134,7 +134,9 @@ class Code:
                 case flow.Watch(step=step) if not isinstance(step, ir.CatchException):
                     raise NotStaticError("an interrupt may come at any time", instruction.span)
                 case flow.Loop() if index in counted and index not in self.computations:
-                    raise NotStaticError(f"{counted[index].turns} iterations are too many to unroll", instruction.span)
+                    raise NotStaticError(
+                        f"{counted[index].iterations} iterations are too many to unroll", instruction.span
+                    )
                 case _:  # Every other instruction can be followed.
                     pass
 

@@ -16,10 +16,11 @@ from cspdiag.network.flow.code import (
     Enter,
     Fork,
     Instruction,
+    IterationEnd,
     Join,
     Leave,
     Loop,
-    Meet,
+    Merge,
     ProcessEnd,
     Raise,
     Resume,
@@ -27,7 +28,6 @@ from cspdiag.network.flow.code import (
     Stop,
     Take,
     Test,
-    Turn,
     Unwatch,
     Watch,
 )
@@ -171,9 +171,9 @@ class Walker:
                 raise FailureError(code.failures[self.position])
             case Leave(step=process):
                 self._close(process)
-            case Loop() | Take() | Meet() | Enter() | Watch() | Unwatch() | Abandon() | Resume():
+            case Loop() | Take() | Merge() | Enter() | Watch() | Unwatch() | Abandon() | Resume():
                 pass
-            case Call() | Turn() | Join() | ProcessEnd():
+            case Call() | IterationEnd() | Join() | ProcessEnd():
                 raise AssertionError(instruction)
             case _:
                 assert_never(instruction)

@@ -48,13 +48,13 @@ def _stopping(
     one that loops forever.
     """
     count = len(component.edges)
-    turns = 3 * count
+    looping = 3 * count
     running = tuple(
         (*edges, (INTERNAL, count + state), (INTERNAL, 2 * count + state))
         for state, edges in enumerate(component.edges)
     )
     stuck = tuple(
-        tuple(dict.fromkeys(edge for event, _ in edges for edge in _refutations_of_stuck(event, asked, turns)))
+        tuple(dict.fromkeys(edge for event, _ in edges for edge in _refutations_of_stuck(event, asked, looping)))
         for edges in component.edges
     )
     left_out = tuple(
@@ -70,15 +70,15 @@ def _stopping(
     content = {count + state for state, edges in enumerate(component.edges) if state in component.terminal or not edges}
     return Component(
         component.name,
-        (*running, *stuck, *left_out, ((INTERNAL, turns),)),
+        (*running, *stuck, *left_out, ((INTERNAL, looping),)),
         frozenset(content | set(range(2 * count, 3 * count))),
         component.initial,
         process=component.process,
     )
 
 
-def _refutations_of_stuck(event: int, asked: list[dict[int, int]], turns: int) -> list[Edge]:
+def _refutations_of_stuck(event: int, asked: list[dict[int, int]], looping: int) -> list[Edge]:
     """The edges that show that a component which offers an event is not stuck."""
     if event == INTERNAL or not asked[event]:
-        return [(INTERNAL, turns)]
-    return [(happens, turns) for happens in asked[event].values()]
+        return [(INTERNAL, looping)]
+    return [(happens, looping) for happens in asked[event].values()]

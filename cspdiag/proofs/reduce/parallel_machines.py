@@ -66,12 +66,12 @@ def with_divergent_states_merged(machine: Machine) -> Machine:
     for state, targets in enumerate(ahead):
         for target in targets:
             before[target].append(state)
-    turning = [any(event == INTERNAL for event, _ in edges) for edges in machine.edges]
+    can_step_alone = [any(event == INTERNAL for event, _ in edges) for edges in machine.edges]
     pending = [state for state, edges in enumerate(machine.edges) if (INTERNAL, state) in edges]
     divergent: set[int] = set()
     while pending:
         state = pending.pop()
-        if state not in divergent and turning[state] and ahead[state] <= divergent:
+        if state not in divergent and can_step_alone[state] and ahead[state] <= divergent:
             divergent.add(state)
             pending += before[state]
     if len(divergent) < 2:
@@ -85,12 +85,12 @@ def _with_one(machine: Machine, divergent: Collection[int]) -> Machine:
         return Machine((((INTERNAL, 0),),), (False,))
     kept = [state for state in range(len(machine.edges)) if state not in divergent]
     number = {state: at for at, state in enumerate(kept)}
-    turns = len(kept)
+    looping = len(kept)
     edges = (
-        tuple(dict.fromkeys((event, number.get(target, turns)) for event, target in machine.edges[state]))
+        tuple(dict.fromkeys((event, number.get(target, looping)) for event, target in machine.edges[state]))
         for state in kept
     )
-    return Machine((*edges, ((INTERNAL, turns),)), (*(machine.ended[state] for state in kept), False))
+    return Machine((*edges, ((INTERNAL, looping),)), (*(machine.ended[state] for state in kept), False))
 
 
 class Pairs:

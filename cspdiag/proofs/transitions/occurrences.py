@@ -74,7 +74,7 @@ class MediumFacts:
         self.is_contended = kind == "any"
         """Whether several processes may compete for the same communication."""
         self.capacity = 1
-        self.turns = 0
+        self.iterations = 0
         """The number of iterations of a loop that a variable counts."""
         self.ends = 1
         self.initial: Known = UNKNOWN
@@ -211,7 +211,7 @@ class Occurrence:
                 span=channel.span,
             )
             known.capacity = channel.capacity or 1
-            known.turns = channel.turns or 0
+            known.iterations = channel.iterations or 0
             known.ends = channel.ends
             if channel.initial is not None:
                 known.initial = self.constant(channel.initial)

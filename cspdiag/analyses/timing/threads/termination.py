@@ -113,8 +113,8 @@ class Termination:
                 return self._after(path, body, values, remaining)
             case ir.Repeat() | ir.WhileLoop():
                 return self._after_loop(path, action, values, remaining)
-            case ir.CountedLoop(body=body, turns=turns):
-                for _ in range(turns):
+            case ir.CountedLoop(body=body, iterations=iterations):
+                for _ in range(iterations):
                     remaining[0] -= 1
                     if remaining[0] < 0:
                         raise _TooManyIterationsError
@@ -263,8 +263,8 @@ class Termination:
                 return of(body)
             case ir.Repeat(body=body):
                 return of(body) if of(body) >= 0 else -inf
-            case ir.CountedLoop(body=body, turns=turns):
-                return turns * of(body)
+            case ir.CountedLoop(body=body, iterations=iterations):
+                return iterations * of(body)
             case ir.WhileLoop(body=body):
                 return 0 if of(body) >= 0 else -inf
             case ir.CatchException(body=body, handler=handler):

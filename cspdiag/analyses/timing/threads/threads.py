@@ -195,14 +195,14 @@ class Threads(Communicating):
 
     def _counted_loop(self, action: ir.CountedLoop[ir.CoreAction], context: Context, following: int) -> int:
         """Iteration by iteration, so the work of all of them is known; very many as a loop that is known to end."""
-        if action.turns > LARGEST_NUMBER_OF_ITERATIONS:
+        if action.iterations > LARGEST_NUMBER_OF_ITERATIONS:
             header = self.place(context, action)
             iteration = replaced(context.after_partial(action.body), runs_once=False)
             body = self._action(action.body, iteration, header)
-            context.thread.loops.append(LoopRange(header, len(context.thread.places), lambda: True, action.turns))
+            context.thread.loops.append(LoopRange(header, len(context.thread.places), lambda: True, action.iterations))
             context.thread.places[header].successors = [body, following]
             return body
-        iterations = ir.SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        iterations = ir.SequentialSteps(span=action.span, steps=(action.body,) * action.iterations)
         return self._action(iterations, replaced(context, runs_once=False), following)
 
     def _choice(self, action: ir.Choice[ir.CoreAction], context: Context, following: int) -> int:

@@ -168,7 +168,7 @@ class CompositionWriter(Writer):
         if not body or not ends(action.body):
             return body
         turn = self.add_member(self.members.names.fresh("turn"), "uint32_t")
-        return [For(own(turn), unsigned(action.turns), tuple(body), begin=unsigned(0))]
+        return [For(own(turn), unsigned(action.iterations), tuple(body), begin=unsigned(0))]
 
     def _if(self, action: ir.IfElse) -> list[Statement]:
         then, otherwise = self.statements(action.then), self.statements(action.otherwise)

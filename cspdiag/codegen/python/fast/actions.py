@@ -99,10 +99,10 @@ class Composition(Alternatives, LawSteps):
             case ir.WhileLoop(condition=condition, body=body):
                 with self._loop():
                     return (self._conditional_block("while", condition, action, self.statements(body)),)
-            case ir.CountedLoop(turns=turns, body=body):
+            case ir.CountedLoop(iterations=iterations, body=body):
                 with self._loop():
                     inside = self.statements(body)
-                return (repeat(turns, inside),) if inside else ()
+                return (repeat(iterations, inside),) if inside else ()
             case ir.IfElse():
                 return self._if(action)
             case ir.CatchException():

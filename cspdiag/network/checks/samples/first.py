@@ -106,7 +106,7 @@ class _KnownBeginning:
             case ir.Group():
                 self.do(action.body)
             case ir.CountedLoop():
-                for _ in range(action.turns):
+                for _ in range(action.iterations):
                     self.do(action.body)
             case ir.Repeat():
                 while True:

@@ -129,7 +129,7 @@ class _Process(Sequences):
     def _counted_loop(self, loop: ir.CountedLoop[ir.CoreAction]) -> Part:
         """An event that was ready before the first iteration may be read in it; all other iterations begin alike."""
         first = self.part(loop.body)
-        return self.sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
+        return self.sequence(chain((first,), repeat(self.part(loop.body), loop.iterations - 1)))
 
     def _optional_part(self, action: ir.CoreAction) -> Part:
         """A part that is not on every path: an event that was ready before it may still be ready afterwards."""

@@ -23,10 +23,11 @@ from cspdiag.network.flow.code import (
     Enter,
     Fork,
     Instruction,
+    IterationEnd,
     Join,
     Leave,
     Loop,
-    Meet,
+    Merge,
     ProcessEnd,
     Raise,
     Resume,
@@ -34,7 +35,6 @@ from cspdiag.network.flow.code import (
     Stop,
     Take,
     Test,
-    Turn,
     Unwatch,
     Watch,
 )
@@ -126,7 +126,7 @@ class Facts:
             ):
                 return self._fault
             case (
-                Compute() | Call() | Take() | Loop() | Turn() | Fork() | Join() | Meet() | Watch() | Unwatch()
+                Compute() | Call() | Take() | Loop() | IterationEnd() | Fork() | Join() | Merge() | Watch() | Unwatch()
                 | Abandon() | Resume() | Raise() | Stop() | Enter() | Leave() | ProcessEnd()
             ):  # fmt: skip
                 return frozenset()

@@ -261,7 +261,7 @@ class Thread:
             if len(values) > MOST_VALUES:
                 ((key, _),) = (entry for entry in self._slots.items() if entry[1] == slot)
                 assert not isinstance(key, Session)
-                if len(values) > self.medium(key).turns + 1:
+                if len(values) > self.medium(key).iterations + 1:
                     self._widen(key)
                     raise Restart
 

@@ -68,9 +68,9 @@ class Composition(Alternatives):
             case ir.WhileLoop(condition=condition, body=body):
                 place = self._place_of_fault(condition, action)
                 return (Block("while", self.printer.print(condition), self.statements(body), place),)
-            case ir.CountedLoop(turns=turns, body=body):
+            case ir.CountedLoop(iterations=iterations, body=body):
                 inside = self.statements(body)
-                return (repeat(turns, inside),) if inside else ()
+                return (repeat(iterations, inside),) if inside else ()
             case ir.IfElse():
                 return self._if(action)
             case ir.CatchException():

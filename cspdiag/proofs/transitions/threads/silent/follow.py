@@ -273,7 +273,7 @@ class Follower(GuardSteps):
 
     def _counted_loop(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, ir.CountedLoop)
-        return c.at((frames.Iterations(node, context, node.action.turns), rest))
+        return c.at((frames.Iterations(node, context, node.action.iterations), rest))
 
     def _next_iteration(self, c: Configuration, frame: frames.Iterations, rest: Stack) -> Configuration | None:
         """The next iteration of a counted loop; the last one is followed by what comes after the loop."""
@@ -316,12 +316,12 @@ class Follower(GuardSteps):
         return c.at((frames.Run(inner.definition.body, inner), below))
 
 
-def _iteration(configuration: Configuration, turns: frames.Iterations) -> tuple[Configuration, Configuration]:
+def _iteration(configuration: Configuration, iterations: frames.Iterations) -> tuple[Configuration, Configuration]:
     """The beginning of an iteration of a counted loop, whatever its number, and the configuration after the loop.
 
     If an iteration silently reaches the next one and has changed nothing, the remaining iterations do the same.
     """
     assert configuration.stack is not None
     rest = configuration.stack[1]
-    begins = configuration.at((frames.Iterations(turns.node, turns.context, 0), rest))
+    begins = configuration.at((frames.Iterations(iterations.node, iterations.context, 0), rest))
     return begins, configuration.at(rest)

@@ -45,7 +45,7 @@ class IndexUse(Enum):
 
 
 @node
-class Turns:
+class IterationCounter:
     """The iterations of a loop, with the variable of the process that counts them."""
 
     number: int
@@ -65,39 +65,39 @@ class Indexes:
         self._loops = loops
         """The replicators around each declaration."""
         self._uses: dict[ast.Replicator, IndexUse] = {}
-        self._counting: dict[ast.Replicator, Turns] = {}
+        self._counting: dict[ast.Replicator, IterationCounter] = {}
         self._names: DistinctNames | None = None
 
-    def turns_around(self) -> int:
+    def iterations_around(self) -> int:
         """The product of the numbers of iterations of the loops around the present place."""
-        return prod(turns.number for turns in self._counting.values())
+        return prod(counter.number for counter in self._counting.values())
 
-    def use_in_loop(self, part: ast.Replicated, turns: int) -> IndexUse | None:
+    def use_in_loop(self, part: ast.Replicated, iterations: int) -> IndexUse | None:
         """What the index of a replicated ``seq`` that becomes a loop is used for; None if the ``seq`` is unrolled."""
-        if part.operator != "seq" or turns <= MOST_ALIKE_UNROLLED:
+        if part.operator != "seq" or iterations <= MOST_ALIKE_UNROLLED:
             return None
         use = self._use(part.replicator, part.process)
-        most = {IndexUse.NOTHING: MOST_ALIKE_UNROLLED, IndexUse.VALUES: MOST_UNROLLED, IndexUse.STRUCTURE: turns}
-        return use if turns > most[use] else None
+        most = {IndexUse.NOTHING: MOST_ALIKE_UNROLLED, IndexUse.VALUES: MOST_UNROLLED, IndexUse.STRUCTURE: iterations}
+        return use if iterations > most[use] else None
 
     def value(self, name: ast.Name | ast.Reference) -> Expression | None:
         """The index that a name means, as the variable that counts it; None if no variable does."""
         symbol = self.program.bindings.get(name)
-        turns = self._counting.get(symbol) if isinstance(symbol, ast.Replicator) else None
-        return None if turns is None else turns.index(name.span)
+        counter = self._counting.get(symbol) if isinstance(symbol, ast.Replicator) else None
+        return None if counter is None else counter.index(name.span)
 
     @contextmanager
-    def counting(self, replicator: ast.Replicator, number: int) -> Iterator[Turns]:
+    def counting(self, replicator: ast.Replicator, number: int) -> Iterator[IterationCounter]:
         """Makes a variable for the index, which counts while the repeated part is composed."""
         variable = ChannelShape(self._fresh(replicator.name.text), replicator, INT, replicator.name.span)
         variable.initial = LiteralValue(type=INT, value=0)
-        variable.turns = number
+        variable.iterations = number
         self.shape.channels[variable.name] = variable
-        turns = self._counting[replicator] = Turns(number=number, variable=variable)
-        yield turns
+        counter = self._counting[replicator] = IterationCounter(number=number, variable=variable)
+        yield counter
         del self._counting[replicator]
 
-    def in_every_turn(self, condition: Expression) -> bool | None:
+    def in_every_iteration(self, condition: Expression) -> bool | None:
         """Whether a condition on indexes alone holds in every iteration; None if it holds in some of them only, or
         depends on anything else.
         """
@@ -166,17 +166,17 @@ class Indexes:
         return self._names.fresh(wanted, lambda number: f"{wanted}_{number}")
 
 
-def counted_loop(part: ast.Replicated, turns: Turns, body: CoreAction) -> CoreAction:
+def counted_loop(part: ast.Replicated, counter: IterationCounter, body: CoreAction) -> CoreAction:
     """A counted loop: the index is 0 in the first iteration, and one more in each further one.
 
     Both assignments have the span of the index, of which the first is reached: so if an iteration never ends, the
     second is not reported as unreachable.
     """
-    span, target = part.replicator.span, Target(turns.variable.name)
+    span, target = part.replicator.span, Target(counter.variable.name)
     zero, one = (LiteralValue(type=INT, value=value, span=span) for value in (0, 1))
-    more = BinaryOperation(type=INT, span=span, operator="+", left=turns.index(span), right=one)
+    more = BinaryOperation(type=INT, span=span, operator="+", left=counter.index(span), right=one)
     steps = (body, AssignValue(span=span, target=target, value=more))
-    loop = CountedLoop(span=part.span, body=SequentialSteps(span=part.span, steps=steps), turns=turns.number)
+    loop = CountedLoop(span=part.span, body=SequentialSteps(span=part.span, steps=steps), iterations=counter.number)
     return SequentialSteps(span=part.span, steps=(AssignValue(span=span, target=target, value=zero), loop))
 
 
