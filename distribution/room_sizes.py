@@ -14,7 +14,6 @@ ROOT = Path(__file__).parent.parent
 MOST = 14
 CROWDED = {
     "cspdiag": "each layer is an entry, and so is what ties them together",
-    "cspdiag/codegen/c/process": "a module for each construct, which write into one another's code",
     "tests": "each layer is an entry, and so is what goes through all of them",
 }
 """Folders that may have more, and why."""

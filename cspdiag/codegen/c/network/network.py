@@ -10,9 +10,9 @@ from cspdiag.codegen.c.network.external_ports import port_groups
 from cspdiag.codegen.c.network.network_names import names_file
 from cspdiag.codegen.c.process.leaves import ports_header
 from cspdiag.codegen.c.process.levels import Levels
-from cspdiag.codegen.c.process.port_layout import PortLayout
 from cspdiag.codegen.c.process.processes import NetworkFacts, ProcessFiles, process_files
-from cspdiag.codegen.c.process.unwritten import Unwritten
+from cspdiag.codegen.c.process.struct.port_layout import PortLayout
+from cspdiag.codegen.c.process.struct.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, code, ignored, unsigned
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.literals import quoted

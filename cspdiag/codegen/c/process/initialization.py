@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.leaves import KINDS
-from cspdiag.codegen.c.process.members import Members, StructMember
 from cspdiag.codegen.c.process.outlines import Outlines
-from cspdiag.codegen.c.process.port_layout import PortLayout, elements
+from cspdiag.codegen.c.process.struct.members import Members, StructMember
+from cspdiag.codegen.c.process.struct.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import (
     Aggregate,

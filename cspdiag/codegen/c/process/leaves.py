@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.process.port_layout import PortLayout
+from cspdiag.codegen.c.process.struct.port_layout import PortLayout
 from cspdiag.codegen.c.text.documents import comment
 from cspdiag.codegen.c.text.media import Access
 from cspdiag.codegen.c.text.names import PackageNames

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import assert_never
 
-from cspdiag.codegen.c.process.members import Members
+from cspdiag.codegen.c.process.struct.members import Members
 from cspdiag.codegen.shared.trees import Outline
 from cspdiag.model.types import IntType
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.process.composition import CompositionWriter
 from cspdiag.codegen.c.process.initialization import initialization
 from cspdiag.codegen.c.process.leaves import leaf_header
 from cspdiag.codegen.c.process.levels import Levels
-from cspdiag.codegen.c.process.members import Members, StructMember
-from cspdiag.codegen.c.process.unwritten import Unwritten
+from cspdiag.codegen.c.process.steps.composition import CompositionWriter
+from cspdiag.codegen.c.process.struct.members import Members, StructMember
+from cspdiag.codegen.c.process.struct.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import code
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.names import PackageNames

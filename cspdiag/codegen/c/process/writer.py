@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 from cspdiag.codegen.c.process.flow import ends
 from cspdiag.codegen.c.process.levels import Levels
-from cspdiag.codegen.c.process.members import Members, StructMember
-from cspdiag.codegen.c.process.port_layout import TAKEN
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
+from cspdiag.codegen.c.process.struct.members import Members, StructMember
+from cspdiag.codegen.c.process.struct.port_layout import TAKEN
 from cspdiag.codegen.c.text.code import Code, address, call, code, own, unsigned
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.literals import quoted

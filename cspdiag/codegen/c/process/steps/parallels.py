@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.c.process.replicas import Replicas, replicas
+from cspdiag.codegen.c.process.steps.replicas import Replicas, replicas
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import Aggregate, Code, address, call, own, unsigned
 from cspdiag.codegen.c.text.numbered import at_first, stride

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.process.alternatives import guard_call, make_guard, prepare, taken
-from cspdiag.codegen.c.process.members import StructMember
+from cspdiag.codegen.c.process.steps.alternatives import guard_call, make_guard, prepare, taken
+from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import address, call, cast, own
 from cspdiag.codegen.c.text.names import identifier

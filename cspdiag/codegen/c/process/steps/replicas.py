@@ -11,7 +11,7 @@ from typing import Any
 
 from cspdiag.base.record import field_names, is_record, record, replaced
 from cspdiag.base.span import Span
-from cspdiag.codegen.c.process.members import Members, NumberedEnd
+from cspdiag.codegen.c.process.struct.members import Members, NumberedEnd
 from cspdiag.codegen.c.text.media import READING_ENDS
 from cspdiag.codegen.c.text.numbered import Numbered
 from cspdiag.codegen.shared.trees import LEAST, Counted, Outline, outline

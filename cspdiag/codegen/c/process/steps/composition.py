@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import assert_never
 
-from cspdiag.codegen.c.process.alternatives import choice
 from cspdiag.codegen.c.process.flow import ends
-from cspdiag.codegen.c.process.interrupts import interrupt
-from cspdiag.codegen.c.process.laws_in_processes import (
+from cspdiag.codegen.c.process.steps.alternatives import choice
+from cspdiag.codegen.c.process.steps.interrupts import interrupt
+from cspdiag.codegen.c.process.steps.laws_in_processes import (
     call_law,
     read_inputs,
     reset,
@@ -16,9 +16,9 @@ from cspdiag.codegen.c.process.laws_in_processes import (
     run_inlined_law,
     write_outputs,
 )
-from cspdiag.codegen.c.process.parallels import parallel
-from cspdiag.codegen.c.process.plain_steps import assign_value, discard, read_value, stop, wait, write_value
-from cspdiag.codegen.c.process.scopes import group, report, scope
+from cspdiag.codegen.c.process.steps.parallels import parallel
+from cspdiag.codegen.c.process.steps.plain_steps import assign_value, discard, read_value, stop, wait, write_value
+from cspdiag.codegen.c.process.steps.scopes import group, report, scope
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import address, call, ignored, negated, own, unsigned
 from cspdiag.codegen.c.text.literals import quoted

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, assert_never
 
 from cspdiag.base.record import field_names, is_record, record, replaced
-from cspdiag.codegen.c.process.members import ChosenEnd, StructMember
+from cspdiag.codegen.c.process.struct.members import ChosenEnd, StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import Code, cast, own
 from cspdiag.codegen.c.text.statements import Statement, store

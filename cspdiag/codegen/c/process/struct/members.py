@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from cspdiag.base.record import record, replaced
-from cspdiag.codegen.c.process.port_layout import TAKEN, PortLayout, elements
-from cspdiag.codegen.c.process.signals import kept_signals, made_signals
-from cspdiag.codegen.c.process.unwritten import Unwritten
+from cspdiag.codegen.c.process.struct.port_layout import TAKEN, PortLayout, elements
+from cspdiag.codegen.c.process.struct.signals import kept_signals, made_signals
+from cspdiag.codegen.c.process.struct.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import Code, address, code, own, target
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.media import (

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from cspdiag.codegen.c.process.alike import shared_body
 from cspdiag.codegen.c.process.flow import ends
-from cspdiag.codegen.c.process.members import StructMember
-from cspdiag.codegen.c.process.plain_steps import finite_checked, hand_over, mark_written, put, size_of, take
+from cspdiag.codegen.c.process.steps.alike import shared_body
+from cspdiag.codegen.c.process.steps.plain_steps import finite_checked, hand_over, mark_written, put, size_of, take
+from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.media import Spelling

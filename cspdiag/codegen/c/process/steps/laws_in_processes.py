@@ -9,7 +9,8 @@ from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
 from cspdiag.codegen.c.laws.laws import law_may_fault, law_members
-from cspdiag.codegen.c.process.plain_steps import (
+from cspdiag.codegen.c.process.routines import Waiting
+from cspdiag.codegen.c.process.steps.plain_steps import (
     READS,
     WRITES,
     check,
@@ -20,7 +21,6 @@ from cspdiag.codegen.c.process.plain_steps import (
     required,
     send,
 )
-from cspdiag.codegen.c.process.routines import Waiting
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Call, Code, address, call, code, ignored, infix, own
 from cspdiag.codegen.c.text.literals import quoted

@@ -1,0 +1,1 @@
+"""Steps of a composition as C statements, one file for each kind."""
