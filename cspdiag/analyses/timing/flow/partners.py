@@ -135,7 +135,7 @@ class Partners:
             if place.offers_end(channel, writes) or self._is_in_step(partner, wait, end, times):
                 continue
             return self._refuse(channel, writes, f"{name} may wait for {_awaited(place)} meanwhile")
-        if self._has_asked(partner, end):
+        if self._is_answered_next(partner, end):
             return True
         after = partner.next_waits()
         elsewhere = {
@@ -146,17 +146,17 @@ class Partners:
             return self._refuse(channel, writes, f"{name} may continue with others and never return to it")
         return True
 
-    def _has_asked(self, server: Behaviour, end: ChannelSide) -> bool:
+    def _is_answered_next(self, server: Behaviour, end: ChannelSide) -> bool:
         """Whether the loop waits for the answer of a server to a request of its own, and the server answers it next."""
         channel, writes = end
-        asked = [
+        answered = [
             job for job in server.jobs
             for wait in job.path.stops
             for offer in server.thread.places[wait].offers
             if offer.end == end and self._requester(server, wait, offer) is self.owner
         ]  # fmt: skip
-        return bool(asked) and all(
-            server.thread.places[wait].offers_end(channel, writes) for job in asked for wait in job.path.stops
+        return bool(answered) and all(
+            server.thread.places[wait].offers_end(channel, writes) for job in answered for wait in job.path.stops
         )
 
     def _is_in_step(self, partner: Behaviour, wait: int, end: ChannelSide, times: int) -> bool:
@@ -239,14 +239,14 @@ class Partners:
         """Follow what the partner itself waits for at another channel before it returns to this one."""
         if offer.kind != "partner" or partner.thread.places[wait].is_idle:
             return
-        asking = self._requester(partner, wait, offer)
-        if asking is None:
+        requester = self._requester(partner, wait, offer)
+        if requester is None:
             self._wait_for(found, partner, (offer.channel, not offer.writes), count, 0)
         else:
             # Its work counts separately from the loop; the partner cannot continue until it is served.
-            found.level = max(found.level, asking.level)
-            if asking is not self.owner:
-                self._check_order(asking, partner, offer.channel, not offer.writes)
+            found.level = max(found.level, requester.level)
+            if requester is not self.owner:
+                self._check_order(requester, partner, offer.channel, not offer.writes)
 
     def _requester(self, server: Behaviour, wait: int, answer: Offer) -> Behaviour | None:
         """The only thread that can have led the server to this wait, if its next wait is surely for the answer;
@@ -258,11 +258,11 @@ class Partners:
         client = clients[0]
         for job in server.jobs:
             if wait in job.path.stops:
-                asked = job.offer
-                if asked is None or asked.kind != "partner":
+                request = job.offer
+                if request is None or request.kind != "partner":
                     return None
-                asking = self.demands.taking_part(asked.channel, writes=not asked.writes)
-                if asking != clients or not _waits_at_once(client.thread, asked, answer):
+                requesters = self.demands.taking_part(request.channel, writes=not request.writes)
+                if requesters != clients or not _waits_next_for(client.thread, request, answer):
                     return None
         return client
 
@@ -272,14 +272,14 @@ def _offers(place: Place, channel: str, writes: bool) -> bool:
     return any(offer.kind == "partner" and offer.end == (channel, writes) for offer in place.offers)
 
 
-def _waits_at_once(client: Thread, asked: Offer, answer: Offer) -> bool:
+def _waits_next_for(client: Thread, request: Offer, answer: Offer) -> bool:
     """Whether a thread that has communicated on one channel waits next on another one."""
     places = client.places
     pending = [
         offer.target
         for place in places
         for offer in place.offers
-        if offer.kind == "partner" and offer.end == (asked.channel, not asked.writes)
+        if offer.kind == "partner" and offer.end == (request.channel, not request.writes)
     ]
     seen: set[int] = set()
     while pending:

@@ -30,21 +30,20 @@ class Spinning:
         while True:
             rounds = {k: list(self._instant_iterations(k, supplied)) for k in range(len(self._threads))}
             found: dict[ChannelSide, set[int]] = {}
-            for number, ways in rounds.items():
-                for place, offers in ways:
+            for number, iterations in rounds.items():
+                for place, offers in iterations:
                     for end in (*(offer.end for offer in offers), *((net, True) for net in place.sends)):
                         found.setdefault(end, set()).add(number)
             if found == supplied:
                 break
             supplied = found
         spinning: dict[str, Refusal] = {}
-        for ways in rounds.values():
-            for place, offers in ways:
+        for iterations in rounds.values():
+            for place, offers in iterations:
                 for offer in offers:
                     name = offer.channel.rpartition(".")[2]
                     reason = (
-                        f"what communicates on `{name}` may go on forever while no time passes, so that nothing else "
-                        "runs"
+                        f"what communicates on `{name}` may continue forever while no time passes, so nothing else runs"
                     )
                     advice = "let a round of it wait for a sample, an event or a time"
                     spinning.setdefault(offer.channel, Refusal(place.path, reason, place.span, advice))

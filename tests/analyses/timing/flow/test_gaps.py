@@ -179,7 +179,7 @@ def test_a_pair_that_spins_above_a_loop() -> None:
     report = report_of(text)
     assert report.is_schedulable is None
     assert report.reason.endswith(
-        "what communicates on `s` may go on forever while no time passes, so that nothing else runs"
+        "what communicates on `s` may continue forever while no time passes, so nothing else runs"
     )
 
 
