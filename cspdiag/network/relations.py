@@ -33,7 +33,7 @@ class Access:
     """Whether it has a reading end of its own, as an instance of a process does."""
 
     @property
-    def who(self) -> str:
+    def user(self) -> str:
         """Words for the user of the channel."""
         return f"`{self.instance}`" if self.instance else "the process itself"
 
@@ -45,9 +45,9 @@ class Uses:
     """The uses of one port or channel: a writer, a reader, and a pair for each relation between two of them."""
 
     __slots__ = (
-        "looker",
+        "observer",
         "parallel",
-        "parallel_look",
+        "parallel_observation",
         "parallel_reads",
         "parallel_writes",
         "reader",
@@ -57,16 +57,16 @@ class Uses:
     )
 
     def __init__(
-        self, writer: Access | None = None, reader: Access | None = None, looker: Access | None = None
+        self, writer: Access | None = None, reader: Access | None = None, observer: Access | None = None
     ) -> None:
         self.writer = writer
         self.reader = reader
-        self.looker = looker
+        self.observer = observer
         """An expression of the process itself that mentions the label of an arrow; it is not a communication, and does
         not affect the kind.
         """
-        self.parallel_look: Pair | None = None
-        """A writer and a looker in parallel."""
+        self.parallel_observation: Pair | None = None
+        """A writer and a observer in parallel."""
         self.parallel: Pair | None = None
         """A writer and a reader in parallel."""
         self.sequential: Pair | None = None
@@ -85,9 +85,9 @@ class Uses:
                     self.parallel = self.parallel or (writer, reader)
                 else:
                     self.sequential = self.sequential or (writer, reader)
-        for writer, looker in ((self.writer, other.looker), (other.writer, self.looker)):
-            if writer is not None and looker is not None and parallel:
-                self.parallel_look = self.parallel_look or (writer, looker)
+        for writer, observer in ((self.writer, other.observer), (other.writer, self.observer)):
+            if writer is not None and observer is not None and parallel:
+                self.parallel_observation = self.parallel_observation or (writer, observer)
         if self.writer is not None and other.writer is not None and parallel:
             self.parallel_writes = self.parallel_writes or (self.writer, other.writer)
         if self.reader is not None and other.reader is not None:
@@ -97,8 +97,8 @@ class Uses:
                 self.sequential_reads = self.sequential_reads or (self.reader, other.reader)
         self.writer = self.writer or other.writer
         self.reader = self.reader or other.reader
-        self.looker = self.looker or other.looker
-        self.parallel_look = self.parallel_look or other.parallel_look
+        self.observer = self.observer or other.observer
+        self.parallel_observation = self.parallel_observation or other.parallel_observation
         self.parallel = self.parallel or other.parallel
         self.sequential = self.sequential or other.sequential
         self.parallel_writes = self.parallel_writes or other.parallel_writes
@@ -279,7 +279,7 @@ class _Walk:
             assert value.span is not None
             access = Access(value.span, value.span, "")
             is_variable = self.shape.channels[value.channel].is_variable
-            _put(uses, value.channel, Uses(reader=access) if is_variable else Uses(looker=access), False)
+            _put(uses, value.channel, Uses(reader=access) if is_variable else Uses(observer=access), False)
         return uses
 
 

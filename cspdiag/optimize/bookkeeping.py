@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from cspdiag.base.record import replaced
-from cspdiag.network.flow.again import choices_made_again, classes_run_again
+from cspdiag.network.flow.repetition import repeated_choices, repeated_classes
 from cspdiag.network.flow.waiting import only_computes
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import Network, ProcessClass
@@ -23,7 +23,7 @@ from cspdiag.optimize.changes import changed, mapped, rebuilt, with_inner_action
 
 def drop_bookkeeping(network: Network) -> Network:
     """The network with alternatives marked that need no memory, and parallels that need no priorities."""
-    again = classes_run_again(network)
+    again = repeated_classes(network)
     classes = []
     for entry in network.classes:
         if isinstance(entry, ProcessClass) and entry.body is not None:
@@ -36,7 +36,7 @@ def drop_bookkeeping(network: Network) -> Network:
 
 
 def _without_memory(body: ir.Action, runs_once: bool) -> ir.Action:
-    again = choices_made_again(body)
+    again = repeated_choices(body)
 
     def change(action: ir.Action) -> ir.Action:
         if isinstance(action, ir.Choice) and not action.prioritized:

@@ -6,11 +6,11 @@ import pytest
 
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.network.flow import code as flow
-from cspdiag.network.flow.again import choices_made_again, classes_run_again
 from cspdiag.network.flow.build import flow_of
 from cspdiag.network.flow.code import Abandon, Code, Communicate, Delay, Join, Loop, Resume, Unwatch, following
 from cspdiag.network.flow.ends import every_step_is_reached, may_end
 from cspdiag.network.flow.raised import NO_EXCEPTIONS, exceptions_of
+from cspdiag.network.flow.repetition import repeated_choices, repeated_classes
 from cspdiag.network.flow.waiting import is_always_ready, only_computes
 from cspdiag.network.ir.actions import Action, Choice
 from cspdiag.network.ir.network import Network
@@ -240,7 +240,7 @@ def test_which_alternatives_choose_again(composition: str, again: set[str]) -> N
     network = lower_for_targets(network_of_body(composition))
     main = programs.process(network, "Main").body
     assert main is not None
-    assert choices_made_again(main) == again
+    assert repeated_choices(main) == again
 
 
 def test_what_runs_again_runs_what_is_inside_it_again() -> None:
@@ -254,7 +254,7 @@ process Main {
   composition { once ; mu both }
 }
 """)
-    assert classes_run_again(network) == {"Both", "Leaf"}
+    assert repeated_classes(network) == {"Both", "Leaf"}
 
 
 def test_a_loop_at_the_very_beginning_is_entered() -> None:

@@ -23,8 +23,8 @@ class MixedRelation(Diagnostic):
         writer, reader = self.parallel
         earlier, later = self.sequential
         return (
-            f"`{self.channel}` passes values between {writer.who} and {reader.who}, which are in parallel, "
-            f"and between {earlier.who} and {later.who}, which are in sequence"
+            f"`{self.channel}` passes values between {writer.user} and {reader.user}, which are in parallel, "
+            f"and between {earlier.user} and {later.user}, which are in sequence"
         )
 
     @property
@@ -32,9 +32,9 @@ class MixedRelation(Diagnostic):
         writer, reader = self.parallel
         earlier, later = self.sequential
         return (
-            Label(writer.run, f"{writer.who} writes in parallel with {reader.who}"),
-            Label(earlier.run, f"{earlier.who} writes"),
-            Label(later.run, f"{later.who} reads in sequence with it"),
+            Label(writer.run, f"{writer.user} writes in parallel with {reader.user}"),
+            Label(earlier.run, f"{earlier.user} writes"),
+            Label(later.run, f"{later.user} reads in sequence with it"),
         )
 
 

@@ -52,140 +52,140 @@ SINGLE_STEPS = Computation | Communication | WaitStep
 
 
 @node
-class Placed:
+class BaseInstruction:
     """An instruction, with its place in the text."""
 
     span: Span
 
 
 @node
-class Compute(Placed):
+class Compute(BaseInstruction):
     """A step that takes no time and does not communicate."""
 
     step: Computation
 
 
 @node
-class Communicate(Placed):
+class Communicate(BaseInstruction):
     """A communication, which may wait for its partners."""
 
     step: Communication
 
 
 @node
-class Delay(Placed):
+class Delay(BaseInstruction):
     """Waits for time to pass."""
 
     step: WaitStep
 
 
 @node
-class Call(Placed):
+class Call(BaseInstruction):
     """Runs an instance to its end."""
 
     step: RunInstance
 
 
 @node
-class Select(Placed, Generic[A_co]):
+class Select(BaseInstruction, Generic[A_co]):
     """Waits until a guard is ready; a ``Take`` for each branch follows."""
 
     step: Choice[A_co]
 
 
 @node
-class Take(Placed, Generic[A_co]):
+class Take(BaseInstruction, Generic[A_co]):
     """A guard is chosen, and its event happens. Its condition, which is evaluated earlier, counts as read here."""
 
     branch: Branch[A_co]
 
 
 @node
-class Test(Placed):
+class Test(BaseInstruction):
     """Tests a condition; the first edge is for the case that it holds."""
 
     condition: Expression
 
 
-class Loop(Placed):
+class Loop(BaseInstruction):
     """The beginning of each iteration of a loop."""
 
 
-class IterationEnd(Placed):
+class IterationEnd(BaseInstruction):
     """The end of an iteration of a counted loop: goes back, or ends the loop."""
 
 
 @node
-class Fork(Placed, Generic[A_co]):
+class Fork(BaseInstruction, Generic[A_co]):
     """The branches of a parallel begin."""
 
     step: ParallelSteps[A_co]
 
 
 @node
-class Join(Placed):
+class Join(BaseInstruction):
     """All branches of a parallel, the instructions before this one, have ended; they began at ``fork``."""
 
     fork: int
 
 
-class Merge(Placed):
+class Merge(BaseInstruction):
     """Joins several paths of which one was taken."""
 
 
 @node
-class Watch(Placed, Generic[A_co]):
+class Watch(BaseInstruction, Generic[A_co]):
     """The beginning of a part that an exception or an interrupt may abandon."""
 
     step: CatchException[A_co] | InterruptOn[A_co]
 
 
-class Unwatch(Placed):
+class Unwatch(BaseInstruction):
     """The watched part has ended normally."""
 
 
 @node
-class Abandon(Placed, Generic[A_co]):
+class Abandon(BaseInstruction, Generic[A_co]):
     """The watched part was abandoned: the handler, or the branch of the interrupt, follows."""
 
     step: CatchException[A_co] | InterruptOn[A_co]
 
 
-class Resume(Placed):
+class Resume(BaseInstruction):
     """Continues after the watched part has ended (``Unwatch``, the first instruction before it), or after the handler
     or branch that followed its abandonment (the second).
     """
 
 
 @node
-class Raise(Placed):
+class Raise(BaseInstruction):
     """Raises an exception."""
 
     step: RaiseException
 
 
 @node
-class Stop(Placed):
+class Stop(BaseInstruction):
     """A step that never ends."""
 
     step: StopStep
 
 
 @node
-class Enter(Placed):
+class Enter(BaseInstruction):
     """A process that was flattened into this one begins."""
 
     step: ProcessScope
 
 
 @node
-class Leave(Placed):
+class Leave(BaseInstruction):
     """A process that was flattened into this one has ended."""
 
     step: ProcessScope
 
 
-class ProcessEnd(Placed):
+class ProcessEnd(BaseInstruction):
     """The process has ended."""
 
 

@@ -91,8 +91,8 @@ def _requested_kind(channel: ChannelShape, requested: dict[str, RequestedKind], 
 
 
 def _check_sequential(channel: ChannelShape, use: Uses, kind: RequestedKind | None, report: Report) -> None:
-    if use.parallel_look is not None and kind is None:
-        one, other = use.parallel_look
+    if use.parallel_observation is not None and kind is None:
+        one, other = use.parallel_observation
         _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, both_write=False), report)
     if use.parallel_writes is not None and kind is None:
         one, other = use.parallel_writes

@@ -107,7 +107,7 @@ def possible_branches(placed: Placed, choice: Choice[CoreAction]) -> tuple[Branc
     return tuple(possible)
 
 
-def ways_of_samples(placed: Placed, choice: Choice[CoreAction]) -> tuple[Choice[CoreAction], ...]:
+def variants_by_sample_condition(placed: Placed, choice: Choice[CoreAction]) -> tuple[Choice[CoreAction], ...]:
     """The cases of an alternative: with the branches that are possible if the condition of its samples holds, and with
     those that are if it does not; only the alternative itself if its samples have no common condition.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from cspdiag.model.types import has_unit
-from cspdiag.network.flow.again import classes_run_again
+from cspdiag.network.flow.repetition import repeated_classes
 from cspdiag.network.flow.written import read_before_written
 from cspdiag.network.ir.actions import ChannelEnd, InputEvent, OutputEvent, ReadyEvent
 from cspdiag.network.ir.network import Network, ProcessClass, channels_of
@@ -38,4 +38,4 @@ def local_variables(process: ProcessClass, runs_again: bool, probed: bool) -> fr
 @lru_cache(maxsize=1)
 def rerun_classes(network: Network) -> frozenset[str]:
     """The process classes of which an instance may run more than once; cached for all classes of a package."""
-    return classes_run_again(network)
+    return repeated_classes(network)

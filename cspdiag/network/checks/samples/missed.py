@@ -40,7 +40,7 @@ from cspdiag.network.checks.samples.reads import (
 )
 from cspdiag.network.checks.samples.sequences import Sequences
 from cspdiag.network.infer.contexts import Placed
-from cspdiag.network.infer.possible import decided, possible_branches, ways_of_samples
+from cspdiag.network.infer.possible import decided, possible_branches, variants_by_sample_condition
 from cspdiag.network.infer.waiting import inputs_of, is_always_ready, known_duration
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.relations import end_key
@@ -162,7 +162,7 @@ class _Process(Sequences):
 
     def _choice(self, action: ir.Choice[ir.CoreAction]) -> Part:
         """One of the possible branches, with and without the conditions of samples."""
-        return one_of([self._chosen(path) for path in ways_of_samples(self.placed, action)])
+        return one_of([self._chosen(path) for path in variants_by_sample_condition(self.placed, action)])
 
     def _chosen(self, action: ir.Choice[ir.CoreAction]) -> Part:
         """One of the branches, after what is waited for before it can be chosen."""

@@ -11,15 +11,15 @@ def _do_in_parallel(one: Access, other: Access, verb: str, channel: str) -> str:
     """Who does the same to a channel at the same time: ```one` and `other` read `c` in parallel``."""
     if not one.instance and not other.instance:
         return f"two parallel parts of the process {verb} `{channel}`"
-    return f"{one.who} and {other.who} {verb} `{channel}` in parallel"
+    return f"{one.user} and {other.user} {verb} `{channel}` in parallel"
 
 
 def both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...]:
     """The places of a pair: the other end of the relationship, and where the two stand in the composition."""
-    labels = [Label(other.span, f"{other.who} {verbs[1]} here")]
+    labels = [Label(other.span, f"{other.user} {verbs[1]} here")]
     for access, verb in ((one, verbs[0]), (other, verbs[1])):
         if access.run != access.span:
-            labels.append(Label(access.run, f"{access.who}, which {verb} it, runs here"))
+            labels.append(Label(access.run, f"{access.user}, which {verb} it, runs here"))
     return tuple(labels)
 
 
@@ -42,7 +42,7 @@ class Race(Diagnostic):
             return f"{writing}, so that either value may be lost"
         if not self.one.instance and not self.other.instance:
             return f"`{self.variable}` is written in one parallel part of the process and read in another"
-        return f"{self.one.who} writes `{self.variable}` in parallel with {self.other.who}, which reads it"
+        return f"{self.one.user} writes `{self.variable}` in parallel with {self.other.user}, which reads it"
 
     @property
     def labels(self) -> tuple[Label, ...]:

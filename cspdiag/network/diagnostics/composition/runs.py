@@ -95,7 +95,7 @@ class ReadBeforeWrite(Diagnostic):
     def labels(self) -> tuple[Label, ...]:
         places = [Label(self.declared, "declared here")]
         if self.writer is not None:
-            places.append(Label(self.writer.run, f"written here by {self.writer.who}"))
+            places.append(Label(self.writer.run, f"written here by {self.writer.user}"))
         return tuple(places)
 
 

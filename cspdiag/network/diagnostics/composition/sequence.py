@@ -21,7 +21,7 @@ class RendezvousInSequence(Diagnostic):
     @property
     def message(self) -> str:
         return (
-            f"`{self.channel}` is `{self.kind}`, but {self.writer.who} and {self.reader.who} run in sequence: "
+            f"`{self.channel}` is `{self.kind}`, but {self.writer.user} and {self.reader.user} run in sequence: "
             "each would wait for the other forever"
         )
 
@@ -32,8 +32,8 @@ class RendezvousInSequence(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         return (
-            Label(self.writer.run, f"{self.writer.who} writes here"),
-            Label(self.reader.run, f"{self.reader.who} reads here"),
+            Label(self.writer.run, f"{self.writer.user} writes here"),
+            Label(self.reader.run, f"{self.reader.user} reads here"),
         )
 
 
@@ -50,7 +50,7 @@ class BroadcastInSequence(Diagnostic):
     @property
     def message(self) -> str:
         return (
-            f"`{self.channel}` is `broadcast`, but {self.one.who} and {self.other.who} read it in sequence: "
+            f"`{self.channel}` is `broadcast`, but {self.one.user} and {self.other.user} read it in sequence: "
             "the writer would wait for both at once"
         )
 

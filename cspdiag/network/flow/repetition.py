@@ -10,30 +10,30 @@ from cspdiag.network.ir.actions import Action
 from cspdiag.network.ir.network import Network, ProcessClass
 
 
-def choices_made_again(body: Action) -> frozenset[str]:
+def repeated_choices(body: Action) -> frozenset[str]:
     """The names of the alternatives that may choose more than once in a run of a composition."""
     code = flow_of(body)
-    return _again(code, {n: i.step.name for n, i in enumerate(code.instructions) if isinstance(i, Select)})
+    return _repeated(code, {n: i.step.name for n, i in enumerate(code.instructions) if isinstance(i, Select)})
 
 
-def classes_run_again(network: Network) -> frozenset[str]:
+def repeated_classes(network: Network) -> frozenset[str]:
     """The process classes of instances that may be run more than once."""
     classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
-    again: set[str] = set()
+    repeated: set[str] = set()
     # Callers first: whatever is run by an instance that runs again runs again, too.
     for entry in reversed(classes.values()):
         found = {instance.name for instance in entry.instances}
-        if entry.name not in again and entry.body is not None:
+        if entry.name not in repeated and entry.body is not None:
             code = flow_of(entry.body)
             calls = {n: i.step.instance for n, i in enumerate(code.instructions) if isinstance(i, Call)}
-            found &= _again(code, calls)
-        elif entry.name not in again:
+            found &= _repeated(code, calls)
+        elif entry.name not in repeated:
             continue
-        again.update(instance.class_name for instance in entry.instances if instance.name in found)
-    return frozenset(again & classes.keys())
+        repeated.update(instance.class_name for instance in entry.instances if instance.name in found)
+    return frozenset(repeated & classes.keys())
 
 
-def _again(code: Code, names: dict[int, str]) -> frozenset[str]:
+def _repeated(code: Code, names: dict[int, str]) -> frozenset[str]:
     """The names of several instructions, or of one between the beginning and the end of a loop."""
     looped = {index for end, start in code.back.items() for index in range(start, end + 1)}
     several = Counter(names.values())
