@@ -27,6 +27,8 @@ PORTS = "submodel Law {\n%s\n\n  y = x\n}\n"
 MENDS = [
     ("E0101", PLAIN.replace("process", "procss") % "taken ! n", PLAIN % "taken ! n"),
     ("E0101", PLAIN.replace("var", "vra") % "taken ! n", PLAIN % "taken ! n"),
+    ("E0101", "process P {\n  composition {\n    skip\n  }\n}\n\nassert P deadlock-free\nassert P livelockfree\n",
+     "process P {\n  composition {\n    skip\n  }\n}\n\nassert P deadlock free\nassert P livelock free\n"),
     ("E0102", LAW % "angle · 2", LAW % "angle * 2"),
     ("E0102", LAW % "if is_on∧n ≥ 1 then angle else 0", LAW % "if is_on and n >= 1 then angle else 0"),
     ("E0102", LAW % "angle²", LAW % "angle^2"),

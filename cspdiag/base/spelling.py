@@ -17,18 +17,26 @@ class Speller:
         self._measurements = measurements
 
     def nearest(self, name: str, candidates: Iterable[str]) -> str | None:
-        """The candidate that ``name`` is most likely a slip of, or None: at most one edit in three letters away."""
+        """The candidate that ``name`` is most likely a slip of, or None: at most one edit in three letters away, or
+        with a letter doubled.
+        """
         if len(name) > _LONGEST:
             return None
         best: str | None = None
         least = 4
         lowered = name.lower()
+        single = _with_single_letters(lowered)
         for candidate in candidates:
             self._comparisons -= 1
             if self._comparisons < 0 or self._measurements < 0:
                 break
+            differ = abs(len(candidate) - len(name))
             allowed = min(min(len(name), len(candidate)) // 3, least - 1)
-            if candidate == name or allowed < 0 or abs(len(candidate) - len(name)) > allowed or len(candidate) < 2:
+            if differ == 1 < least and not allowed and _with_single_letters(candidate.lower()) == single:
+                # A letter twice is a slip in the shortest name, too.
+                best, least = candidate, 1
+                continue
+            if candidate == name or allowed < 0 or differ > allowed or len(candidate) < 2:
                 continue
             self._measurements -= 1
             distance = edits(lowered, candidate.lower())
@@ -55,6 +63,29 @@ def is_slip(written: str, meant: str) -> bool:
         exchanged = shorter[:at] + shorter[at + 1 : at + 2] + shorter[at] + shorter[at + 2 :]
         return exchanged == longer and shorter[at : at + 2].isalpha()
     return 0 < at < len(shorter) and shorter[at:] == longer[at + 1 :] and longer[at].isalpha()
+
+
+def near_symbol(written: str, symbols: Iterable[str]) -> str | None:
+    """The symbol of a unit that was probably meant: with a letter doubled, with neighbours exchanged, in the plural, or
+    in letters of another case.
+
+    A first letter in another case is another prefix (``mHz``, ``MHz``), and another letter another unit.
+    """
+    lowered = written.lower()
+    doubled = [at for at in range(1, len(written)) if lowered[at] == lowered[at - 1]]
+    meant = {written[:at] + written[at + 1 :] for at in doubled}
+    meant |= {written[:at] + written[at : at + 2][::-1] + written[at + 2 :] for at in range(len(written) - 1)}
+    if len(written) > 3:
+        meant.add(written.removesuffix("s"))
+    for symbol in symbols:
+        in_other_case = lowered == symbol.lower() and written[1:] != symbol[1:]
+        if len(symbol) > 1 and (symbol in meant or in_other_case):
+            return symbol
+    return None
+
+
+def _with_single_letters(name: str) -> str:
+    return "".join(letter for at, letter in enumerate(name) if not letter.isalpha() or letter != name[at - 1 : at])
 
 
 def edits(left: str, right: str) -> int:

@@ -12,6 +12,7 @@ from functools import cache
 from typing import ClassVar
 
 from cspdiag.base.record import record
+from cspdiag.base.spelling import near_symbol
 
 
 @record
@@ -108,6 +109,15 @@ _UNPREFIXED = {
 _NAMED = ("Hz", "N", "J", "W", "C", "V", "F", "Ohm", "Wb", "T", "H", "Pa")
 """Coherent derived units that a long product may be printed as."""
 
+_HABITS = {
+    "Nm": "N*m", "Nms": "N*m*s", "kgm2": "kg*m^2", "kgm^2": "kg*m^2", "ohm": "Ohm", "degree": "deg",
+    "degrees": "deg",
+    "radian": "rad", "radians": "rad", "rads": "rad", "sec": "s", "hz": "Hz", "volt": "V", "v": "V", "Volt": "V",
+    "Ampere": "A", "meter": "m", "metre": "m", "rps": "rev/s", "turn": "rev", "RPM": "rpm", "percent": "1",
+    "Newton": "N", "Watt": "W", "Kg": "kg", "KG": "kg", "sec^2": "s^2",
+}  # fmt: skip
+"""How units are often written elsewhere."""
+
 _TOKEN = re.compile(r"\s*(?:([A-Za-z]+|%|1(?![0-9]))(?:\s*\^\s*(-?\s*[0-9]{1,3}))?|([*/()]))")
 _LONGEST = 200
 
@@ -179,6 +189,19 @@ def _of_powers(powers: dict[str, int], text: str) -> Unit | None:
             return None
         unit = _product(unit, raised, 1)
     return Unit(*_key(unit), "" if text == "1" else text) if _reasonable(unit) else None
+
+
+def near_unit(text: str) -> str | None:
+    """A unit that an unknown one is probably meant to be."""
+    if text in _HABITS:
+        return _HABITS[text]
+    symbols = [*_NAMED, *_UNPREFIXED, *_PREFIXED]
+
+    def meant(match: re.Match[str]) -> str:
+        return match[0] if _symbol(match[0]) else near_symbol(match[0], symbols) or match[0]
+
+    near = re.sub("[A-Za-z]+", meant, text[:_LONGEST])
+    return near if near != text and parse_unit(near) is not None else None
 
 
 def _key(unit: Unit) -> tuple[tuple[int, ...], int, int, int, int]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.base.spelling import Speller, edits
+from cspdiag.base.spelling import Speller, edits, near_symbol
+from cspdiag.model.units import near_unit
 
 NAMES = ["feedback", "control", "status", "kp", "T", "joystick_buttons", "max"]
 
@@ -24,6 +25,41 @@ NAMES = ["feedback", "control", "status", "kp", "T", "joystick_buttons", "max"]
 )
 def test_nearest_name(written: str, meant: str | None) -> None:
     assert Speller().nearest(written, NAMES) == meant
+
+
+@pytest.mark.parametrize(
+    ("written", "names", "meant"),
+    [("EE", ["E"], "E"), ("aab", ["ab"], "ab"), ("n22", ["n2"], None), ("ab", ["abb"], "abb")],
+)
+def test_a_doubled_letter_is_a_slip_in_short_names(written: str, names: list[str], meant: str | None) -> None:
+    assert Speller().nearest(written, names) == meant
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("Hzz", "Hz"),
+        ("Hhz", "Hz"),
+        ("zH", "Hz"),
+        ("HZ", "Hz"),
+        ("mHz", None),
+        ("GHz", None),
+        ("mins", "min"),
+        ("mm", None),
+        ("mVs", None),
+        ("V", None),
+    ],
+)
+def test_near_symbols_of_units(written: str, meant: str | None) -> None:
+    assert near_symbol(written, ["Hz", "MHz", "ms", "min", "s"]) == meant
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("Hzz", "Hz"), ("rad/ss", None), ("raad/s", "rad/s"), ("N*mol*HZ", "N*mol*Hz"), ("Nm", "N*m"), ("wheel", None)],
+)
+def test_near_units(written: str, meant: str | None) -> None:
+    assert near_unit(written) == meant
 
 
 def test_a_text_full_of_unknown_names_is_not_searched_for_ever() -> None:

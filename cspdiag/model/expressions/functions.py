@@ -23,7 +23,18 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
-from cspdiag.model.units import DIMENSIONLESS, SECOND, Unit, agree, divide, multiply, parse_unit, power, same_dimension
+from cspdiag.model.units import (
+    DIMENSIONLESS,
+    SECOND,
+    Unit,
+    agree,
+    divide,
+    multiply,
+    near_unit,
+    parse_unit,
+    power,
+    same_dimension,
+)
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -252,18 +263,6 @@ def _convert(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, targ
         typer.context.refuse(NotConvertible(node.span, found=found, target=f"`{text}`"), node)
         return UNKNOWN
     return RealType(found.bits, unit)
-
-
-def near_unit(text: str) -> str | None:
-    """A unit that an unknown one is probably meant to be."""
-    known = {
-        "Nm": "N*m", "Nms": "N*m*s", "kgm2": "kg*m^2", "kgm^2": "kg*m^2", "ohm": "Ohm", "degree": "deg",
-        "degrees": "deg",
-        "radian": "rad", "radians": "rad", "rads": "rad", "sec": "s", "hz": "Hz", "volt": "V", "v": "V", "Volt": "V",
-        "Ampere": "A", "meter": "m", "metre": "m", "rps": "rev/s", "turn": "rev", "RPM": "rpm", "percent": "1",
-        "Newton": "N", "Watt": "W", "Kg": "kg", "KG": "kg", "sec^2": "s^2",
-    }  # fmt: skip
-    return known.get(text)
 
 
 def _remembered(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, initial: ast.Expression) -> Type:

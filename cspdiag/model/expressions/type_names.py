@@ -8,11 +8,11 @@ from cspdiag.base import Span
 from cspdiag.model.context import Context
 from cspdiag.model.diagnostics.names import UnknownName
 from cspdiag.model.diagnostics.units import UnitNotAllowed, UnknownUnit
-from cspdiag.model.expressions.functions import integer_named, near_unit
+from cspdiag.model.expressions.functions import integer_named
 from cspdiag.model.program import Symbol
 from cspdiag.model.symbols import TYPE_NAMES, declared_at
 from cspdiag.model.types import BOOL, DOUBLE, TEXT, TIME, UNKNOWN, ArrayType, RealType, Type
-from cspdiag.model.units import Unit, parse_unit
+from cspdiag.model.units import Unit, near_unit, parse_unit
 from cspdiag.syntax import ast
 
 _SYNONYMS = {

@@ -5,14 +5,17 @@ from __future__ import annotations
 from cspdiag.base import Diagnostic, Edit
 from cspdiag.base.edits import removing, replacing
 from cspdiag.base.record import record
+from cspdiag.base.spelling import near_symbol
 
 _TIMES = {
     "sec": "s",
+    "secs": "s",
     "seconds": "s",
     "second": "s",
     "msec": "ms",
     "millis": "ms",
     "usec": "us",
+    "mus": "us",
     "nsec": "ns",
     "minute": "min",
     "minutes": "min",
@@ -23,8 +26,11 @@ _TIMES = {
 }
 """Other spellings of the units of durations and frequencies."""
 
-_LONG_TIMES = {"h": 60, "hour": 60, "hours": 60, "d": 1440, "day": 1440, "days": 1440}
+_LONG_TIMES = {"h": 60, "hr": 60, "hrs": 60, "hour": 60, "hours": 60, "d": 1440, "day": 1440, "days": 1440}
 """Units of time that the language does not have, in minutes."""
+
+_SYMBOLS = ("Hz", "kHz", "MHz", "ms", "us", "ns", "min")
+"""The units of durations and frequencies, those first that are meant more often."""
 
 
 @record
@@ -152,15 +158,22 @@ class MissingUnitBrackets(Diagnostic):
 
     @property
     def message(self) -> str:
-        return (
-            f"`{self.unit}` after a number is not a unit of time: write other units in angle brackets, without spaces"
-        )
+        rule = "" if self._near else ": write other units in angle brackets, without spaces"
+        return f"`{self.unit}` after a number is not a unit of time{rule}"
 
     @property
     def help(self) -> str | None:
+        if self._near:
+            return f"did you mean `{self._near}`?"
         explained = ", the longest unit of time" if self.unit in _LONG_TIMES else ""
         product = f", or `{self.number} * {self.unit}` for a product" if self.unit.isidentifier() else ""
         return f"write `{self._meant}`{explained or ('' if self.unit in _TIMES else product)}"
+
+    @property
+    def _near(self) -> str | None:
+        if self.unit in _TIMES or self.unit in _LONG_TIMES:
+            return None
+        return near_symbol(self.unit, _SYMBOLS)
 
     @property
     def _meant(self) -> str:

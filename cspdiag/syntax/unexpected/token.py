@@ -172,4 +172,5 @@ _MISTAKES = (
     words.unit,
     _chained_comparison,
     words.misspelled,
+    words.run_together,
 )

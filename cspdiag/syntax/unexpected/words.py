@@ -41,6 +41,7 @@ _AFTER_A_KEYWORD = frozenset(["NAME", "NUMBER", "QUANTITY", "DURATION", "TRUE", 
 
 _NO_FRACTION = re.compile(r"(?<![A-Za-z0-9_.])[0-9]+\.\Z")
 _HALVES = re.compile(r"[0-9]*[.,][0-9]*")
+_HYPHENATED = re.compile(r"-(?P<word>[a-z]+)\b")
 _BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
 _AFTER_NUMBER = re.compile(
     r"(?<![A-Za-z0-9_.])(?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)[ \t]*(?P<unit>[A-Za-z][A-Za-z0-9/*^]*)\Z"
@@ -77,6 +78,32 @@ def misspelled(situation: Situation) -> Finding | None:
         return None
     sure = meant if _is_surely(before.text, meant) else None
     return UnexpectedText(situation.previous, f"`{before.text}`", f"`{meant}`", f"did you mean `{meant}`?", sure), None
+
+
+def run_together(situation: Situation) -> Finding | None:
+    """Two keywords written as one word, or with a hyphen between them: ``deadlockfree``, ``deadlock-free``."""
+    before, following = situation.lexer.before, _HYPHENATED.match(situation.source.text, situation.lexer.start)
+    if following is not None and situation.can(following["word"]) and before.end == situation.lexer.start:
+        span = Span(situation.source, before.start, following.end())
+        return _one_word(situation, span, f"{before.text} {following['word']}"), Repair("remove")
+    if situation.kind != "NAME":
+        return None
+    actions, pairs = situation.automaton.tables.actions, dict[str, str]()
+    for first in situation.acceptable():
+        following_state = actions[situation.states[-1]][first]
+        one = situation.text_of(first)
+        for second in actions[following_state] if following_state >= 0 and one.isalpha() else ():
+            other = situation.text_of(second)
+            if other.isalpha():
+                pairs[one + other] = f"{one} {other}"
+    written = situation.text.replace("_", "").lower()
+    meant = written if written in pairs else Speller().nearest(written, sorted(pairs))
+    return None if meant is None else (_one_word(situation, situation.span, pairs[meant]), None)
+
+
+def _one_word(situation: Situation, span: Span, meant: str) -> UnexpectedText:
+    advice = f"did you mean `{meant}`?"
+    return UnexpectedText(span, f"`{span.text}`", expected_words(situation), advice, meant)
 
 
 def _is_surely(word: str, keyword: str) -> bool:
