@@ -1,1 +1,1 @@
-"""What all targets have in common."""
+"""The common part of all targets."""

@@ -1,4 +1,4 @@
-"""What to call a part of a composition that has no name in the text."""
+"""Names for parts of a composition that have no name in the text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from cspdiag.network.ir.walk import instances_run, parts
 
 
 def branch_name(action: ir.Action) -> str:
-    """A name after what it does: ``repeat_prefix``, ``read_input``."""
+    """A name for what an action does: ``repeat_prefix``, ``read_input``."""
     runs = list(dict.fromkeys(instances_run(action)))
     if len(runs) == 1:
         return f"repeat_{runs[0]}" if isinstance(action, ir.Repeat) else f"run_{runs[0]}"

@@ -1,7 +1,7 @@
 """Documents: text that knows where it may be broken over lines (P. Wadler, *A prettier printer*, 2003).
 
-A document is text, a tuple of documents that follow each other, or one of the nodes below. Documents are values: what
-makes them decides nothing about columns, and `render` alone knows how long a line may be.
+A document is text, a tuple of consecutive documents, or one of the nodes below. Documents are values: whatever builds
+them decides nothing about columns, and only `render` knows how long a line may be.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from cspdiag.base.record import record
 
 @record
 class Line:
-    """A place where a line may end; ``flat`` is what stands there where it does not."""
+    """A place where a line may end; ``flat`` is the text there if it does not."""
 
     flat: str = " "
 
@@ -34,7 +34,7 @@ class _Around:
 
 @record
 class Nest(_Around):
-    """Lines that begin inside stand ``by`` columns deeper."""
+    """Lines that begin inside are indented by ``by`` more columns."""
 
     by: int
     content: Document
@@ -42,15 +42,16 @@ class Nest(_Around):
 
 @record
 class Group(_Around):
-    """On one line if that fits; else its own lines are all broken, those of groups inside each if they have to be."""
+    """On one line if that fits; otherwise all its own lines are broken, and those of inner groups only if necessary."""
 
     content: Document
 
 
 @record
 class Fill:
-    """Items with a `Line` between them: as many on a line as fit. What follows an item of several lines begins a new
-    one. Those before ``start`` have been laid out.
+    """Items with a `Line` between them, as many on a line as fit. An item after one of several lines begins a new line.
+
+    Those before ``start`` have been laid out.
     """
 
     items: tuple[Document, ...]
@@ -98,7 +99,7 @@ def joined(separator: Document, items: Sequence[Document]) -> tuple[Document, ..
 
 
 def listed(items: Sequence[Document], comma: str = ",") -> tuple[Document, ...]:
-    """The items, each but the last with a comma behind it: what a `Fill` wants."""
+    """The items, each except the last followed by a comma, for a `Fill`."""
     return (*((item, comma) for item in items[:-1]), *items[-1:])
 
 
@@ -112,7 +113,7 @@ def flat(document: Document) -> str:
 
 
 def render(document: Document, width: int, indent: int = 0) -> list[str]:
-    """The lines, none longer than ``width`` if that can be; all but blank ones begin ``indent`` columns deep."""
+    """The lines, none longer than ``width`` if possible; all except blank ones are indented by ``indent`` columns."""
     text = flat(document)
     if indent + len(text) <= width:
         return [" " * indent + text]
@@ -121,7 +122,7 @@ def render(document: Document, width: int, indent: int = 0) -> list[str]:
 
 
 _Item: TypeAlias = tuple[int, bool, Document]
-"""How deep a line that begins in a document stands, whether its own lines are broken, and the document."""
+"""The indentation of lines that begin in a document, whether its own lines are broken, and the document."""
 
 
 class _Layout:
@@ -129,9 +130,9 @@ class _Layout:
         self.width = width
 
     def lines(self, items: Sequence[_Item], column: int, following: int = 0) -> list[str]:
-        """The lines of documents one behind the other, the first without the ``column`` characters before it.
+        """The lines of consecutive documents, the first without the ``column`` characters before it.
 
-        ``following`` more characters come behind them on the last line.
+        On the last line, ``following`` more characters come after them.
         """
         done: list[str] = []
         line = ""
@@ -171,7 +172,9 @@ class _Layout:
         return [*done, line]
 
     def _first(self, fill: Fill, column: int, stack: Sequence[_Item], following: int) -> Document:
-        """The first item of a `Fill`, the line behind it, broken if the next item does not fit on it, and the rest."""
+        """The first item of a `Fill`, the line after it, which is broken if the next item does not fit, and
+        the rest.
+        """
         head, left = fill.items[fill.start], len(fill.items) - fill.start - 1
         if not left:
             return Group(head)
@@ -203,7 +206,7 @@ class _Layout:
         return length <= room and length + self._ahead(stack, following) <= room
 
     def _ahead(self, stack: Sequence[_Item], following: int) -> int:
-        """How many characters come before the next place where a line can end."""
+        """The number of characters before the next place where a line can end."""
         count = 0
         for _, broken, document in reversed(stack):
             length, ended = _until_line(document, broken)
@@ -214,7 +217,7 @@ class _Layout:
 
 
 def _length_up_to(document: Document, most: int) -> int:
-    """The length of the text on one line, or one that is more than ``most``: a long list is not added up."""
+    """The length of the text on one line, or any length above ``most``: a long list is not summed up."""
     match document:
         case tuple():
             length = 0

@@ -1,4 +1,4 @@
-"""Which signals of a submodel are needed for what."""
+"""Dependencies between the signals of a submodel."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ Equation = SubmodelEquation | ExternalCall
 
 
 def signals(items: Iterable[object]) -> Counter[str]:
-    """How often each signal is read in expressions."""
+    """How often expressions read each signal."""
     return Counter(part.name for part in parts(tuple(items)) if isinstance(part, SignalValue))
 
 
 def parameters(items: Iterable[object]) -> Counter[str]:
-    """How often each parameter is read in expressions."""
+    """How often expressions read each parameter."""
     return Counter(part.name for part in parts(tuple(items)) if isinstance(part, ParameterValue))
 
 
 def uses_time(items: Iterable[object]) -> bool:
-    """Whether the present instant is read in expressions."""
+    """Whether expressions read the present instant."""
     return any(isinstance(part, PresentTime) for part in parts(tuple(items)))
 
 
@@ -37,14 +37,14 @@ def values(equation: Equation) -> tuple[Expression, ...]:
 
 
 def defined(equation: Equation) -> tuple[str, ...]:
-    """The signals that an equation gives values to."""
+    """The signals that an equation defines."""
     if isinstance(equation, ExternalCall):
         return tuple(local for _, local, _ in equation.outputs)
     return (equation.name,)
 
 
 def needed(equations: Sequence[Equation], roots: Iterable[str], *, calls: bool = True) -> list[Equation]:
-    """The equations that ``roots`` depend on, in order; external calls too where ``calls`` says so."""
+    """The equations on which ``roots`` depend, in order; with ``calls`` also all external calls."""
     wanted = set(roots)
     kept: list[Equation] = []
     for equation in reversed(equations):
@@ -68,7 +68,7 @@ def inputs(class_: SubmodelClass) -> list[str]:
 
 
 def held(class_: SubmodelClass) -> list[str]:
-    """What the derivatives read that does not change within a sample: inputs, other equations, discrete states."""
+    """What the derivatives read that is constant within a sample: inputs, other equations, discrete states."""
     moving = {equation.name for equation in class_.derivative_equations}
     moving |= {state.name for state in class_.states if state.continuous}
     moving |= {constant.name for constant in class_.constants}
@@ -77,7 +77,7 @@ def held(class_: SubmodelClass) -> list[str]:
 
 
 def read_after_change(next_values: Iterable[tuple[str, Expression]]) -> dict[str, int]:
-    """The states that are read after they have got their next values, in the order of reading, and how often."""
+    """The states that are read after they have been given their next values, in the order of reading, and how often."""
     late: Counter[str] = Counter()
     changed: set[str] = set()
     for name, value in next_values:
@@ -87,7 +87,7 @@ def read_after_change(next_values: Iterable[tuple[str, Expression]]) -> dict[str
 
 
 def evaluated_in_runs(class_: SubmodelClass) -> tuple[object, ...]:
-    """What a law evaluates once its constants are known: when it is reset, and in each run."""
+    """The expressions that a law evaluates after construction: at a reset, and in each run."""
     return (
         tuple(state.initial for state in class_.states),
         class_.next_values,
@@ -98,7 +98,7 @@ def evaluated_in_runs(class_: SubmodelClass) -> tuple[object, ...]:
 
 
 def constants_needed(class_: SubmodelClass) -> list[SubmodelEquation]:
-    """The constants that anything depends on."""
+    """The constants on which anything depends."""
     roots = signals(
         (
             class_.states,
@@ -113,7 +113,7 @@ def constants_needed(class_: SubmodelClass) -> list[SubmodelEquation]:
 
 
 def signal_types(class_: SubmodelClass) -> dict[str, Type]:
-    """The type of everything that has a value in a submodel, by name."""
+    """The type of everything with a value in a submodel, by name."""
     types: dict[str, Type] = {}
     for group in (class_.parameters, class_.ports, class_.states, class_.constants):
         types.update((item.name, item.type) for item in group)

@@ -9,7 +9,7 @@ from cspdiag.network.lower.distinct_names import DistinctNames
 
 
 def distinct(names: Iterable[str], prefix: str = "") -> list[str]:
-    """An identifier for each name, all different; ``prefix`` keeps them apart from words of the language."""
+    """An identifier for each name, all different; ``prefix`` distinguishes them from words of the language."""
     given = DistinctNames()
     found = []
     for name in names:

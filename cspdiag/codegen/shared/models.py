@@ -1,4 +1,4 @@
-"""Models for other proof tools: what is written is the transition system of the network."""
+"""Models for other proof tools: the transition system of the network in their languages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cspdiag.proofs.transitions.systems.system import System
 
 
 def system_of(network: CoreNetwork) -> System:
-    """The transition system of a network. Raises TargetError where it would have too many states."""
+    """The transition system of a network. Raises TargetError if it would have too many states."""
     from cspdiag.proofs.transitions import transition_system
     from cspdiag.proofs.transitions.threads.explore import TransitionError
 

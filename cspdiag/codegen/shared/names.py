@@ -1,4 +1,4 @@
-"""Names in generated code: what is the same in every language."""
+"""The common part of the names in generated code, for all languages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def words(text: str) -> frozenset[str]:
 
 
 def as_one_word(text: str) -> str:
-    """A name of the text, or several joined by dots and indexes, in letters, digits and underscores only."""
+    """A name of the text, or several joined by dots and indexes, with letters, digits and underscores only."""
     return re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_") if re.search(r"\W", text, re.ASCII) else text
 
 
@@ -26,14 +26,14 @@ def with_underscores(name: str) -> str:
 
 
 class GivenNames:
-    """Gives out names of a language, each once."""
+    """Names of a language, each given only once."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._names = DistinctNames(taken)
         self._given: dict[str, str] = {}
 
     def __getitem__(self, text: str) -> str:
-        """The name that was given for a name of the text; made at the first time."""
+        """The name for a name of the text, created at the first access."""
         if text not in self._given:
             self._given[text] = self.fresh(text)
         return self._given[text]
@@ -43,7 +43,7 @@ class GivenNames:
         return name in self._names.taken
 
     def fresh(self, text: str) -> str:
-        """A new name, as near to ``text`` as may be."""
+        """A new name, as similar to ``text`` as possible."""
         wanted = self._identifier(text)
         return self._names.fresh(wanted, lambda count: self._numbered(wanted, count))
 
@@ -58,7 +58,7 @@ class GivenNames:
 
 
 class Package:
-    """The package that is made of a network: its name, and where it stands in the text."""
+    """The package that is generated from a network: its name, and its place in the text."""
 
     def __init__(self, network: Network) -> None:
         self.package = network.name

@@ -1,5 +1,5 @@
-"""What is decided about operations in the same way for every language: which condition is the opposite of another, and
-what comparisons say that need not be made.
+"""Decisions about operations that are the same for every language: the negation of conditions, and comparisons with a
+known result.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralV
 from cspdiag.network.ir.faults import may_fault
 
 COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
-"""What the operators say of two values."""
+"""The operators as functions of two values."""
 
 _OPPOSITES = {"==": "!=", "!=": "==", "<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 
 
 def opposite(condition: Expression) -> Expression | None:
-    """The opposite of a condition as one without ``not``, if there is one: that of an order is another order, but for
-    reals, of which a NaN is in none.
+    """The negation of a condition without ``not``, if there is one: for an order the opposite order, but not for reals,
+    because of NaN.
     """
     match condition:
         case UnaryOperation(operator="not", operand=operand):
@@ -27,14 +27,14 @@ def opposite(condition: Expression) -> Expression | None:
         case BinaryOperation(operator=operator, left=left) if operator in _OPPOSITES:
             is_exact = operator in ("==", "!=") or isinstance(left.type, IntType | TimeType)
             return replaced(condition, operator=_OPPOSITES[operator]) if is_exact else None
-        case _:  # Any other condition has none.
+        case _:  # No other condition has one.
             return None
 
 
 def known_comparison(expression: BinaryOperation, *, by_name: bool) -> bool | None:
-    """What a comparison of two literals says; compilers and type checkers rightly complain about code that asks.
+    """The result of a comparison of two literals, about which compilers and type checkers would rightly complain.
 
-    The value of a constant is known ``by_name`` to a compiler, which a type checker does not look up.
+    ``by_name`` a named constant counts as a literal: compilers know its value, type checkers do not look it up.
     """
     left, right = (literal_value(side, by_name=by_name) for side in (expression.left, expression.right))
     compare = COMPARISONS.get(expression.operator)
@@ -44,7 +44,7 @@ def known_comparison(expression: BinaryOperation, *, by_name: bool) -> bool | No
 
 
 def literal_value(expression: Expression, *, by_name: bool) -> Value | None:
-    """The value of a literal, also of one with a sign."""
+    """The value of a literal, which may have a sign."""
     match expression:
         case LiteralValue(value=value, name=name) if by_name or name is None:
             return value
@@ -52,12 +52,12 @@ def literal_value(expression: Expression, *, by_name: bool) -> Value | None:
             by_name or name is None
         ) and not may_fault(expression):
             return -value
-        case _:  # Any other expression is no literal.
+        case _:  # No other expression is a literal.
             return None
 
 
 def truth_of(comparison: BinaryOperation) -> tuple[Expression, bool] | None:
-    """A condition that is compared with ``true`` or ``false``, and whether it holds where the comparison does."""
+    """A condition that is compared with ``true`` or ``false``, and whether it holds when the comparison does."""
     other = comparison.right
     if comparison.operator not in ("==", "!=") or not isinstance(other, LiteralValue):
         return None
@@ -66,5 +66,5 @@ def truth_of(comparison: BinaryOperation) -> tuple[Expression, bool] | None:
 
 
 def integer_name(type_: Type) -> str:
-    """``int64``, ``uint8``: what functions of both runtimes that check a range are called after."""
+    """``int64``, ``uint8``: the names of the functions of both runtimes that check a range."""
     return f"{'' if type_.signed else 'u'}int{type_.bits}" if isinstance(type_, IntType) else "int64"

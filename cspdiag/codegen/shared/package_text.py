@@ -1,4 +1,4 @@
-"""Text from outside in the files of a package that are not code: TOML and Markdown."""
+"""Text of the user in the files of a package that are not code: TOML and Markdown."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from cspdiag.codegen.shared.plain_text import one_line
 
 
 def toml_string(text: str) -> str:
-    """A basic string of TOML 1.0, on one line and in ASCII; half characters, which TOML has not, become the replacement
-    character.
+    """A basic string of TOML 1.0, on one line and in ASCII; lone surrogates, which TOML does not allow, become the
+    replacement character.
     """
     return f'"{"".join(map(_toml_character, text))}"'
 
@@ -27,7 +27,7 @@ def _toml_character(character: str) -> str:
 
 
 def markdown_code(text: str) -> str:
-    """A code span of Markdown, also for text that has backquotes in it."""
+    """A code span of Markdown, also for text that contains backquotes."""
     shown = one_line(text)
     fence = "`" * (max(map(len, re.findall("`+", shown)), default=0) + 1)
     blank = " " if shown.startswith("`") or shown.endswith("`") else ""
@@ -35,8 +35,8 @@ def markdown_code(text: str) -> str:
 
 
 def markdown(text: str) -> str:
-    """Paragraphs of a doc comment in Markdown. What is in backquotes stays code; nothing else becomes markup, HTML, a
-    link or a list.
+    """Paragraphs of a doc comment in Markdown. Text in backquotes stays code; nothing else becomes markup, HTML, a link
+    or a list.
     """
     return "\n\n".join(map(_paragraph, printable(text).split("\n\n")))
 

@@ -1,4 +1,4 @@
-"""Which of several names are the elements of arrays: ``cell[0]``, ``cell[1]``, ..."""
+"""Which of several names are elements of arrays: ``cell[0]``, ``cell[1]``, ..."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Hashable, Mapping
 
 
 class Arrays:
-    """Names in groups (of channels, of instances); an array has all elements from 0 in one group, and all of
-    one kind.
+    """Names in groups (of channels, of instances); an array has all elements from 0 on in one group, and all of one
+    kind.
     """
 
     def __init__(self, *groups: Mapping[str, Hashable]) -> None:
@@ -38,7 +38,7 @@ class Arrays:
         return self.place(name)[0]
 
     def size(self, name: str) -> int | None:
-        """The number of elements of the array that an element stands in."""
+        """The number of elements of the array that contains an element."""
         base, index = self.place(name)
         return None if index is None else self._sizes[base]
 

@@ -1,8 +1,8 @@
-"""Text from outside the compiler, such as doc comments, strings, lines of the program and names of files, on its way
-into other languages.
+"""Text from outside the compiler, such as doc comments, strings, lines of the program and names of files, in other
+languages.
 
-Each language has one module with a function for each place that such text may stand in, and nothing gets there past it:
-``python_text`` and ``package_text`` (TOML and Markdown) beside this one, ``c/text`` and, for the languages of models,
+Each language has one module with a function for each place where such text may occur, and all of it passes through
+these functions: ``python_text`` and ``package_text`` (TOML and Markdown), ``c/text`` and, for the languages of models,
 ``one_line``.
 """
 
@@ -12,9 +12,9 @@ from cspdiag.base.render.snippet import printable
 
 
 def one_line(text: str) -> str:
-    """``text`` on one line, with pictures for what cannot be seen: control characters, marks of writing direction, half
-    characters.
+    """``text`` on one line, with pictures for what cannot be seen: control characters, marks of writing direction, lone
+    surrogates.
 
-    It ends no comment that goes to the end of its line, in any language.
+    It cannot end a comment that extends to the end of its line, in any language.
     """
     return printable(" ".join(text.splitlines()))

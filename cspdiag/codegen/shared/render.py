@@ -1,4 +1,4 @@
-"""The templates of a target, and those that somebody has put in their place."""
+"""The templates of a target, and those that a user has supplied instead."""
 
 from __future__ import annotations
 
@@ -16,37 +16,37 @@ if TYPE_CHECKING:
 
 SUFFIX = ".j2"
 ORIGINAL = "original/"
-"""Before the name of a template: the one that comes with cspdiag, also where another takes its place."""
+"""The prefix of a template's name for the one that comes with cspdiag, even if it is replaced."""
 
 PART = "_"
-"""What names begin with of files that templates include, and that are no templates themselves."""
+"""The first character of the names of files that templates include, and that are not templates themselves."""
 
 Render = Callable[..., str]
 
 
 @record
 class Replacement:
-    """A template in the place of one of cspdiag: its text, and where that comes from."""
+    """A template that replaces one of cspdiag: its text, and where that comes from."""
 
     path: str
     text: str
 
 
 class TemplateError(TargetError):
-    """A mistake in a template of the user's; the message is for people, with its place."""
+    """A mistake in a template of the user; the message has its place."""
 
 
 def template_names(target: str) -> tuple[str, ...]:
-    """The templates of a target, which can be replaced; none of a target that is made without."""
+    """The templates of a target, which can be replaced; empty for a target without templates."""
     folder = template_folder(target)
     return tuple(sorted(path.name for path in folder.iterdir() if path.suffix == SUFFIX)) if folder.is_dir() else ()
 
 
 def renderer(target: str, replacements: Mapping[str, Replacement] = EMPTY) -> Render:
-    """``render(template, **values)`` for the templates of a target; a value that a template misses is an error.
+    """``render(template, **values)`` for the templates of a target; a value that is missing in a template is an error.
 
-    Raises TemplateError for a mistake in one of the ``replacements``, by name: here for what can be read off the text,
-    ``render`` for what shows when it is used.
+    Raises TemplateError for a mistake in one of the ``replacements``, by name: here for errors of syntax, in ``render``
+    for those that occur when the template is used.
     """
     return _replacing(target, replacements) if replacements else _plain(target)
 
@@ -106,7 +106,7 @@ def _environment(target: str, replacements: Mapping[str, Replacement]) -> Enviro
 
 
 def _place(problem: Exception, replacements: Mapping[str, Replacement]) -> str | None:
-    """The innermost line of a replacement that was being rendered; None where the mistake is not in one."""
+    """The innermost line of a replacement that was being rendered; None if the mistake is elsewhere."""
     paths = {replacement.path for replacement in replacements.values()}
     found = None
     for path, line in _frames(problem):
@@ -135,7 +135,7 @@ def _reason(problem: Exception, values: Mapping[str, object]) -> str:
 
 
 def _missing(message: str, values: Mapping[str, Any]) -> str:
-    """What is not there, and what there is instead."""
+    """What is missing, and what is available instead."""
     for name, value in values.items():
         shown = f"{type(value).__module__}.{type(value).__qualname__} object"
         if is_record(value) and shown in message:

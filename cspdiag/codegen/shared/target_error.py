@@ -1,4 +1,4 @@
-"""What a target raises for a program that it cannot express."""
+"""The error of a target for a program that it cannot express."""
 
 from cspdiag.base.errors import CspdiagError
 

@@ -1,4 +1,4 @@
-"""Trees of generated code: looking through them, and finding the loop behind parts that differ in numbers only."""
+"""Trees of generated code: traversal, and repetition in parts that differ only in numbers."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from cspdiag.base.record import field_names, is_record, record, replaced
 T = TypeVar("T")
 
 LEAST = 3
-"""Fewer parts than this stay as they are."""
+"""Fewer parts than this are not rolled into a loop."""
 
 LONGEST = 4
-"""The number of different parts that may make one iteration of a loop together."""
+"""The largest number of different parts in one iteration of a loop."""
 
 
 class Counted:
-    """A number that may count: nodes that differ in their ``value`` only are alike."""
+    """A number that may count: nodes are alike if they differ only in their ``value``."""
 
     value: int
 
 
 class Closed:
-    """A node in which nothing counts, as it counts or names something itself: only the same node is like it."""
+    """A node in which no number counts, because it counts or names something itself: only equal nodes are alike."""
 
 
 @record
 class Outline:
-    """What decides how a tree reads, without the tree: those of one ``shape`` differ in ``numbers`` only."""
+    """The structure of a tree: trees of one ``shape`` differ only in ``numbers``."""
 
     shape: Hashable
     numbers: tuple[int, ...]
@@ -68,7 +68,7 @@ def _shape(item: object, numbers: list[int]) -> Hashable:
 
 
 def numbers_as_in(first: object, other: object) -> list[int] | None:
-    """The numbers of a tree that differs from ``first`` in numbers only; None if it differs in more."""
+    """The numbers of a tree that differs from ``first`` only in numbers; None if it differs in more."""
     numbers: list[int] = []
     return numbers if _is_like(first, other, numbers) else None
 
@@ -94,7 +94,7 @@ def _is_like(first: object, other: object, numbers: list[int]) -> bool:
 
 @cache
 def _shaped_fields(kind: type) -> tuple[str, ...]:
-    """The fields of a node that are looked into; of everything else none."""
+    """The fields of a node to compare; empty for everything else."""
     return getattr(kind, "__record_fields__", ()) if not issubclass(kind, Closed) else ()
 
 
@@ -111,8 +111,8 @@ def numbers_in(item: object) -> list[Any]:
 
 
 def refilled(item: T, made: Callable[[Any, object], object], around: object = None) -> T:
-    """The same tree with other nodes for its numbers: what ``made`` gives for each, in the order of the outline, and
-    for the node that it stands in.
+    """The same tree with other nodes for its numbers: ``made`` returns one for each, in the order of the outline, from
+    it and the node around it.
     """
     found: Any = item
     if isinstance(item, Counted):
@@ -127,31 +127,31 @@ def refilled(item: T, made: Callable[[Any, object], object], around: object = No
 def repeated(
     outlines: Sequence[Outline], start: int, counts: Callable[[Sequence[int]], bool]
 ) -> tuple[int, int, tuple[int, ...]]:
-    """How many parts from ``start`` come again and again, how often, and by what their numbers change in each turn.
+    """The number of parts from ``start`` on that repeat, how often, and by what their numbers change in each iteration.
 
-    ``counts`` says whether a loop may change its numbers by these steps.
+    ``counts`` decides whether a loop may change its numbers by these steps.
     """
     for period in range(1, LONGEST + 1):
-        turns, steps = turns_from(outlines, start, period, counts)
-        if turns >= LEAST:
-            return period, turns, steps
+        times, steps = repetitions_from(outlines, start, period, counts)
+        if times >= LEAST:
+            return period, times, steps
     return 1, 1, ()
 
 
-def turns_from(
+def repetitions_from(
     outlines: Sequence[Outline], start: int, period: int, counts: Callable[[Sequence[int]], bool]
 ) -> tuple[int, tuple[int, ...]]:
-    """How often ``period`` parts come from ``start``, every number changed by the same steps."""
-    turns = 1
+    """How often ``period`` parts repeat from ``start`` on, with every number changed by constant steps."""
+    times = 1
     steps: list[int] = []
     while True:
-        there = start + turns * period
+        there = start + times * period
         change: list[int] = []
         for position in range(there, there + period):
             if position >= len(outlines) or outlines[position].shape != outlines[position - period].shape:
-                return turns, tuple(steps)
+                return times, tuple(steps)
             before, after = outlines[position - period].numbers, outlines[position].numbers
             change += [b - a for a, b in zip(before, after, strict=True)]
-        if (turns > 1 and change != steps) or not counts(change):
-            return turns, tuple(steps)
-        steps, turns = change, turns + 1
+        if (times > 1 and change != steps) or not counts(change):
+            return times, tuple(steps)
+        steps, times = change, times + 1

@@ -30,7 +30,7 @@ from cspdiag.codegen.python.text.code import (
     infix,
 )
 from cspdiag.codegen.python.text.statements import Statement, Statements, repeat
-from cspdiag.codegen.shared.trees import LEAST, numbers_as_in, outline, refilled, repeated, turns_from
+from cspdiag.codegen.shared.trees import LEAST, numbers_as_in, outline, refilled, repeated, repetitions_from
 
 T = TypeVar("T")
 
@@ -47,7 +47,7 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
     items: list[Code] = []
     start = 0
     while start < len(elements):
-        turns, _ = turns_from(outlines, start, 1, _counts)
+        turns, _ = repetitions_from(outlines, start, 1, _counts)
         part = template(elements[start : start + turns], variable, start) if turns >= LEAST else None
         if part is None:
             items.append(elements[start])
