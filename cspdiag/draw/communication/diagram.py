@@ -11,6 +11,7 @@ from cspdiag.draw.annotations import BADGE, INKS, SMALLEST_ROW, badge, badge_wid
 from cspdiag.draw.communication import symbols
 from cspdiag.draw.communication.graph import BADGE_GAP, Caption, CommunicationGraph, communication_graph
 from cspdiag.draw.communication.legend import legend
+from cspdiag.draw.communication.symbol_places import CORNER, symbol_pieces
 from cspdiag.draw.communication.tooltips import (
     arrow_tooltip,
     box_tooltip,
@@ -31,7 +32,7 @@ from cspdiag.draw.elements.diagram import (
 from cspdiag.draw.elements.marks import WHOLE, Mark, Marks
 from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import lay_out
-from cspdiag.draw.layout.graph import Layout, Node, Route, Side
+from cspdiag.draw.layout.graph import Layout, Node, Side
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import below_each_other, bounds, fitted
 from cspdiag.draw.scene.shapes import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
@@ -110,6 +111,9 @@ class _Drawing:
         self.layout = layout
         self.marks = marks
         self.links = links
+        self.routes = {name: layout.routes[f"{name}#edge"] for name in made.arrows}
+        self.symbols = {name: symbols.symbol_of(arrow) for name, arrow in made.arrows.items()}
+        self.pieces = symbol_pieces(self.routes, self.symbols)
         self.corners: list[Rectangle] = []
         """Where there are badges at corners."""
 
@@ -177,8 +181,7 @@ class _Drawing:
 
     def _arrow(self, name: str, arrow: Arrow) -> Item:
         mark = self.marks.get(name)
-        route = self.layout.routes[f"{name}#edge"]
-        items: list[Item] = [*self._lines_of(arrow, route, mark)]
+        items: list[Item] = [*self._lines_of(name, arrow, mark)]
         caption = self.made.captions.get(f"{name}#label")
         place = self.layout.labels.get(f"{name}#label")
         if caption is not None and place is not None:
@@ -187,7 +190,8 @@ class _Drawing:
         kind = " ".join(("channel", *arrow.kinds)) if not arrow.by_composition else "communication"
         return Group(kind, tuple(items), name, _with_note(arrow_tooltip(arrow), mark))
 
-    def _lines_of(self, arrow: Arrow, route: Route, mark: Mark | None) -> tuple[Item, ...]:
+    def _lines_of(self, name: str, arrow: Arrow, mark: Mark | None) -> tuple[Item, ...]:
+        route = self.routes[name]
         ink, width, dash = symbols.outline(mark, Ink.LINE)
         if arrow.by_composition and mark is None:
             dash = Dash.DASHED
@@ -196,17 +200,15 @@ class _Drawing:
             ends_in_sink = section.target is not None and self._is_sink(section.target)
             goes_on = section.target is not None and self._is_border(section.target, "out")
             head = Head.NONE if section.target is None or ends_in_sink or goes_on else Head.ARROW
-            items.append(Line(section.points, ink, width, dash, end=head, corner=5))
+            items.append(Line(section.points, ink, width, dash, end=head, corner=CORNER))
         for junction in route.junctions:
             items.append(Line((junction, junction.moved(0.01, 0)), ink, width, start=Head.DOT))
-        begun: set[Point] = set()
-        for section in route.sections:
-            start = section.points[0]
-            kind = symbols.symbol_of(arrow)
-            if kind is None or section.source is None or start in begun or self._is_border(section.source, "in"):
-                continue
-            begun.add(start)
-            items += symbols.kind_symbol(kind, start, section.points[1], ink)
+        kind = self.symbols[name]
+        if kind is not None:
+            for source, pieces in self.pieces[name].items():
+                if not self._is_border(source, "in"):
+                    for begin, towards in pieces:
+                        items += symbols.kind_symbol(kind, begin, towards, ink)
         return tuple(items)
 
     def _is_sink(self, target: str) -> bool:

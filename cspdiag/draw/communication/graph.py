@@ -8,6 +8,7 @@ from typing import assert_never
 from cspdiag.base.record import record, replaced
 from cspdiag.draw.annotations import BADGE, badge_width, has_badge
 from cspdiag.draw.communication.ordering import ordered
+from cspdiag.draw.communication.symbol_places import SYMBOL_ROOM, parting
 from cspdiag.draw.elements.diagram import (
     Arrow,
     Box,
@@ -140,6 +141,7 @@ class _Level:
             )
             for direction in ("in", "out")
         }
+        self.parting = set(parting(diagram.arrows))
         nodes = tuple(self._node(vertex, widths, vertex.key in used) for vertex in drawn)
         return nodes, tuple(self._edge(arrow) for arrow in diagram.arrows)
 
@@ -228,6 +230,9 @@ class _Level:
         if caption.lines or not self._goes_with_value(arrow):
             caption = replaced(caption, mark=self._badged(name))
         label = self._label(f"{name}#label", caption) if caption.width > 0 else None
+        if arrow.key in self.parting:
+            # The symbol stands below the label, where the arrow runs alone.
+            label = replaced(label or self._label(f"{name}#label", caption), width=max(caption.width, SYMBOL_ROOM))
         sources = tuple(dict.fromkeys(self._end(end, ">") for end in arrow.sources))
         sinks = tuple(dict.fromkeys(self._end(end, "<") for end in arrow.sinks))
         return Edge(f"{name}#edge", sources, sinks, label, priority=0 if arrow.by_composition else 10)

@@ -1,32 +1,17 @@
 """What must hold of a drawing wherever its parts stand: no line runs through words, no words lie on each other or leave
-the sheet.
+the sheet, and no symbol of an arrow on another arrow.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import combinations, pairwise
+from itertools import combinations
 
-from cspdiag.draw.scene import outline
-from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.geometry import Rectangle
 from cspdiag.draw.scene.scene_geometry import bounds, every
-from cspdiag.draw.scene.shapes import (
-    Box,
-    Close,
-    CubicTo,
-    Curve,
-    Ellipse,
-    Group,
-    Item,
-    Line,
-    LineTo,
-    MoveTo,
-    Scene,
-    Text,
-)
+from cspdiag.draw.scene.shapes import Box, Ellipse, Group, Item, Scene, Text
 from cspdiag.draw.scene.text_metrics import CAPITAL, runs_width
-
-Segment = tuple[Point, Point]
+from tests.draw.geometry.segments import crosses, stroked
+from tests.draw.geometry.symbols import symbol_faults
 
 
 def faults(scene: Scene) -> list[str]:
@@ -45,13 +30,13 @@ def faults(scene: Scene) -> list[str]:
         found += [
             f"a line from {first} to {second} runs through {words(text)!r}"
             for i, (first, second) in strokes
-            if i >= paper and _crosses(place, first, second)
+            if i >= paper and crosses(place, first, second)
         ]
     sheet = Rectangle(0, 0, scene.width, scene.height)
     found += [
         f"{item} leaves the sheet" for item in scene.items if not _is_empty(item) and not sheet.contains(bounds(item))
     ]
-    return [*found, *_hidden(items)]
+    return [*found, *_hidden(items), *symbol_faults(scene)]
 
 
 def _covers(item: Item, place: Rectangle) -> bool:
@@ -68,61 +53,6 @@ def ink(text: Text) -> Rectangle:
     width = runs_width(text.runs, text.size)
     left = text.at.x - {"start": 0.0, "middle": width / 2, "end": width}[text.anchor.value]
     return Rectangle(left, text.at.y - CAPITAL * text.size, width, CAPITAL * text.size)
-
-
-def stroked(item: Item) -> Iterator[Segment]:
-    """The visible lines of an item as straight pieces."""
-    match item:
-        case Line():
-            for shape in outline.shapes(item):
-                yield from stroked(shape)
-        case Box() if item.stroke:
-            place = item.place
-            corners = [(place.x, place.y), (place.right, place.y), (place.right, place.bottom), (place.x, place.bottom)]
-            yield from pairwise([Point(x, y) for x, y in (*corners, corners[0])])
-        case Ellipse() if item.stroke:
-            place, c = item.place, item.place.centre
-            diamond = [(place.x, c.y), (c.x, place.y), (place.right, c.y), (c.x, place.bottom), (place.x, c.y)]
-            yield from pairwise([Point(x, y) for x, y in diamond])
-        case Curve() if item.stroke:
-            yield from _curve(item)
-        case _:
-            pass
-
-
-def _curve(curve: Curve) -> Iterator[Segment]:
-    start = at = Point(0, 0)
-    for command in curve.commands:
-        match command:
-            case MoveTo():
-                start = at = command.to
-            case LineTo() | CubicTo():
-                # The chord of a rounded corner differs from it by less than a letter.
-                yield at, command.to
-                at = command.to
-            case Close():
-                yield at, start
-                at = start
-
-
-def _crosses(place: Rectangle, first: Point, second: Point) -> bool:
-    """Whether a piece of a line has a point inside a rectangle (Liang and Barsky's clipping)."""
-    dx, dy = second.x - first.x, second.y - first.y
-    enter, leave = 0.0, 1.0
-    for step, distance in (
-        (-dx, first.x - place.x),
-        (dx, place.right - first.x),
-        (-dy, first.y - place.y),
-        (dy, place.bottom - first.y),
-    ):
-        if step == 0:
-            if distance <= 0:
-                return False
-        elif step < 0:
-            enter = max(enter, distance / step)
-        else:
-            leave = min(leave, distance / step)
-    return enter < leave
 
 
 def _hidden(items: list[Item]) -> list[str]:
