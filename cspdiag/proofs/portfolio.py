@@ -30,7 +30,9 @@ SMALL = 60
 """Only in systems with at most this number of components are traces shortened by search."""
 
 BRIEF_SECONDS = 0.3
-"""Processor time for a search before the solver for invariants is started; starting the solver alone takes longer."""
+"""Processor time, at least, for a search before the solver for invariants is started; starting the solver alone takes
+longer. The search may take as long as the methods before it, which is longer in large systems.
+"""
 
 STATES_OF_EXAMINATION = 1000
 """The number of states examined from a candidate that invariants may still exclude."""
@@ -58,10 +60,11 @@ def prove_knot_free(
 
 def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | None) -> Verdict:
     methods = chosen or METHODS
+    began = time.process_time()
     unknown: list[Unknown] = []
     for at, method in enumerate(methods):
         if method == "invariants" and chosen is None:
-            brief = _brief_search_verdict(question, limits)
+            brief = _brief_search_verdict(question, limits, max(BRIEF_SECONDS, time.process_time() - began))
             if not isinstance(brief, Unknown):
                 return _shortened(question, _with_solver_note(brief, unknown), limits)
         share = _share(limits, len(methods) - at)
@@ -93,9 +96,9 @@ def _with_solver_note(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
     return verdict
 
 
-def _brief_search_verdict(question: StuckQuestion, limits: Limits) -> Verdict:
-    """The verdict of a search that ends before the solver for invariants would have started."""
-    brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory, time.process_time)
+def _brief_search_verdict(question: StuckQuestion, limits: Limits, seconds: float) -> Verdict:
+    """The verdict of a search that takes no more processor time than is given."""
+    brief = Limits(min(seconds, limits.remaining), limits.memory, time.process_time)
     if question.structure.fails and not question.together:
         return _by_breadth_first(question, brief)
     return _by_stubborn_sets(question, brief)

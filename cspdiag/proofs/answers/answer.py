@@ -14,6 +14,9 @@ from cspdiag.proofs.verdict import Method
 
 Outcome: TypeAlias = Literal["proved", "refuted", "unknown"]
 
+MOST_SHOWN = 6
+"""Of what a proof leaves open no more than these are listed; a large array leaves something open for each element."""
+
 
 @record
 class Answer:

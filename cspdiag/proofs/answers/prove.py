@@ -6,7 +6,7 @@ import time
 from typing import Protocol
 
 from cspdiag.base.record import replaced
-from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.answers.answer import MOST_SHOWN, Answer
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Failure, counterexample
 from cspdiag.proofs.transitions.classes.distinguished import AsSpecification, Distinction, Distinguished
@@ -182,7 +182,10 @@ def not_replayed(answer: Answer, stop: LimitError) -> Answer:
 def _unconfirmed(answer: Answer, but: str) -> Answer:
     found = answer.counterexample
     assert found is not None
-    left_open = "; ".join(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
+    open_points = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
+    left_open = "; ".join(open_points[:MOST_SHOWN])
+    if len(open_points) > MOST_SHOWN:
+        left_open += f"; and {len(open_points) - MOST_SHOWN} more"
     believed = f" ({found.reason})" if found.reason else ""
     reason = f"a counterexample was found{believed}, but {but}"
     if left_open:

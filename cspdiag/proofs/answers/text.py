@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.render.text import render as render_diagnostics
-from cspdiag.proofs.answers.answer import Answer, Outcome
+from cspdiag.proofs.answers.answer import MOST_SHOWN, Answer, Outcome
 from cspdiag.proofs.answers.findings import diagnostic_of
 from cspdiag.proofs.counterexamples.table import table
 from cspdiag.proofs.counterexamples.words import waiting_lines
@@ -54,12 +54,9 @@ def _lines(answer: Answer, colour: bool) -> Iterator[str]:
         yield "  left open in the proof:"
         places = (one.what + ("" if one.span is None else f" ({on_one_line(one.span)})") for one in answer.abstractions)
         lines = list(dict.fromkeys(places))
-        yield from (f"    {line}" for line in lines[:_MOST_ABSTRACTIONS])
-        if len(lines) > _MOST_ABSTRACTIONS:
-            yield f"    and {len(lines) - _MOST_ABSTRACTIONS} more"
-
-
-_MOST_ABSTRACTIONS = 6
+        yield from (f"    {line}" for line in lines[:MOST_SHOWN])
+        if len(lines) > MOST_SHOWN:
+            yield f"    and {len(lines) - MOST_SHOWN} more"
 
 
 def _explanation(answer: Answer) -> Iterator[str]:

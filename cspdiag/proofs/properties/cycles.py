@@ -7,7 +7,7 @@ without a successor are removed from these repeatedly, until only cycles and pat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from cspdiag.base.record import record
 from cspdiag.proofs.reduce.reduction import can_livelock, is_large, seen_from_outside
 from cspdiag.proofs.search.breadth_first import CHUNK, Exploration, explore, trace_to
-from cspdiag.proofs.search.closed_sets import ClosedSets
+from cspdiag.proofs.search.closed_sets import ClosedSets, Ready
 from cspdiag.proofs.search.local_loops import looping_part
 from cspdiag.proofs.search.packing import Flags, Packing, Words
 from cspdiag.proofs.search.traces import causes
@@ -24,7 +24,15 @@ from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import LimitError, Limits, Method, Move
 
 _BRIEF_SEARCH_STATES = 3000
-"""The number of states of the short search."""
+"""The number of states of the short search, at least."""
+
+_ROUNDS = 4
+"""The short search has this many states for each component, too: a cycle around a ring has several."""
+
+_ENTRIES = 30_000_000
+"""All states of the short search together have no more local states than this, if they are more than
+`_BRIEF_SEARCH_STATES`.
+"""
 
 Edges = npt.NDArray[np.int64]
 State: TypeAlias = tuple[int, ...]
@@ -71,15 +79,14 @@ def _brief_search(system: System, part: System, limits: Limits) -> Endless | Non
     sets = ClosedSets(system, limits)
     allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
 
-    def stubborn(state: State, moves: Sequence[Move]) -> list[Successor]:
-        return [way for event in sets.smallest(state) for way in sets.moves(state, event)]
+    def stubborn(state: State, ready: Ready, path: _Path) -> list[Successor]:
+        return [way for event in sets.smallest(state, ready) for way in sets.moves(state, event)]
 
-    def last_movers(state: State, moves: Sequence[Move]) -> list[Successor]:
-        moved = {party: at for at, move in enumerate(moves) for party, _ in move.moves}
-        ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
-        return sorted(ways, key=lambda way: max(moved.get(party, -1) for party, _ in way[0].moves))
+    def last_movers(state: State, ready: Ready, path: _Path) -> list[Successor]:
+        ways = [way for event in sets.possible(state, ready) for way in sets.moves(state, event)]
+        return sorted(ways, key=lambda way: max(path.last_move(party) for party, _ in way[0].moves))
 
-    found = [_walk(system.initial, ways, allowed, limits) for ways in (stubborn, last_movers)]
+    found = [_walk(system.initial, sets, ways, allowed, limits) for ways in (stubborn, last_movers)]
     return min(
         (endless for endless in found if endless is not None),
         key=lambda endless: len(endless.trace) + len(endless.cycle),
@@ -87,36 +94,68 @@ def _brief_search(system: System, part: System, limits: Limits) -> Endless | Non
     )
 
 
+class _Path:
+    """The moves from the initial state."""
+
+    def __init__(self) -> None:
+        self.moves: list[Move] = []
+        self._moved: dict[int, list[int]] = {}
+
+    def add(self, move: Move) -> None:
+        """Goes one move further."""
+        for party, _ in move.moves:
+            self._moved.setdefault(party, []).append(len(self.moves))
+        self.moves.append(move)
+
+    def drop(self) -> None:
+        """Goes back one move, if there is one."""
+        if self.moves:
+            for party, _ in self.moves.pop().moves:
+                self._moved[party].pop()
+
+    def last_move(self, party: int) -> int:
+        """The number of the last move of a component; -1 if it has not moved."""
+        moved = self._moved.get(party)
+        return moved[-1] if moved else -1
+
+
 def _walk(
-    initial: State, successors_of: Callable[[State, Sequence[Move]], list[Successor]], allowed: set[int], limits: Limits
+    initial: State,
+    sets: ClosedSets,
+    successors_of: Callable[[State, Ready, _Path], list[Successor]],
+    allowed: set[int],
+    limits: Limits,
 ) -> Endless | None:
     """Searches depth first for a while, the last successor first; a state that is on the path already closes
     a cycle.
     """
-    moves: list[Move] = []
+    path = _Path()
     on_path = {initial: 0}
     seen = {initial}
-    path = [(initial, successors_of(initial, moves))]
-    while path and len(seen) < _BRIEF_SEARCH_STATES:
+    ready = sets.ready(initial)
+    pending = [(initial, ready, successors_of(initial, ready, path))]
+    components = len(initial)
+    most = max(_BRIEF_SEARCH_STATES, min(_ROUNDS * components, _ENTRIES // max(components, 1)))
+    while pending and len(seen) < most:
         limits.check()
-        state, ways = path[-1]
+        state, ready, ways = pending[-1]
         if not ways:
-            path.pop()
+            pending.pop()
             del on_path[state]
-            if moves:
-                moves.pop()
+            path.drop()
             continue
         move, after = ways.pop()
         start = on_path.get(after)
-        if start is not None and all(step.event in allowed for step in (*moves[start:], move)):
-            cycle = (*moves[start:], move)
+        if start is not None and all(step.event in allowed for step in (*path.moves[start:], move)):
+            cycle = (*path.moves[start:], move)
             concerned = {party for step in cycle for party, _ in step.moves}
-            return Endless("stubborn", causes(moves[:start], concerned), cycle, len(seen))
+            return Endless("stubborn", causes(path.moves[:start], concerned), cycle, len(seen))
         if after not in seen:
             seen.add(after)
-            on_path[after] = len(path)
-            moves.append(move)
-            path.append((after, successors_of(after, moves)))
+            on_path[after] = len(pending)
+            path.add(move)
+            can = sets.ready_after(ready, move, after)
+            pending.append((after, can, successors_of(after, can, path)))
     return None
 
 

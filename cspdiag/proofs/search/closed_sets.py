@@ -20,6 +20,9 @@ from cspdiag.proofs.verdict import Limits, Move
 
 State: TypeAlias = tuple[int, ...]
 
+Ready: TypeAlias = frozenset[int]
+"""Components of which an event is possible: of those that an event has, the first one."""
+
 
 class ClosedSets:
     """The stubborn sets of the states of a system. Internal steps are numbered after the events, one for each
@@ -47,18 +50,35 @@ class ClosedSets:
         """For each component and state, the events of which the component is the first party, and their
         other parties.
         """
+        self._owners = _owners(self._parties, len(system.components))
         self._local = [LocalDependence(states, within) for states in self._targets]
 
-    def possible(self, state: State) -> Iterator[int]:
-        """Every event that is possible in a state."""
-        offers = [targets[local] for targets, local in zip(self._targets, state, strict=True)]
-        for owned, local in zip(self._owned, state, strict=True):
-            for event, partners in owned[local]:
-                for partner in partners:
-                    if event not in offers[partner]:
-                        break
-                else:
-                    yield event
+    def ready(self, state: State) -> Ready:
+        """The components of which an event is possible in a state."""
+        return frozenset([at for at in range(len(state)) if self._can(state, at)])
+
+    def ready_after(self, ready: Ready, move: Move, after: State) -> Ready:
+        """The same for the state after a move, where only the events of those that moved can have changed."""
+        concerned = {owner for party, _ in move.moves for owner in self._owners[party]}
+        now = {at for at in concerned if self._can(after, at)}
+        return ready if now == concerned & ready else (ready - concerned) | now
+
+    def _can(self, state: State, at: int) -> bool:
+        return any(True for _ in self._possible(state, at))
+
+    def _possible(self, state: State, at: int) -> Iterator[int]:
+        targets = self._targets
+        for event, partners in self._owned[at][state[at]]:
+            for partner in partners:
+                if event not in targets[partner][state[partner]]:
+                    break
+            else:
+                yield event
+
+    def possible(self, state: State, ready: Ready | None = None) -> Iterator[int]:
+        """Every event that is possible in a state; ``ready`` are the components that have one, if they are known."""
+        for at in range(len(state)) if ready is None else sorted(ready):
+            yield from self._possible(state, at)
 
     def moves(self, state: State, event: int) -> Iterator[tuple[Move, State]]:
         """The moves with an event that are possible in a state, and the states after them."""
@@ -70,11 +90,13 @@ class ClosedSets:
             moved = tuple(zip(parties, targets, strict=True))
             yield Move(event if event < self._internal else INTERNAL, moved), tuple(after)
 
-    def smallest(self, state: State) -> list[int]:
-        """The possible events of the stubborn set with the fewest of them, at least one if any event is possible."""
+    def smallest(self, state: State, ready: Ready | None = None) -> list[int]:
+        """The possible events of the stubborn set with the fewest of them, at least one if any event is possible;
+        ``ready`` as for `possible`.
+        """
         interfering = _Interfering(self, state)
         possible = []
-        for event in self.possible(state):
+        for event in self.possible(state, ready):
             if not interfering(event):
                 return [event]
             possible.append(event)
@@ -125,6 +147,15 @@ class _Interfering(dict[int, tuple[int, ...]]):
 
     def __call__(self, event: int) -> tuple[int, ...]:
         return self[event]
+
+
+def _owners(parties: Sequence[Sequence[int]], components: int) -> list[set[int]]:
+    """For each component, those to which the events belong that it takes part in."""
+    found: list[set[int]] = [set() for _ in range(components)]
+    for of_event in parties:
+        for party in of_event:
+            found[party].add(of_event[0])
+    return found
 
 
 def _targets(edges: Sequence[Edge], internal: int) -> Targets:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from cspdiag.base.graphs import final_components
-from cspdiag.proofs.search.closed_sets import ClosedSets
+from cspdiag.proofs.search.closed_sets import ClosedSets, Ready
 from cspdiag.proofs.search.stuck_sets import OffersByState
 from cspdiag.proofs.search.traces import causes
 from cspdiag.proofs.transitions.systems.system import System
@@ -37,14 +37,17 @@ class _Graph:
     parents: list[tuple[int, Move] | None]
     after: list[list[int]] = field(default_factory=list)
     taken: list[set[int]] = field(default_factory=list)
+    ready: dict[int, Ready] = field(default_factory=dict)
+    """Of states that are not expanded yet, the components that can move."""
 
-    def reach(self, state: State, parent: int, move: Move) -> int:
-        """The number of a state, which is added if it is new."""
+    def reach(self, state: State, parent: int, move: Move) -> tuple[int, bool]:
+        """The number of a state, which is added if it is new, and whether it is."""
         number = self.numbers.setdefault(state, len(self.states))
-        if number == len(self.states):
+        is_new = number == len(self.states)
+        if is_new:
             self.states.append(state)
             self.parents.append((parent, move))
-        return number
+        return number, is_new
 
     def trace(self, number: int) -> tuple[Move, ...]:
         """The moves that lead to a state."""
@@ -116,18 +119,23 @@ def _follow(graph: _Graph, sets: ClosedSets, limits: Limits) -> Iterator[int]:
         limits.check(len(graph.states) * (_BYTES_PER_STATE + 8 * len(graph.states[0])))
         graph.after.append([])
         graph.taken.append(set())
-        _take(graph, sets, number, sets.smallest(graph.states[number]))
+        state = graph.states[number]
+        ready = graph.ready.pop(number) if number in graph.ready else sets.ready(state)
+        _take(graph, sets, number, ready, sets.smallest(state, ready))
         yield number
 
 
-def _take(graph: _Graph, sets: ClosedSets, number: int, events: Iterable[int]) -> None:
+def _take(graph: _Graph, sets: ClosedSets, number: int, ready: Ready, events: Iterable[int]) -> None:
     state = graph.states[number]
     for event in events:
         if event in graph.taken[number]:
             continue
         graph.taken[number].add(event)
         for move, after in sets.moves(state, event):
-            graph.after[number].append(graph.reach(after, number, move))
+            reached, is_new = graph.reach(after, number, move)
+            graph.after[number].append(reached)
+            if is_new:
+                graph.ready[reached] = sets.ready_after(ready, move, after)
 
 
 def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
@@ -136,12 +144,13 @@ def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
     """
     first = min(final)
     taken = set().union(*(graph.taken[number] for number in final))
-    ignored = [event for event in sets.possible(graph.states[first]) if event not in taken]
+    ready = sets.ready(graph.states[first])
+    ignored = [event for event in sets.possible(graph.states[first], ready) if event not in taken]
     if not ignored:
         return False
     closures = [sets.closure(graph.states[first], event) for event in ignored]
     fewest: list[int] = min(closures, key=len)
-    _take(graph, sets, first, fewest)
+    _take(graph, sets, first, ready, fewest)
     return True
 
 

@@ -25,10 +25,8 @@ class OffersByState:
         ]
         alone = frozenset(at for at, event in enumerate(system.events) if len(event.parties) < 2) | {INTERNAL}
         self._free = [[not alone.isdisjoint(events) for events in states] for states in self.events]
-        self._partners = [
-            tuple({party for event in set().union(*states) - alone for party in system.events[event].parties} - {at})
-            for at, states in enumerate(self.events)
-        ]
+        self._shared = [set().union(*states) - alone for states in self.events]
+        """The events of each component that have other parties, in whatever state it offers them."""
 
     def waiting(self, state: Sequence[int]) -> tuple[int, ...]:
         """The processes that have not ended."""
@@ -56,7 +54,9 @@ class OffersByState:
             if at not in stuck or all(self._blocked(event, at, offered, stuck) for event in offered[at]):
                 continue
             stuck.remove(at)
-            suspects += [party for party in self._partners[at] if party in stuck]
+            # Only what it refuses was blocked because it is stuck.
+            for event in self._shared[at] - offered[at]:
+                suspects += [party for party in self.system.events[event].parties if party in stuck]
         return stuck
 
     def _blocked(self, event: int, at: int, offered: Sequence[frozenset[int]], stuck: set[int]) -> bool:

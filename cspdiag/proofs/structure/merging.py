@@ -7,13 +7,15 @@ happen depends on that one party only, which moves as before.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 
 Use: TypeAlias = frozenset[tuple[int, int]]
 """The states before and after an event in one component."""
+
+NO_USE: Use = frozenset()
 
 
 def representatives(system: System) -> list[int]:
@@ -27,15 +29,24 @@ def representatives(system: System) -> list[int]:
     uses = _uses(system, {number for group in shared for number in group})
     for group in shared:
         parties = system.events[group[0]].parties
-        for apart in parties:
-            first: dict[tuple[Use, ...], int] = {}
-            for number in group:
-                if answer[number] == number:
-                    alike = tuple(uses.get((party, number), frozenset()) for party in parties if party != apart)
-                    answer[number] = first.setdefault(alike, number)
+        known: dict[tuple[int, Use], int] = {}
+        before = [_chain(known, [uses.get((party, number), NO_USE) for party in parties]) for number in group]
+        behind = [_chain(known, [uses.get((party, number), NO_USE) for party in parties[::-1]]) for number in group]
+        for apart in range(len(parties)):
+            first: dict[tuple[int, int], int] = {}
+            for number, left, right in zip(group, before, behind, strict=True):
+                answer[number] = first.setdefault((left[apart], right[len(parties) - 1 - apart]), number)
             if len(first) < len(group):
                 break  # Those that were merged are used differently by one party already.
     return answer
+
+
+def _chain(known: dict[tuple[int, Use], int], uses: Sequence[Use]) -> list[int]:
+    """A number for what comes before each use: equal numbers for equal uses in equal order."""
+    found = [0]
+    for use in uses[:-1]:
+        found.append(known.setdefault((found[-1], use), len(known) + 1))
+    return found
 
 
 def _uses(system: System, events: set[int]) -> dict[tuple[int, int], Use]:

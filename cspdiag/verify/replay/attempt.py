@@ -198,7 +198,8 @@ class Attempt:
 
     def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
         """What the processes at gates could do."""
-        candidates: list[Gate | Interruption] = [*self.conductor.halted.values(), *self.conductor.interruptions]
+        gates = self.conductor.offering(actions, channel)
+        candidates: list[Gate | Interruption] = [*gates, *self.conductor.interruptions]
         return [
             (option, candidate)
             for candidate in candidates

@@ -23,11 +23,14 @@ from cspdiag.verify.runs.task_names import TaskNames, path_of, task_of
 
 class Gate:
     """A task that halts, and the options with which it may continue, in text order. ``together``: with all of them, in
-    any order.
+    any order. ``number``: gates count in the order in which tasks halted.
     """
 
-    def __init__(self, conductor: Conductor, task: Task, options: tuple[Option, ...], *, together: bool) -> None:
+    def __init__(
+        self, conductor: Conductor, task: Task, options: tuple[Option, ...], *, number: int, together: bool
+    ) -> None:
         self.task = task
+        self.number = number
         self.options = options
         self.together = together
         self.chosen: Option | None = None
@@ -45,12 +48,17 @@ class Gate:
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waitable.withdraw``."""
-        self._conductor.halted.pop(self.task, None)
+        self._conductor.forget(self.task)
         return True
 
     def waits_for(self, party: Party) -> Waits:
         """See ``Waitable.waits_for``."""
         return tuple((_words(option), None) for option in self.options)
+
+
+def _keys(gate: Gate) -> set[tuple[str, str | None]]:
+    """Where a gate is found again: its actions on each channel, and on any."""
+    return {(option.action, channel) for option in gate.options for channel in (option.channel, None)}
 
 
 def _words(option: Option) -> str:
@@ -117,6 +125,8 @@ class Conductor(Policy):
         self.names = TaskNames()
         self.free = False
         self._interruptions: dict[LedInterrupt, Interruption] = {}
+        self._halts = 0
+        self._offering: dict[tuple[str, str | None], dict[Task, Gate]] = {}
         self._last: dict[tuple[Task, str], Passed] = {}
 
     @property
@@ -129,8 +139,25 @@ class Conductor(Policy):
         if self.free:
             return None
         halting = task_of(task)
-        gate = self.halted[halting] = Gate(self, halting, tuple(options), together=together)
+        self.forget(halting)
+        self._halts += 1
+        gate = self.halted[halting] = Gate(self, halting, tuple(options), number=self._halts, together=together)
+        for key in _keys(gate):
+            self._offering.setdefault(key, {})[halting] = gate
         return gate
+
+    def forget(self, task: Task) -> None:
+        """A task halts no more."""
+        gate = self.halted.pop(task, None)
+        for key in _keys(gate) if gate is not None else ():
+            del self._offering[key][task]
+
+    def offering(self, actions: Sequence[str], channel: str | None) -> list[Gate]:
+        """The gates at which a task may continue with one of these actions, on a channel or on any, in the order in
+        which tasks halted.
+        """
+        found = {task: gate for action in actions for task, gate in self._offering.get((action, channel), {}).items()}
+        return sorted(found.values(), key=lambda gate: gate.number)
 
     def did(self, task: Party, option: Option) -> None:
         """See ``Policy.did``."""
@@ -146,7 +173,7 @@ class Conductor(Policy):
 
     def release(self, gate: Gate, option: Option | None) -> None:
         """Lets a task through."""
-        del self.halted[gate.task]
+        self.forget(gate.task)
         gate.chosen = option
         if option is not None:
             self.note(gate.task, option, together=gate.together)

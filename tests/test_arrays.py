@@ -1,0 +1,90 @@
+"""Arrays of instances cost as much for each element, however many there are: lines of Python are counted, not time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.network.ir.network import CoreNetwork
+from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.proofs.properties.cycles import endless_run
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.verdict import Limits
+from tests.support.counting import lines
+from tests.support.verifying import answers_to
+
+NETWORKS = Path(__file__).parents[1] / "benchmarks" / "networks"
+FEW = 24
+MOST_GROWTH = 2.4
+"""By what the lines grow that another ``2 * FEW`` elements take, from those of another ``FEW``: 2 where each takes the
+same, 4 where each takes the more the more there are.
+"""
+
+
+def program(name: str, count: int) -> SourceFile:
+    text = (NETWORKS / f"{name}.csp").read_text(encoding="utf-8")
+    changed, times = re.subn(r"const size = \d+", f"const size = {count}", text)
+    assert times == 1
+    return SourceFile(name="main.csp", text=changed)
+
+
+def network(name: str, count: int) -> CoreNetwork:
+    built = pipeline.build(program(name, count), read_source)
+    assert built.network is not None
+    return built.network
+
+
+def growth(done: Callable[[int], Callable[[], object]]) -> float:
+    """How the lines grow; ``done`` prepares what is counted for a count of elements."""
+    done(4)()  # what is imported or computed once
+    first, second, third = (lines(done(count)) for count in (FEW, 2 * FEW, 4 * FEW))
+    return (third - second) / (second - first)
+
+
+@pytest.mark.parametrize("name", ["ring", "star"])
+def test_checks_take_the_same_for_each_element(name: str) -> None:
+    assert growth(lambda count: lambda: pipeline.check(program(name, count), read_source)) < MOST_GROWTH
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "level"),
+    [
+        *((name, target, 0) for name in ("ring", "workers", "star") for target in ("python", "c")),
+        ("workers", "python", 1),
+    ],
+)
+def test_generators_take_the_same_for_each_element(name: str, target: str, level: int) -> None:
+    def generating(count: int) -> Callable[[], object]:
+        made = network(name, count)
+        return lambda: pipeline.generate(made, read_source, target, level)
+
+    assert growth(generating) < MOST_GROWTH
+
+
+def test_a_search_of_a_ring_takes_the_same_for_each_cell() -> None:
+    def searching(count: int) -> Callable[[], object]:
+        system = transition_system(network("ring", count))
+        events = range(len(system.events))
+
+        def search() -> None:
+            prove_deadlock_free(system, Limits(), ["stubborn"])
+            prove_knot_free(system, Limits(), ["stubborn"])
+            endless_run(system, events, Limits())
+
+        return search
+
+    assert growth(searching) < MOST_GROWTH
+
+
+def test_what_a_proof_leaves_open_is_listed_in_a_few_lines() -> None:
+    *_, livelock = answers_to({"case.csp": program("ring", 20).text})
+    assert (livelock.question.text, livelock.outcome) == ("Ring livelock free", "unknown")
+    assert len({abstraction.what for abstraction in livelock.abstractions}) > 20
+    assert livelock.reason.count("only ranges are distinguished") < 10
+    assert "; and 15 more)" in livelock.reason
