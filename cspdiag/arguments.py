@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from cspdiag.base import SourceFile
+from cspdiag.base.span import with_line_feeds
 from cspdiag.base.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def source_of(text: str, name: str) -> SourceFile:
         text.encode()
     except UnicodeEncodeError as problem:
         raise ArgumentError(f"{name}: not text (half a character at offset {problem.start})") from None
-    return SourceFile(name=name, text=text.removeprefix("\ufeff").replace("\r\n", "\n"))
+    return SourceFile(name=name, text=with_line_feeds(text.removeprefix("\ufeff")))
 
 
 def settings_of(values: Mapping[str, Setting] | None) -> dict[str, str]:

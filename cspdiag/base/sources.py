@@ -7,7 +7,7 @@ import os
 import stat
 import sys
 
-from cspdiag.base.span import SourceFile
+from cspdiag.base.span import SourceFile, with_line_feeds
 
 MAXIMUM_SIZE = 64 * 1024 * 1024
 """Bytes. A larger file (or a device that never ends) is not a program."""
@@ -77,7 +77,7 @@ def decoded(data: bytes, path: str) -> str:
     if zero >= 0:
         raise OSError(errno.EILSEQ, f"not text (a zero byte at offset {zero})", path)
     try:
-        return data.decode("utf-8-sig").replace("\r\n", "\n")
+        return with_line_feeds(data.decode("utf-8-sig"))
     except UnicodeDecodeError as problem:
         byte = data[problem.start]
         raise OSError(errno.EILSEQ, f"not UTF-8 text (byte 0x{byte:02x} at offset {problem.start})", path) from None

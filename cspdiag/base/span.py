@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from functools import cached_property
 
 from cspdiag.base.record import node, record
+
+
+LINE_END = re.compile(r"\r\n?|\n")
+"""What ends a line of a file: a line feed, a carriage return, or both."""
+
+
+def with_line_feeds(text: str) -> str:
+    """The text with each of its lines ended by a line feed."""
+    return LINE_END.sub("\n", text) if "\r" in text else text
 
 
 @node

@@ -148,8 +148,9 @@ def test_only_text_is_parsed() -> None:
         cspdiag.parse(b"process A {}")  # type: ignore[arg-type]
 
 
-def test_a_text_is_read_as_a_file_is(tmp_path: Path) -> None:
-    text = "\ufeffprocess A {\r\n  composition { skip }\r\n}\r\n"
+@pytest.mark.parametrize("end", ["\r\n", "\r"])
+def test_a_text_is_read_as_a_file_is(tmp_path: Path, end: str) -> None:
+    text = f"\ufeff// A program.{end}process A {{{end}  composition {{ skip }}{end}}}{end}"
     (tmp_path / "one.csp").write_bytes(text.encode())
     of_a_file, of_a_text = cspdiag.load(tmp_path / "one.csp"), cspdiag.parse(text, str(tmp_path / "one.csp"))
     assert of_a_text.source.text == of_a_file.source.text

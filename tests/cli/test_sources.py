@@ -92,3 +92,16 @@ def test_sockets_and_devices_are_no_files(tmp_path: Path, monkeypatch: pytest.Mo
 def test_standard_input_is_read_from_a_pipe(tmp_path: Path, name: str) -> None:
     result = cspdiag(tmp_path, "check", name, text=PROGRAM)
     assert (result.returncode, result.stderr) == (0, "checked 1 file: no errors\n")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_each_end_of_a_line_ends_a_comment_and_a_line(tmp_path: Path, end: str) -> None:
+    lines = ["// A controller.", "process Main {", "  /* two", "     lines */", "  composition { skipp }", "}", ""]
+    (tmp_path / "main.csp").write_bytes(end.join(lines).encode())
+    result = cspdiag(tmp_path, "check", "--format", "concise", "main.csp")
+    assert result.returncode == 1
+    assert result.stderr.startswith("main.csp:5:17: error[E0204]")
+    assert cspdiag(tmp_path, "fmt", "main.csp").returncode == 0
+    formatted = (tmp_path / "main.csp").read_bytes().decode()
+    assert formatted.splitlines()[:2] == ["// A controller.", "process Main {"]
+    assert "/* two\n     lines */\n" in formatted

@@ -11,7 +11,7 @@ from difflib import SequenceMatcher
 from cspdiag.base.files.whole import replace_files
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.sources import STANDARD_INPUT, decoded, read_source
-from cspdiag.base.span import SourceFile
+from cspdiag.base.span import LINE_END, SourceFile
 from cspdiag.cli.support.diagnostic_formats import show_findings
 from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
@@ -98,16 +98,14 @@ def _bytes(file: MendedFile) -> bytes:
 def _with_ends_of(before: str, text: str) -> str:
     """``text`` with the ends of lines of ``before``.
 
-    Where that has both, unchanged lines keep their own, and changed ones have that of the first line.
+    Where that has several, unchanged lines keep their own, and changed ones have that of the first line.
     """
-    if "\r\n" not in before:
+    if "\r" not in before:
         return text
-    old, new = before.split("\n"), text.split("\n")
-    first = "\r" if old[0].endswith("\r") else ""
-    if all(line.endswith("\r") for line in old[:-1]):
-        return text.replace("\n", "\r\n")
-    plain = [line.removesuffix("\r") for line in old]
-    ends = [first] * len(new)
-    for at, start, length in SequenceMatcher(None, plain, new, autojunk=False).get_matching_blocks():
-        ends[start : start + length] = [old[at + k][len(plain[at + k]) :] for k in range(length)]
-    return "\n".join([*(line + end for line, end in zip(new[:-1], ends[:-1], strict=True)), new[-1]])
+    old, old_ends = LINE_END.split(before), LINE_END.findall(before)
+    new = text.split("\n")
+    ends = [old_ends[0]] * (len(new) - 1)
+    for at, start, length in SequenceMatcher(None, old, new, autojunk=False).get_matching_blocks():
+        for k in range(min(length, len(ends) - start, len(old_ends) - at)):
+            ends[start + k] = old_ends[at + k]
+    return "".join(line + end for line, end in zip(new, [*ends, ""], strict=True))

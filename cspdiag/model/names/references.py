@@ -32,9 +32,11 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
             suggestion = context.speller.nearest(
                 name, (other for other, found in names.items() if isinstance(found, kinds))
             )
+            if suggestion is None and wanted == "instance":
+                suggestion = context.speller.nearest(name, ("skip", "stop"))
             if suggestion is None:
                 typer.surroundings.scope.undeclared.add(name)
-            declared = declared_at(names[suggestion]) if suggestion else None
+            declared = declared_at(names[suggestion]) if suggestion in names else None
             missing = UnknownName(
                 reference.name.span,
                 name=name,

@@ -105,7 +105,7 @@ def test_two_texts_do_not_share_standard_output(cspdiag: Command, arguments: tup
 
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
 def test_ends_of_lines_and_the_byte_order_mark_stay(cspdiag: Command, slip: Path, mark: bytes) -> None:
-    for end in (b"\n", b"\r\n"):
+    for end in (b"\n", b"\r\n", b"\r"):
         slip.write_bytes(mark + SLIP.encode().replace(b"\n", end))
         assert cspdiag("check", "--fix", slip).code == 0
         assert slip.read_bytes() == mark + GOOD.encode().replace(b"\n", end)
@@ -119,6 +119,12 @@ def test_of_two_ends_of_lines_each_line_keeps_its_own(cspdiag: Command, slip: Pa
     changed = next(at for at, line in enumerate(lines) if "given ? held" in line)
     ends = ["\r\n" if at in (0, changed) else "\n" for at in range(len(lines) - 1)]
     assert slip.read_bytes().decode() == "".join(map(str.__add__, lines, ends))
+
+
+def test_an_added_last_line_end_is_that_of_the_file(cspdiag: Command, slip: Path) -> None:
+    slip.write_bytes(SLIP.rstrip().replace("\n", "\r").encode())
+    assert cspdiag("check", "--fix", slip).code == 0
+    assert slip.read_bytes().decode().rstrip() == GOOD.rstrip().replace("\n", "\r")
 
 
 def test_a_read_only_file_is_left_alone_and_so_are_the_others(cspdiag: Command, slip: Path) -> None:
