@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from cspdiag.base import SourceFile
-from cspdiag.base.span import with_line_feeds
 from cspdiag.base.errors import ArgumentError
+from cspdiag.base.span import with_line_feeds
 
 if TYPE_CHECKING:
     from cspdiag.draw.elements.communication import Drawn

@@ -8,7 +8,6 @@ from functools import cached_property
 
 from cspdiag.base.record import node, record
 
-
 LINE_END = re.compile(r"\r\n?|\n")
 """What ends a line of a file: a line feed, a carriage return, or both."""
 
