@@ -24,7 +24,7 @@ def ruled(system: System, *, together: bool) -> Verdict:
         (known.io_par_ring(6), "I/O-PAR"),
         (known.client_server_chain(5), "client-server network without circles: `p4`, `p3`, `p2`, `p1`, `p0`"),
         (known.philosophers(5, left_handed=1), "takes its resources in one order"),
-        (known.milner(6), "no process has a choice, and the only run that there is begins anew after"),
+        (known.milner(6), "no process has a choice, and the only run repeats itself after"),
         (known.controller(2), "each process waits only for those before it, in the order: "),
     ],
     ids=["I/O-PAR", "client-server", "resources", "one run", "order"],

@@ -71,17 +71,17 @@ def headline(found: Counterexample) -> str:
             ever = " forever" * is_knot
             who = "a process waits" if stuck == 1 else f"{stuck} processes wait"
             each = "itself" if stuck == 1 else "each other"
-            wait = f" for {each}{ever}" if found.ring else f"{ever} for what never comes"
+            wait = f" for {each}{ever}" if found.ring else f"{ever} for something that never happens"
             others = ", while others continue" * is_knot
             return f"can {'get stuck' if is_knot else 'deadlock'}: {when}, {who}{wait}{others}"
         case "livelock":
-            return f"can livelock: {when}, it can go on forever without a communication that anybody sees"
+            return f"can livelock: {when}, it can run forever without a communication that its environment sees"
         case "no termination":
             if found.cycle:
-                return f"does not always end: {when}, it can repeat forever what follows"
+                return f"does not always end: {when}, it can repeat the following steps forever"
             return (
                 f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for "
-                "what never comes"
+                "something that never happens"
             )
         case "refinement":
             return f"does not refine its specification: {found.reason or when}"

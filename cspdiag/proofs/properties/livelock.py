@@ -37,9 +37,9 @@ def _reason(found: Finite) -> str:
         case "rules":
             return "every loop waits for the environment or for time, in at least one process that takes part"
         case "minimization":
-            return "put together two by two and made minimal, the processes have no loop without environment and time"
+            return "composed two at a time and minimized, the processes have no loop without the environment or time"
         case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
             where = f"at {ONE_REACHABLE}" if found.states == 1 else f"among the {found.states} reachable states"
-            return f"no cycle {where} is without environment and time"
+            return f"every cycle {where} involves the environment or time"
         case _:
             assert_never(found.method)

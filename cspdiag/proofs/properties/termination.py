@@ -41,7 +41,7 @@ def _reason(found: Finite) -> str:
         case "rules":
             return "no process can repeat anything"
         case "minimization":
-            return "put together two by two and made minimal, the processes repeat nothing"
+            return "composed two at a time and minimized, the processes repeat nothing"
         case "sat" | "invariants" | "stubborn" | "breadth-first" | "spin":
             where = f"at {ONE_REACHABLE}" if found.states == 1 else f"among the {found.states} reachable states"
             return f"no cycle {where}"

@@ -18,7 +18,7 @@ from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown,
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which nothing is possible and a process has not ended."""
-    return _decide(system, system, limits, stubborn.deadlock_free, "at last none stands still")
+    return _decide(system, system, limits, stubborn.deadlock_free, "the result has no deadlock")
 
 
 def knot_free(system: System, limits: Limits) -> Verdict:
@@ -50,9 +50,7 @@ def _decide(
         reason = f"no two of the last {len(remaining)} parts have at most {MOST_STATES} states together"
         return Unknown("minimization", reason)
     if not _can_deadlock(remaining):
-        reason = (
-            f"put together two by two and made minimal, the processes never had more than {reduction.largest} states"
-        )
+        reason = f"composed two at a time and minimized, the processes never had more than {reduction.largest} states"
         return Proved("minimization", f"{reason}, and {conclusion}", reduction.largest)
     found = search(system, limits)
     if isinstance(found, Refuted):

@@ -134,7 +134,7 @@ def _of_outside(
     if _undecided(nodes, labels) is not None:
         return None
     reason = (
-        f"put together two by two and made minimal, the processes have {counted(search.states, 'state')}, and do only "
+        f"composed two at a time and minimized, the processes have {counted(search.states, 'state')}, and do only "
         "what the specification does"
     )
     return Proved("minimization", reason + _caveat(specification, limits, failures), search.states)

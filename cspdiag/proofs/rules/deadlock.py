@@ -37,7 +37,9 @@ def by_rules(question: StuckQuestion, limits: Limits) -> Verdict:
             )
         run = question.structure.cached("run", lambda: only_run(question.structure, limits, MOST_MOVES))
         if run is None:
-            return Unknown("rules", f"the only run that there is has not begun anew within {MOST_MOVES} communications")
+            return Unknown(
+                "rules", f"the only run has not returned to an earlier state within {MOST_MOVES} communications"
+            )
         return _judged(question, run)
     except LimitError as limit:
         return Unknown("rules", str(limit))
@@ -68,8 +70,8 @@ def _judged(question: StuckQuestion, run: PeriodicRun) -> Verdict:
             "rules", "in each round every process communicates once with each partner, in any order: an I/O-PAR network"
         )
     steps = counted(len(run.taken), "step")
-    does = f"begins anew after {steps}" if run.period else f"ends after {steps} with all processes"
-    return Proved("rules", f"no process has a choice, and the only run that there is {does}")
+    does = f"repeats itself after {steps}" if run.period else f"ends, as do all processes, after {steps}"
+    return Proved("rules", f"no process has a choice, and the only run {does}")
 
 
 def _order_in_words(question: StuckQuestion) -> str:

@@ -72,8 +72,8 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
     except LimitError as stop:
         return Unknown("stubborn", str(stop))
     count = len(graph.states)
-    reason = f"none of the {count} states that stand for all is deadlocked"
-    return Proved("stubborn", "the only state that stands for all is not deadlocked" if count == 1 else reason, count)
+    reason = f"none of the {count} representative states is deadlocked"
+    return Proved("stubborn", "the only representative state is not deadlocked" if count == 1 else reason, count)
 
 
 def knot_free(system: System, limits: Limits) -> Verdict:
@@ -104,10 +104,8 @@ def knot_free(system: System, limits: Limits) -> Verdict:
     except LimitError as stop:
         return Unknown("stubborn", str(stop))
     count = len(graph.states)
-    reason = f"in none of the {count} states that stand for all is a process stuck"
-    return Proved(
-        "stubborn", "in the only state that stands for all no process is stuck" if count == 1 else reason, count
-    )
+    reason = f"in none of the {count} representative states is a process stuck"
+    return Proved("stubborn", "in the only representative state no process is stuck" if count == 1 else reason, count)
 
 
 def _follow(graph: _Graph, sets: ClosedSets, limits: Limits) -> Iterator[int]:

@@ -67,7 +67,7 @@ def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
                 yield Abstraction(f"the priorities of `||>` in `{where}` are left out", node.span)
             case ir.ParallelSteps() if _compete(node, occurrence):
                 yield Abstraction(
-                    f"when the parallel parts of `{where}` come to their delays and samples is left out", node.span
+                    f"when the parallel parts of `{where}` reach their delays and samples is left out", node.span
                 )
             case ir.Choice() as choice:
                 kinds = _kinds(choice, occurrence)

@@ -577,7 +577,7 @@ def test_a_loop_that_no_diagram_shows_is_found_in_the_text(cspdiag: Command, tmp
     ("method", "reason"),
     [
         ("breadth-first", "no deadlock (the only reachable state is not deadlocked)"),
-        ("stubborn", "no knot (in the only state that stands for all no process is stuck)"),
+        ("stubborn", "no knot (in the only representative state no process is stuck)"),
     ],
 )
 def test_one_state_is_counted_as_one(cspdiag: Command, tmp_path: Path, method: str, reason: str) -> None:

@@ -61,16 +61,16 @@ def _place_template(thread: Thread, frame: frames.Frame) -> PlaceTemplate:
             words, reference = _guard(frame.node.action.branch, frame.context)
             return PlaceTemplate(words, reference, frame.node.action.branch.span)
         case frames.InterruptPoint():
-            return PlaceTemplate("goes on", None, frame.node.span)
+            return PlaceTemplate("continues", None, frame.node.span)
         case frames.Closing():
-            return PlaceTemplate("goes on", None, frame.interrupt.node.span)
+            return PlaceTemplate("continues", None, frame.interrupt.node.span)
         case frames.Split():
             first = frame.parts[0]
             return PlaceTemplate("computes", None, first.node.span if isinstance(first, frames.Put) else None)
         case frames.Load(what=frames.Risk() as risk):
             return PlaceTemplate("computes", None, risk.span)
         case frames.Load(what=reference):
-            return PlaceTemplate("looks at", reference)
+            return PlaceTemplate("reads", reference)
         case frames.Store():
             return PlaceTemplate("assigns", frame.reference)
         case frames.Foreign():
@@ -79,7 +79,7 @@ def _place_template(thread: Thread, frame: frames.Frame) -> PlaceTemplate:
             reference = frame.context.ports[frame.element]
             return PlaceTemplate("waits to communicate on", reference, frame.context.definition.definition.span)
         case frames.Diverges():
-            return PlaceTemplate("goes round forever without a communication")
+            return PlaceTemplate("loops forever without a communication")
         case frames.Idle():
             return PlaceTemplate("has not been started")
         case frames.Faulted():
@@ -137,7 +137,7 @@ def _guard(branch: ir.Branch, context: Context) -> tuple[str, Reference | None]:
         case ir.AfterEvent():
             return f"waits for `{delay_text(branch.event)}`", None
         case ir.SkipEvent():
-            return "goes on", None
+            return "continues", None
         case _:
             assert_never(branch.event)
 

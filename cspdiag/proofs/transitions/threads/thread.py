@@ -242,7 +242,7 @@ class Thread:
         parts = medium.pieces(value)
         if len(parts) > 1 and reference not in self.widened:
             name = medium.name.rsplit(".", 1)[-1]
-            self.abstracted(f"`{name}` may come to be in any of several ranges", medium.span)
+            self.abstracted(f"`{name}` may be in any of several ranges", medium.span)
         return parts
 
     def _widen(self, key: Reference) -> None:
