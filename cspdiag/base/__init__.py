@@ -1,4 +1,4 @@
-"""Places, diagnostics and the ways to show them."""
+"""Source places, diagnostics, and how they are shown."""
 
 from cspdiag.base.diagnostic import Diagnostic, Edit, Label, Severity
 from cspdiag.base.report import Report

@@ -1,4 +1,4 @@
-"""What is reported to the user.
+"""The diagnostics that are reported to the user.
 
 Each kind of diagnostic is a subclass in the folder ``diagnostics`` of the layer that finds it. Its manual page
 (``cspdiag explain CODE``) is a file in ``manual/``.
@@ -16,7 +16,7 @@ Severity = Literal["error", "warning"]
 
 @record
 class Label:
-    """A further place that belongs to a diagnostic, and what it shows."""
+    """A further place that belongs to a diagnostic, with a few words about it."""
 
     span: Span
     message: str
@@ -56,17 +56,14 @@ class Diagnostic:
 
     @property
     def help(self) -> str | None:
-        """How to correct it, or None if there is no useful advice: what its finder says in a field ``advice``, unless
-        the subclass knows more.
-        """
+        """How to correct it, or None if there is no useful advice; by default the field ``advice``."""
         advice: str | None = vars(self).get("advice")
         return advice
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        """The mend, where there is exactly one that is surely meant: changes that belong together, none inside another.
-
-        What is not sure is only in ``help``.
+        """The correction, if exactly one is certainly meant: changes that belong together, none inside another.
+        Anything less certain is only in ``help``.
         """
         return ()
 
@@ -83,13 +80,13 @@ class Diagnostic:
         return ()
 
     def with_labels(self, further: tuple[Label, ...]) -> Self:
-        """The same with further places, which its finder does not know."""
+        """The same diagnostic with additional places, which its finder does not know."""
         copied = replaced(self)
         vars(copied)["_further"] = further
         return copied
 
     @property
     def all_labels(self) -> tuple[Label, ...]:
-        """The other places to be shown: those involved, and those that were added."""
+        """The other places to show: those involved, and those that were added."""
         further: tuple[Label, ...] = vars(self).get("_further", ())
         return (*self.labels, *further)

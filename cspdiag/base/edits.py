@@ -13,7 +13,7 @@ _WORD = re.compile(r"\w", re.ASCII)
 
 
 def replacing(span: Span, text: str) -> Edit:
-    """``text`` for what is at ``span``, with a space where a word would join the next one."""
+    """Replace what is at ``span`` by ``text``, with a space where a word would otherwise join the next one."""
     whole, start, end = span.source.text, span.start, span.end
     before = " " if _WORD.match(text) and _WORD.match(whole, max(0, start - 1), start) else ""
     after = " " if _WORD.match(text[-1:]) and _WORD.match(whole, end) else ""
@@ -21,12 +21,12 @@ def replacing(span: Span, text: str) -> Edit:
 
 
 def slip(span: Span, name: str, meant: str | None) -> tuple[Edit, ...]:
-    """``meant`` for the name at ``span``, where that is surely a slip."""
+    """Replace the name at ``span`` by ``meant``, if it is certainly a slip."""
     return (Edit(span, meant),) if meant and span.text == name and is_slip(name, meant) else ()
 
 
 def removing(span: Span) -> Edit:
-    """Without what is at ``span``: with its line, if nothing else is on it, or with the space before it."""
+    """Remove what is at ``span``: with its line, if nothing else is on it, or with the space before it."""
     text, start, end = span.source.text, span.start, span.end
     while start > 0 and text[start - 1] in " \t":
         start -= 1
@@ -37,7 +37,7 @@ def removing(span: Span) -> Edit:
 
 
 def apart(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Those with edits; where the edits of several touch each other, only the first."""
+    """The diagnostics with edits; of several whose edits touch each other, only the first."""
     taken: list[Span] = []
     chosen = []
     for diagnostic in diagnostics:
@@ -53,7 +53,7 @@ def _touch(one: Span, other: Span) -> bool:
 
 
 def applied(text: str, edits: Sequence[Edit]) -> str:
-    """The text after changes, none of which touch each other."""
+    """The text after changes that do not touch each other."""
     parts, at = [], 0
     for edit in sorted(edits, key=lambda edit: edit.span.start):
         parts += [text[at : edit.span.start], edit.replacement]

@@ -1,4 +1,4 @@
-"""The exceptions of the library, with one class above all of them."""
+"""The exceptions of the library, with one base class."""
 
 from __future__ import annotations
 
@@ -11,24 +11,26 @@ if TYPE_CHECKING:
 
 
 class CspdiagError(Exception):
-    """Above every exception that the library raises; the text says what is wrong and what helps.
+    """The base class of every exception that the library raises; the text says what is wrong and what helps.
 
-    ``diagnostics`` are the places in the program that are wrong; empty where the program is not to blame.
+    ``diagnostics`` are the places in the program that are wrong; empty if the program is not the cause.
     """
 
     diagnostics: Sequence[Diagnostic] = ()
 
 
 class ArgumentError(CspdiagError, ValueError):
-    """A function was called with a value that it has no meaning for; the message is one line."""
+    """A function was called with a value that has no meaning for it."""
 
 
 class MissingPackageError(CspdiagError, ImportError):
-    """A package that only some functions need is not installed; the message says which extra brings it."""
+    """A package that only some functions need is not installed; the message names the extra to install."""
 
 
 class FileError(CspdiagError, OSError):
-    """A file cannot be read or written; also a FileNotFoundError, a PermissionError, …, as the file system has it."""
+    """A file cannot be read or written; it is also a FileNotFoundError, a PermissionError, …, as reported by the file
+    system.
+    """
 
     def __str__(self) -> str:
         reason = self.strerror or super().__str__()
@@ -51,7 +53,7 @@ def file_error(problem: OSError) -> FileError:
 
 @contextmanager
 def file_errors() -> Iterator[None]:
-    """Raises FileError for what the file system refuses inside."""
+    """Raises FileError for errors of the file system inside."""
     try:
         yield
     except OSError as problem:
@@ -59,5 +61,5 @@ def file_errors() -> Iterator[None]:
 
 
 def missing_package(name: str, extra: str) -> MissingPackageError:
-    """The error for a package of an extra of this distribution."""
+    """The error for a package in an extra of this distribution."""
     return MissingPackageError(f"this needs {name}: pip install 'cspdiag[{extra}]'", name=name)

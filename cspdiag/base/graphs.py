@@ -1,7 +1,7 @@
-"""Paths, components and circles of graphs that are given by what each node leads to.
+"""Paths, components and cycles of graphs that are given by the successors of each node.
 
-networkx has both, but ``check`` has no time to load it, and in the proofs its components take three to seven times as
-long as these.
+networkx has them as well, but ``check`` has no time to load it, and in the proofs its components take three to seven
+times as long as these.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ T = TypeVar("T", bound=Hashable)
 
 
 def reached(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[T]:
-    """The roots and all that they lead to, each once, those with fewer edges from a root first."""
+    """The roots and everything that can be reached from them, each once, in order of distance from a root."""
     order = list(dict.fromkeys(roots))
     found = set(order)
     for node in order:
@@ -24,10 +24,10 @@ def reached(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[T
 
 
 def strong_components(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[list[T]]:
-    """The strongly connected components that can be reached, ``after`` gives the targets of edges.
+    """The strongly connected components that can be reached; ``after`` gives the successors of a node.
 
-    Those that are led to come first; of the members of one, those reached last. Tarjan, "Depth-first search and linear
-    graph algorithms", 1972, without recursion.
+    Successors of a component come before it; within a component, the nodes reached last come first. Tarjan,
+    "Depth-first search and linear graph algorithms", 1972, without recursion.
     """
     order: dict[T, int] = {}
     low: dict[T, int] = {}
@@ -70,7 +70,7 @@ def strong_components(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> 
 
 
 def final_components(after: Sequence[Sequence[int]]) -> Iterator[list[int]]:
-    """The components that no edge leaves, of a graph in which all nodes can be reached from the first."""
+    """The components that no edge leaves, in a graph in which all nodes can be reached from the first."""
     for component in strong_components(range(len(after)), after.__getitem__):
         members = set(component)
         if all(members.issuperset(after[node]) for node in component):
@@ -83,9 +83,7 @@ def is_circular(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> bo
 
 
 def shortest_circle(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> list[T]:
-    """A shortest circle through the first node of a component, each leading to the next; empty if there is no
-    circle.
-    """
+    """A shortest cycle through the first node of a component, each node leading to the next; empty if there is none."""
     start, members = component[0], set(component)
     came_from: dict[T, T] = {}
     pending = [start]

@@ -55,10 +55,10 @@ def _construct_and_complete(self: Any) -> None:
 
 
 def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...]) -> Constructor:
-    """``_construct`` with the fields as its parameters, so that the interpreter itself checks each call.
+    """``_construct`` with the fields as its parameters, so the interpreter itself checks each call.
 
     As in a dataclass, ``__post_init__`` is called if there is one. The instructions of ``_construct`` do not depend on
-    its parameters, so that nothing has to be compiled.
+    its parameters, so nothing has to be compiled.
     """
     defaults = {name: getattr(cls, name) for name in positional + by_name if hasattr(cls, name)}
     optional = tuple(name for name in positional if name in defaults)

@@ -1,4 +1,4 @@
-"""The collection that passes report into, so that one run shows everything that is wrong."""
+"""The report into which passes add diagnostics, so one run shows everything that is wrong."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Report:
     def __init__(self) -> None:
         self._found: dict[tuple[str, str, int, int], Diagnostic] = {}
         self.suspects: tuple[Label, ...] = ()
-        """What was set from outside in a program that has no errors without that; each error shows it from now on."""
+        """Settings from outside in a program that has no errors without them; every error shows them from now on."""
 
     def add(self, diagnostic: Diagnostic) -> None:
         """Add a diagnostic, unless the same code was already reported for the same range of characters."""

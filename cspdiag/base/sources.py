@@ -10,12 +10,12 @@ import sys
 from cspdiag.base.span import SourceFile, with_line_feeds
 
 MAXIMUM_SIZE = 64 * 1024 * 1024
-"""Bytes. A larger file (or a device that never ends) is not a program."""
+"""In bytes. A larger file (or a device that never ends) is not a program."""
 
 STANDARD_INPUT = "-"
 
 _OPEN_ALREADY = ("/dev/fd", "/proc/self/fd")
-"""Folders whose entries are what the process was started with, such as what a shell makes of ``<(command)``."""
+"""Folders of files with which the process was started, such as those that a shell makes for ``<(command)``."""
 
 _KINDS = (
     (stat.S_ISFIFO, "a named pipe"),
@@ -46,8 +46,8 @@ def read_source(path: str) -> SourceFile:
 def require_ordinary_file(path: str) -> None:
     """Raise OSError for what exists and is not a file: a pipe or a device may never deliver anything.
 
-    Standard input by its name, and what the process was started with, are read as they are. What does not exist is left
-    to the caller.
+    Standard input, by its name, and files with which the process was started are accepted. A missing file is left to
+    the caller.
     """
     place = os.path.abspath(path)
     if place == "/dev/stdin" or os.path.dirname(place) in _OPEN_ALREADY:

@@ -1,4 +1,4 @@
-"""Which name was probably meant."""
+"""The name that was probably meant."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _LONGEST = 60
 
 
 class Speller:
-    """Finds near names as long as that is quick: a text full of unknown names gets no more help than a person would
+    """Finds similar names as long as that is quick: a text full of unknown names gets no more help than a person would
     read.
     """
 
@@ -17,9 +17,7 @@ class Speller:
         self._measurements = measurements
 
     def nearest(self, name: str, candidates: Iterable[str]) -> str | None:
-        """The candidate that ``name`` is most likely a slip of, or None: at most one edit in three letters away, or
-        with a letter doubled.
-        """
+        """The candidate of which ``name`` is most likely a misspelling, or None: at most one edit in three letters."""
         if len(name) > _LONGEST:
             return None
         best: str | None = None
@@ -48,9 +46,9 @@ class Speller:
 
 
 def is_slip(written: str, meant: str) -> bool:
-    """Whether a name is surely the slip of another one.
+    """Whether a name is certainly a misspelling of another one.
 
-    That is one in letters of another case, with two neighbours exchanged, or with a letter inside it lost or added.
+    That is a name in letters of another case, with two neighbours exchanged, or with a letter inside it lost or added.
     A digit, the first letter or the last often distinguish two things, and so does any letter in a short name.
     """
     if written.lower() == meant.lower():

@@ -1,1 +1,1 @@
-"""Files: what ships beside the code, what is kept between runs, and how results are written."""
+"""Files: resources that ship with the code, caches, and how results are written."""

@@ -1,7 +1,6 @@
-"""Where cspdiag keeps what it would otherwise make again: parse tables, proofs, built programs.
+"""The folder for what would otherwise be made again: parse tables, proofs, built programs.
 
-What is found there is believed and, as programs, executed. So the folder is one that nobody but its user may write
-into, or it is not used.
+Its contents are trusted and, if they are programs, executed. So it is used only if no other user may write into it.
 """
 
 from __future__ import annotations
@@ -14,20 +13,20 @@ _OTHERS_WRITE = 0o022
 
 
 def cache_folder() -> str:
-    """``cspdiag`` in ``$XDG_CACHE_HOME`` or ``~/.cache`` (XDG Base Directory Specification), made where it is missing.
+    """``cspdiag`` in ``$XDG_CACHE_HOME`` or ``~/.cache`` (XDG Base Directory Specification), created if it is missing.
 
-    Raises OSError where it cannot be made, belongs to somebody else, or may be written into by others.
+    Raises OSError if it cannot be created, belongs to another user, or if others may write into it.
     """
     if sys.platform == "win32":
         base = os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/AppData/Local")
     else:
         base = os.environ.get("XDG_CACHE_HOME", "")
-        # The specification has relative paths ignored: they would lead into whatever folder one happens to be in.
+        # The specification ignores relative paths: they would depend on the present folder.
         base = base if os.path.isabs(base) else os.path.expanduser("~/.cache")
     folder = os.path.join(base, "cspdiag")
     os.makedirs(folder, mode=0o700, exist_ok=True)
     if sys.platform != "win32":
         facts = os.stat(folder)
         if facts.st_uid != os.geteuid() or facts.st_mode & _OTHERS_WRITE:
-            raise PermissionError(errno.EACCES, "others may write into it, so that nothing in it is believed", folder)
+            raise PermissionError(errno.EACCES, "others may write into it, so nothing in it is trusted", folder)
     return folder

@@ -43,8 +43,8 @@ def template_folder(target: str) -> Path:
 
 
 def third_party(*parts: str) -> str | None:
-    """The path of a file that others have written, such as ``third_party("elkjs", "elk-worker.min.js")``; None where it
-    was not fetched.
+    """The path of a file written by others, such as ``third_party("elkjs", "elk-worker.min.js")``; None if it was not
+    fetched.
     """
     path = _place("third-party", *parts)
     return path if os.path.isfile(path) else None

@@ -1,4 +1,4 @@
-"""Writes files whole or not at all, by way of temporary ones beside them."""
+"""Writes files completely or not at all, by way of temporary files next to them."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def write_whole(path: str | os.PathLike[str], data: bytes) -> None:
 def replace_files(files: Mapping[str, bytes]) -> None:
     """Replace the contents of existing files, by path.
 
-    All are written beside their places first, so that none changes where one cannot be written, and then moved there.
-    Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name given.
+    All are first written next to their destinations, so none changes if one cannot be written, and then moved there.
+    Symbolic links keep their targets, files keep their permissions. Raises OSError with the given name.
     """
     from secrets import token_hex
 
@@ -50,7 +50,7 @@ def replace_files(files: Mapping[str, bytes]) -> None:
 
 
 def _write_through(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write to a device or a pipe; waiting for a reader of a pipe could take forever."""
+    """Write to a device or a pipe without waiting for a reader, which could take forever."""
     waits_not = getattr(os, "O_NONBLOCK", 0)
     try:
         number = os.open(path, os.O_WRONLY | waits_not)

@@ -1,4 +1,4 @@
-"""Diagnostics as workflow commands, which GitHub shows as annotations beside the changed lines."""
+"""Diagnostics as workflow commands, which GitHub shows as annotations next to the changed lines."""
 
 from __future__ import annotations
 

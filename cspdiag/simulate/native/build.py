@@ -1,6 +1,4 @@
-"""Builds native programs: every file once, kept in a cache by its content, its headers, the compiler and
-its options.
-"""
+"""Builds native programs: every file once, cached by its content, its headers, the compiler and its options."""
 
 from __future__ import annotations
 
@@ -22,23 +20,23 @@ from cspdiag.base.files.caches import cache_folder
 from cspdiag.base.record import record
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
-"""Whatever else is requested: the values of a program are defined to the last bit."""
+"""Options that are always used: the values of a program are defined to the last bit."""
 
 _LARGEST_CACHE = 256 * 1024 * 1024
 _BUILDING = "building-"
-"""What folders begin with in which a build works."""
+"""The prefix of folders in which a build works."""
 _LONGEST_BUILD = 3600.0
-"""Seconds after which such a folder belongs to nobody any more."""
+"""Seconds after which such a folder is considered abandoned."""
 _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 _PLACE = re.compile(r"/\*.*?([^\s/*(]+\.csp:\d+)")
 
 
 class CompilerError(CspdiagError):
-    """There is no C compiler, or it has refused a file; the message is for people."""
+    """There is no C compiler, or it has refused a file."""
 
 
 class CompilationTimeoutError(CompilerError):
-    """A C compiler was stopped because it computed for too long."""
+    """A C compiler was stopped because it took too long."""
 
 
 @record
@@ -109,7 +107,7 @@ class Build:
         return tuple(dict.fromkeys(os.path.dirname(path) for path in self.files))
 
     def executable(self) -> Path:
-        """The program, built as far as it is not in the cache. Raises CompilerError."""
+        """The program, of which only what is not in the cache is built. Raises CompilerError."""
         digests = {path: self.digest(path) for path in self.sources}
         target = self.cache / "programs" / _hash([*digests.values(), *self._identity])
         if _touched(target):
@@ -128,8 +126,8 @@ class Build:
         return (*compiler_.command, compiler_.version, *self._flags)
 
     def digest(self, path: str) -> str:
-        """The name in the cache: of what the object of a file depends on: its text, all headers that it includes, the
-        compiler and its options.
+        """The name in the cache, made of everything on which the object of a file depends: its text, all headers that
+        it includes, the compiler and its options.
         """
         return _hash([path, *(f"{name}\n{self.files[name]}" for name in self._included(path)), *self._identity])
 
@@ -150,7 +148,7 @@ class Build:
         return {path: _INCLUDE.findall(text) for path, text in self.files.items()}
 
     def _objects(self, digests: Mapping[str, str]) -> list[str]:
-        """The objects of all sources; what is missing is compiled, as many at once as there are processors."""
+        """The objects of all sources; missing ones are compiled, in parallel on all processors."""
         places = {path: self.cache / "objects" / f"{digest}.o" for path, digest in digests.items()}
         missing = [path for path, place in places.items() if not _touched(place)]
         if missing:
@@ -167,9 +165,9 @@ class Build:
         _keep(made, place)
 
     def assembled(self, path: str, *options: tuple[str, ...], patience: int | None = None) -> dict[str, str]:
-        """What the compiler writes for a file that it is to compile to assembly, by suffix (``s``, ``su``): with the
-        first options that it knows. Raises CompilerError, also where that takes more than ``patience`` seconds of
-        computing.
+        """What the compiler writes for a file that it compiles to assembly, by suffix (``s``, ``su``), with the first
+        options that it knows. Raises CompilerError, also if that takes more than ``patience`` seconds of processor
+        time.
         """
         with _Scratch(self.cache) as scratch:
             _write(scratch, self.files)
@@ -199,7 +197,7 @@ class Build:
 
     def _run(self, arguments: list[str], scratch: Path | None, patience: int | None = None) -> None:
         command = [*self.compiler.command, *self._flags, *arguments]
-        # The limit is inherited by what a compiler starts, where a signal would only reach the compiler itself.
+        # The limit is inherited by the processes that a compiler starts; a signal would only reach the compiler itself.
         limited = command if patience is None else ["sh", "-c", 'ulimit -t "$0"; exec "$@"', str(patience), *command]
         began = time.monotonic()
         try:
@@ -214,7 +212,7 @@ class Build:
 
 
 def explained(said: str, files: Mapping[str, str], scratch: Path | None) -> str:
-    """What a compiler said, with the paths of the package, and behind each place in generated code that in
+    """The messages of a compiler, with the paths of the package, and after each place in generated code the place in
     the program.
     """
     text = said if scratch is None else said.replace(f"{scratch}{os.sep}", "")
@@ -250,7 +248,7 @@ def _unusable(problem: OSError, folder: str | Path) -> CompilerError:
 
 
 class _Scratch:
-    """A folder of its own beside the cache, so that files can be moved into it whole."""
+    """A separate folder next to the cache, from which complete files can be moved into it."""
 
     def __init__(self, folder: Path) -> None:
         self._parent = folder
@@ -282,7 +280,7 @@ def _keep(made: Path, place: Path) -> None:
 
 
 def _touched(place: Path) -> bool:
-    """Whether a file is in the cache, which is noted as its last use."""
+    """Whether a file is in the cache; its last use is updated."""
     try:
         os.utime(place)
     except OSError:
@@ -291,7 +289,7 @@ def _touched(place: Path) -> bool:
 
 
 def _bound(folder: Path) -> None:
-    """Removes what was not used for the longest time from a cache that has become too large, and what killed builds
+    """Remove what has not been used for the longest time if the cache is too large, and what aborted builds
     have left.
     """
     for left in folder.glob(f"{_BUILDING}*"):

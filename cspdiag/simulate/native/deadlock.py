@@ -1,4 +1,4 @@
-"""The report of a deadlock of a native program, as for one in Python."""
+"""The report of a deadlock of a native program, in the form of those of Python programs."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def deadlock_report(
     now: int, waiting: Sequence[WaitingRecord], network: CoreNetwork, recorder: Recorder
 ) -> DeadlockReport:
-    """Who waits for whom; partners are those among the waiting that the network connects to the channel, of a broadcast
-    those at its other side. ``recorder`` knows who has ended.
+    """Which processes wait for each other. Partners are the waiting processes that the network connects to the channel,
+    for a broadcast those on its other side; ``recorder`` knows which have ended.
     """
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess, find_cycle
 
@@ -64,13 +64,15 @@ def deadlock_report(
 
 
 def _missing_readers(record: WaitingRecord, nets: Mapping[str, Net]) -> tuple[str, ...]:
-    """Who has not taken what the process writes to broadcasts."""
+    """The readers that have not taken what the process writes to broadcasts."""
     ends = zip(record.channels, record.missing, strict=True)
     return tuple(nets[channel].readers[index][0] for channel, missing in ends for index in missing)
 
 
 def _opposite(record: WaitingRecord, nets: Mapping[str, Net]) -> set[str]:
-    """Who may come to the other side of what the process waits for, but for the readers that its broadcasts miss."""
+    """The processes that may reach the other side of what the process waits for, except for the readers that its
+    broadcasts miss.
+    """
     words = _words(record).split(" or ")
     found: set[str] = set()
     for channel in record.channels:
@@ -87,14 +89,16 @@ def _enclosing(path: str) -> str:
 
 
 def _runs(path: str, user: str, begun: Collection[str]) -> bool:
-    """Whether a process is that user of a channel, or runs it as a part of itself: it never began one of its own."""
+    """Whether a process is this user of a channel, or runs it as a part of itself, because it never began a process of
+    its own.
+    """
     while user != path and user and user not in begun:
         user = _enclosing(user)
     return user == path
 
 
 def _waits_alike(record: WaitingRecord, other: WaitingRecord) -> bool:
-    """Whether two parallel parts of one process wait for the same: neither comes to the other side meanwhile."""
+    """Whether two parallel parts of one process wait for the same: neither reaches the other side meanwhile."""
     return record.path == other.path and _words(record) == _words(other)
 
 

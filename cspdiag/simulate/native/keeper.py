@@ -1,4 +1,4 @@
-"""Sees to it that a native program ends when it is to."""
+"""Ensures that a native program ends when it should."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_sign
 from cspdiag.runtime.kernel.stopping import stopping
 
 PATIENCE = 2.0
-"""Seconds that a native program has to end, once a signal has arrived or it has reported its end."""
+"""The seconds that a native program has to end after a signal has arrived or it has reported its end."""
 _LOOK = 0.05
 
 
 class KilledError(CspdiagError):
-    """A native program had to be killed; the message says why."""
+    """A native program had to be killed, for the reason in the message."""
 
 
 class Keeper:

@@ -1,4 +1,4 @@
-"""Where a native program is while it runs: what a thread of its own reports of its looks at the run."""
+"""The present state of a native program, as observed by a thread of its own."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class Looks:
 
     @property
     def at_work(self) -> list[str]:
-        """The processes that looks since the present instant have found at work, each with its place."""
-        # A copy in one step: the thread goes on meanwhile.
+        """The processes that were found running since the present instant began, each with its place."""
+        # A copy in one step, because the thread continues meanwhile.
         return list(self._at_work)
 
     def started(self) -> None:
-        """The program runs, and alone can write from here on."""
+        """The program has started; from here on only it can write."""
         os.close(self.descriptor)
         self.descriptor = -1
         self._began = time.monotonic()

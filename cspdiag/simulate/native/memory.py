@@ -1,4 +1,4 @@
-"""The memory that a program in C takes, as its compiler lays it out for the target machine."""
+"""The memory that a program in C needs, as its compiler lays it out for the target machine."""
 
 from __future__ import annotations
 
@@ -15,12 +15,14 @@ from cspdiag.simulate.native.build import Build, CompilerError
 _PROBE = "sizes_probe.c"
 _INDIRECT = "__indirect_call"
 _PATIENCE = 20
-"""Seconds of computing after which a compiler is not waited for: the package is written, and this is said beside it."""
+"""Seconds of processor time after which a compiler is stopped: the package is written without the report, and that is
+said.
+"""
 
 
 @record
 class FunctionFacts:
-    """What a compiler says of a function: the bytes of its frame and whom it calls; None for what it does not say."""
+    """A compiler's data on a function: the bytes of its frame and the functions that it calls; None if unknown."""
 
     stack: int
     calls: tuple[str, ...] | None
@@ -28,7 +30,7 @@ class FunctionFacts:
 
 @record
 class FileFacts:
-    """What a compiler makes of one file: bytes of variables by name, and its functions by name."""
+    """A compiler's data on a file: bytes of variables by name, and its functions by name."""
 
     variables: Mapping[str, int]
     functions: Mapping[str, FunctionFacts]
@@ -36,9 +38,9 @@ class FileFacts:
 
 @record
 class MemoryReport:
-    """Bytes of a program: ``data`` are all its variables, ``stack`` the deepest that it goes.
+    """The bytes of a program: ``data`` for all its variables, ``stack`` for the deepest stack.
 
-    ``exact`` says whether the calls of all functions were known, so that the stack is a bound and not an estimate.
+    ``exact`` says whether the calls of all functions were known, so the stack is a bound and not an estimate.
     """
 
     compiler: str
@@ -49,7 +51,7 @@ class MemoryReport:
 
     @property
     def text(self) -> str:
-        """For people."""
+        """The report as lines of text."""
         rows = [f"memory, as {self.compiler} lays it out:"]
         entries: list[tuple[str, int, int]] = []
         for item in self.sizes.classes:
@@ -73,7 +75,7 @@ def _bytes(count: int) -> str:
 
 
 def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) -> MemoryReport:
-    """Compile a generated package to find out. Raises CompilerError."""
+    """Compile a generated package to measure it. Raises CompilerError."""
     questions = SizeQuestions(network, level)
     complete = {**files, _PROBE: questions.probe()}
     sources = [path for path in complete if path.endswith(".c") and not _is_of_simulation(path)]
@@ -90,14 +92,14 @@ def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) ->
 
 
 def _is_of_simulation(path: str) -> bool:
-    """Whether a file belongs to a place to run, and not to the program."""
+    """Whether a file belongs to the simulation, and not to the program."""
     stem = path.rpartition("/")[2]
     of_host = ("main_", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_watch")
     return stem.startswith(of_host) or stem.endswith("_environment.c")
 
 
 def _facts(build: Build, path: str) -> FileFacts:
-    """Of one file, from the cache if it was measured before."""
+    """The data on one file, from the cache if it was measured before."""
     place = build.cache / "facts" / f"{build.digest(path)}.json"
     try:
         found = json.loads(place.read_text(encoding="utf-8"))
@@ -119,7 +121,7 @@ def _facts(build: Build, path: str) -> FileFacts:
 
 
 def _variables(assembly: str) -> Iterator[tuple[str, int]]:
-    """The variables that a file has of its own, with their sizes; constants are no memory that a program takes."""
+    """The variables of a file with their sizes; constants need no memory of the program."""
     constant = True
     objects: set[str] = set()
     for row in assembly.splitlines():
@@ -137,7 +139,7 @@ def _variables(assembly: str) -> Iterator[tuple[str, int]]:
 
 
 def _functions(made: Mapping[str, str]) -> dict[str, FunctionFacts]:
-    """Frames from the list of stack usage; calls from the call graph, where the compiler writes one."""
+    """Frames from the list of stack usage, and calls from the call graph if the compiler writes one."""
     frames = {}
     for row in made.get("su", "").splitlines():
         place, size, *_ = row.split("\t")
@@ -151,11 +153,11 @@ def _functions(made: Mapping[str, str]) -> dict[str, FunctionFacts]:
 
 
 def deepest(functions: Mapping[str, FunctionFacts]) -> int:
-    """The greatest sum of frames along calls. What is called through a pointer may be any function that nobody calls by
+    """The greatest sum of frames along calls. A call through a pointer may reach any function that is never called by
     name.
 
-    Nothing is recursive but through pointers, and what is called through one is a step, a driver or a report, which
-    ends before the next.
+    There is no recursion except through pointers; what is called through one is a step, a driver or a report, which
+    ends before the next one.
     """
     called = {name for function in functions.values() for name in function.calls or ()}
     pointed = [name for name in functions if name not in called]
@@ -177,12 +179,12 @@ def deepest(functions: Mapping[str, FunctionFacts]) -> int:
 
 
 def _estimated(functions: Mapping[str, FunctionFacts]) -> int:
-    """Where calls are not known: as if the eight largest frames stood on each other."""
+    """An estimate if calls are not known: the sum of the eight largest frames."""
     return sum(sorted((function.stack for function in functions.values()), reverse=True)[:8])
 
 
 def report_or_reason(network: CoreNetwork, files: Mapping[str, str], level: int) -> str:
-    """The report, or why it cannot be made."""
+    """The report, or the reason why it cannot be made."""
     try:
         return memory_report(network, files, level).text
     except CompilerError as problem:

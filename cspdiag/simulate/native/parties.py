@@ -1,5 +1,5 @@
-"""Who communicates, where a native program knows only the process that a control law or another process was made part
-of.
+"""The writer and the reader of a communication, if a native program knows only the process into which they were
+inlined.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from cspdiag.network.ir.network import CoreNetwork, SubmodelClass
 
 
 class Parties:
-    """Finds the writer or reader of a communication in the diagram. ``running`` are the paths of the processes that run
-    now.
+    """Finds the writer or reader of a communication in the diagram. ``running`` are the paths of the running
+    processes.
     """
 
     def __init__(self, network: CoreNetwork, running: Collection[str]) -> None:
@@ -25,11 +25,11 @@ class Parties:
         self._candidates: dict[tuple[str, str, str], tuple[str, ...]] = {}
 
     def writer(self, channel: str, process: str) -> str:
-        """The path of who writes, in or at ``process``."""
+        """The path of the writer, in or at ``process``."""
         return self._find("write", channel, process)
 
     def reader(self, channel: str, process: str) -> str:
-        """The path of who reads, in or at ``process``."""
+        """The path of the reader, in or at ``process``."""
         return self._find("read", channel, process)
 
     def _find(self, direction: str, channel: str, process: str) -> str:

@@ -1,6 +1,4 @@
-"""Runs a network as a native program: generated as C, built in a cache, its run read back into the same records as one
-in Python.
-"""
+"""Runs a network as a native program: generated as C, built in a cache, with the same records as a run in Python."""
 
 from __future__ import annotations
 
@@ -30,12 +28,12 @@ if TYPE_CHECKING:
     from cspdiag.runtime.outcome import Ending
 
 Observed = Literal["all", "ports", "none"]
-"""Which communications are reported: recording a few is much faster than recording all."""
+"""The communications that are reported: recording a few is much faster than recording all."""
 
 
 @record
 class NativeRun:
-    """A native program that runs: the later of what its records and the looks at it show."""
+    """A running native program; its state is the later of what its records and the observing thread report."""
 
     reader: StreamReader
     looks: Looks
@@ -96,7 +94,7 @@ def simulate(
 
 
 def _wanted(sources: list[str], real_time: bool) -> list[str]:
-    """The sources of the simulation: of the places to run, the requested one."""
+    """The sources of the simulation with the requested kernel port only."""
     port = "csp_port_posix.c" if real_time else "csp_port_simulation.c"
     return [path for path in sources if "csp_port_" not in path or path.endswith(port)]
 
@@ -151,7 +149,7 @@ def _run(
 
 
 def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, network: CoreNetwork) -> Outcome | None:
-    """How it ended; None if it has not said that, and nobody knows."""
+    """How it ended; None if it has not reported that."""
     from cspdiag.runtime import Outcome
 
     reader, end = run.reader, run.reader.end
@@ -177,7 +175,7 @@ def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, ne
 
 
 def _error(end: EndRecord, environment: Environment | None) -> BaseException:
-    """The exception that the same program in Python ends with."""
+    """The exception with which the same program ends in Python."""
     from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, Place, ProcessError, Timeout
 
     process, _, statement = end.place.partition(" (")

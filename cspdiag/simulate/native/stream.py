@@ -1,4 +1,4 @@
-"""Reads what a native program reports of its run: the records of ``csp_stream.h``."""
+"""Reads the reports of a native program on its run: the records of ``csp_stream.h``."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _EXECUTION = struct.Struct("=Iqq")
 
 @dataclass
 class WaitingRecord:
-    """A process that waits when nothing goes on any more.
+    """A process that waits when nothing can continue.
 
-    ``missing`` are the ends of a broadcast that the process waits for to take what it writes, for each of ``channels``,
-    counted from 0 in the order of the network's readers.
+    ``missing`` are the ends of a broadcast that have not taken the value which the process writes, for each of
+    ``channels``, counted from 0 in the order of the network's readers.
     """
 
     path: str
@@ -43,7 +43,7 @@ class WaitingRecord:
 
 @dataclass
 class EndRecord:
-    """How the run ended: the number of a ``csp_ending``, the time in nanoseconds, how many seconds it took."""
+    """The end of a run: the number of a ``csp_ending``, the time in nanoseconds, and how many seconds it took."""
 
     ending: int
     time: int
@@ -55,13 +55,13 @@ class EndRecord:
 
 @dataclass
 class StreamReader:
-    """Hands the records of one run of a network to a recorder."""
+    """Passes the records of one run of a network to a recorder."""
 
     stream: BufferedIOBase
     network: CoreNetwork
     recorder: Recorder
     flattened: bool = False
-    """Whether processes are parts of the thread that runs them, as ``-O1`` makes them."""
+    """Whether processes are inlined in the thread that runs them, as with ``-O1``."""
     now: int = 0
     end: EndRecord | None = None
     missed: dict[str, int] = field(default_factory=dict)
@@ -76,7 +76,7 @@ class StreamReader:
         self._parties = Parties(self.network, self.recorder.running.keys())
 
     def read(self) -> None:
-        """All records, to the end of the stream."""
+        """Read all records, to the end of the stream."""
         handlers: dict[int, Callable[[], None]] = {
             1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of,
             6: self._release,
@@ -89,9 +89,9 @@ class StreamReader:
             handlers[kind]()
 
     def _has(self, size: int) -> bool:
-        """Whether this number of bytes follows here; they are then in memory."""
+        """Whether this number of bytes follows; they are then in memory."""
         while len(self._data) - self._position < size:
-            more = self.stream.read1(_CHUNK)  # What there is, so that it is known at once.
+            more = self.stream.read1(_CHUNK)  # Whatever is available, without waiting for more.
             if not more:
                 return False
             self._data = self._data[self._position :] + more
@@ -113,7 +113,7 @@ class StreamReader:
         name = self._text()
         type_ = self._types.get(name)
         if type_ is None:
-            return  # Nobody writes or reads this channel, so no record will name it.
+            return  # No process writes or reads this channel, so no record will name it.
         if layout(type_)[0] != size:
             raise ValueError(f"{name} has values of {size} bytes, and {type_} has {layout(type_)[0]}")
         self._channels[number] = (name, size, decoder(type_))

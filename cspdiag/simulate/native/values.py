@@ -39,7 +39,7 @@ def layout(type_: Type) -> tuple[int, int]:
 
 
 def decoder(type_: Type) -> Decoder:
-    """What makes a value of its bytes: bool, int, float, and tuples for structs and arrays."""
+    """A function that decodes a value from its bytes: bool, int, float, and tuples for structs and arrays."""
     if not isinstance(type_, StructType | ArrayType):
         single = struct.Struct(f"={_letter(type_)}")
         if isinstance(type_, BoolType):

@@ -1,1 +1,1 @@
-"""Recordings of a run: files, traces, plots, and the account for people."""
+"""Recordings of a run: files, traces, plots, and the printed summary."""

@@ -21,14 +21,14 @@ _MOMENT = 0.5
 
 
 def chrome_trace_text(run: RunData) -> str:
-    """The whole trace as one JSON object, an event a line."""
+    """The whole trace as one JSON object, with one event on a line."""
     events = ",\n".join(json.dumps(event) for event in _events(run))
     measured = _execution_times(run)
     return f'{{"displayTimeUnit": "ms", {measured}"traceEvents": [\n{events}\n]}}\n'
 
 
 def _execution_times(run: RunData) -> str:
-    """The longest steps that were measured, in seconds, for ``cspdiag verify --wcet-from``; viewers pass over them."""
+    """The longest steps that were measured, in seconds, for ``cspdiag verify --wcet-from``; viewers ignore them."""
     if not run.execution_times:
         return ""
     times = {

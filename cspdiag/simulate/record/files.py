@@ -42,7 +42,7 @@ def readable(value: object, kind: Type | None) -> object:
 
 
 def plain_trace_text(run: RunData) -> str:
-    """One JSON object a communication, in order: time in nanoseconds, channel, value."""
+    """One JSON object for each communication, in order: time in nanoseconds, channel, value."""
     types: Mapping[str, Type] = run.types
     lines = [
         json.dumps({"t": time, "channel": channel, "value": readable(value, types.get(channel))})
@@ -52,7 +52,7 @@ def plain_trace_text(run: RunData) -> str:
 
 
 def csv_text(run: RunData) -> str:
-    """A header, then a row for each instant at which an external port had a new value; values held between.
+    """A header, then a row for each instant at which an external port had a new value; values are held in between.
 
     Arrays and structs have a column for each of their numbers.
     """
@@ -67,7 +67,7 @@ def csv_text(run: RunData) -> str:
 
 
 def _written(value: Any, kind: Type) -> str:
-    """A number as it is written in a table."""
+    """A number as written in a table."""
     match kind:
         case BoolType():
             return "true" if value else "false"

@@ -1,4 +1,4 @@
-"""A run as a table: a row for each instant at which something passed, values held between."""
+"""A run as a table: a row for each instant at which a value was passed, with values held in between."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def columns_of(path: str, name: str, type_: Type, cell: Callable[[Any, Type], Ce
 
 
 def held_rows(run: RunData, columns: Iterable[Column[Cell]], empty: Cell) -> Iterator[tuple[int, list[Cell]]]:
-    """The instants in nanoseconds with their rows, which are ``empty`` where nothing has passed yet. The list is the
-    same each time.
+    """The instants in nanoseconds with their rows, in which a cell is ``empty`` before its first value. The list is the
+    same object each time.
     """
     written: dict[str, list[tuple[int, Callable[[Any], Cell]]]] = {}
     row: list[Cell] = []

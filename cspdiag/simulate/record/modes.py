@@ -1,5 +1,4 @@
-"""Which parts of a program a person would want to see side by side: groups, their ports, and the modes they go
-through.
+"""The parts of a program that are shown side by side: groups, their ports, and the modes they go through.
 
 The branches of the parallel composition at the top are the groups (the joints of a robot); the processes that a group
 runs one after the other are its modes (align, move, home).

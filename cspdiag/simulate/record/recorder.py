@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 
 class Communication(NamedTuple):
-    """A value that passed: the time in nanoseconds, the channel's hierarchical name, who wrote and who read."""
+    """A value that was passed: the time in nanoseconds, the channel's hierarchical name, the writer and the reader."""
 
     time: int
     channel: str
@@ -26,10 +26,10 @@ class Activity(NamedTuple):
 
 
 class ExecutionTime(NamedTuple):
-    """The longest step that was measured, in nanoseconds, and how many there were.
+    """The longest step that was measured, in nanoseconds, and the number of steps.
 
-    ``what`` was measured: a ``law``, of which a sample is a step; a ``process`` with its laws, or a ``thread`` with all
-    that is flattened into it, of which a step is what runs from one wait to the next.
+    ``what`` was measured: a ``law``, for which a sample is a step; a ``process`` with its laws, or a ``thread`` with
+    everything inlined in it, for which a step is what runs from one wait to the next.
     """
 
     longest: int
@@ -43,18 +43,18 @@ class Recorder:
     def __init__(self, *, communications: bool = True) -> None:
         self.wants_communications = communications
         self.communication_log: list[Any] = []
-        """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than
-        a process takes to communicate.
+        """Five entries for each communication, as in ``Communication``: making a tuple for each would take longer than
+        the communication.
         """
         self.sample_log: list[Any] = []
-        """Three entries a sample of a sampled input, read or not: time, port, value."""
+        """Three entries for each sample of a sampled input, read or not: time, port, value."""
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.execution_times: dict[str, ExecutionTime] = {}
         self.activities: list[Activity] = []
         """By start; those that still run have no end."""
         self.running: dict[str, int] = {}
-        """Paths of what runs now, with their positions in ``activities``."""
+        """Paths of what is running, with their positions in ``activities``."""
 
     @property
     def communications(self) -> Iterator[tuple[int, str, object, str, str]]:
@@ -69,7 +69,7 @@ class Recorder:
         return zip(log, log, log, strict=True)
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
-        """A value passed through a channel or an external port."""
+        """A value was passed through a channel or an external port."""
         self.communication_log += (time, channel, value, writer, reader)
 
     def sampled(self, time: int, port: str, value: object) -> None:
@@ -98,7 +98,7 @@ class Recorder:
     def execution_time(
         self, path: str, longest: int, steps: int = 1, what: Literal["law", "process", "thread"] = "law"
     ) -> None:
-        """Steps took at most this long; those before are remembered."""
+        """Steps took at most this long; earlier measurements are kept."""
         known = self.execution_times.get(path, ExecutionTime(0, 0, what))
         self.execution_times[path] = ExecutionTime(max(known.longest, longest), known.steps + steps, what)
 

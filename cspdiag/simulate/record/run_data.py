@@ -1,4 +1,4 @@
-"""What a run leaves behind, for all that shows or writes it."""
+"""The data of a run, for everything that shows or writes it."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 
 class Signal(NamedTuple):
-    """What passed through a port: instants in seconds (shape ``(n,)``), values, and the type of the port.
+    """The values at a port: instants in seconds (shape ``(n,)``), values, and the type of the port.
 
-    Values have shape ``(n,)``, those of arrays ``(n, size)``; structs have a field of numpy for each of theirs
+    Values have shape ``(n,)``, those of arrays ``(n, size)``; structs are numpy structures with the same fields
     (``value["x"]``).
     """
 
@@ -107,7 +107,7 @@ class RunData:
                 yield time, channel, value
 
     def unread(self, name: str) -> Sequence[bool]:
-        """Whether a sample of a sampled input was not read before the next one came, for each of them."""
+        """For each sample of a sampled input whether it was left unread."""
         path = f"{self.network.top}.{name}"
         ticks = [time for time, port, _ in self._recorder.samples if port == path]
         reads = {

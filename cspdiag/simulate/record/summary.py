@@ -1,4 +1,4 @@
-"""The account that a person gets after a run."""
+"""The summary that is printed after a run."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _effort(outcome: Outcome) -> str:
 
 
 def _three_digits(factor: float) -> str:
-    """A factor for people: ``45.8``, ``6610``, never ``6.61e+03``."""
+    """A factor with three digits: ``45.8``, ``6610``, never ``6.61e+03``."""
     return f"{factor:.3g}" if factor < 1000 else f"{float(f'{factor:.3g}'):.0f}"
 
 
@@ -74,7 +74,7 @@ def _ending(run: RunData) -> str:
 
 
 _SHOWN = 8
-"""More processes than this in one group are counted, not listed."""
+"""If a group has more processes than this, they are counted instead of listed."""
 
 
 def _process_lines(run: RunData) -> Iterator[str]:

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 
 def measure(running: RunningNetwork, recorder: Recorder) -> None:
-    """Let every law report to ``recorder`` how long it computes, from now on.
+    """Let every law report its execution times to ``recorder``, from now on.
 
-    Laws that ``-O1`` has made part of their processes are no objects any more, and are not measured.
+    Laws that ``-O1`` has inlined in their processes are not objects of their own, and are not measured.
     """
     for law in _laws(running.process):
         law.calculate = _timed(law.name, law.calculate, recorder)  # type: ignore[attr-defined]

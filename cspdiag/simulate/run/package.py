@@ -1,8 +1,8 @@
 """Imports a generated package from memory.
 
-The text of each module is registered with ``linecache``, so that tracebacks and the places of faults show the generated
-code as if it stood on disk. The runtime that the package would carry is the installed one: one runtime a process,
-compiled once.
+The text of each module is registered with ``linecache``, so tracebacks and the places of faults show the generated code
+as if it were on disk. The runtime is the installed one instead of the copy in the package: there is one runtime in a
+process, compiled once.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class LoadedPackage:
     """A generated package that was imported from memory; ``close`` forgets it."""
 
     def __init__(self, name: str, files: Mapping[str, str]) -> None:
-        """Import ``files`` (paths as the generator made them, below the folder ``name``) under a name of its own."""
+        """Import ``files`` (paths as generated, below the folder ``name``) under a unique name."""
         prefix = f"{name}/"
         inside = {path.removeprefix(prefix): text for path, text in files.items() if path.startswith(prefix)}
         self.name = f"_cspdiag_{name}_{next(_serial)}"

@@ -1,4 +1,4 @@
-"""Notes what is written to variables, which is no communication and so in no trace, for the plot."""
+"""Records writes to variables for the plot; they are no communications and so not part of a trace."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def probe(running: RunningNetwork, network: CoreNetwork, recorder: Recorder) -> 
     wanted = {net.path for net in network.nets if net.kind == "var" and has_unit(net.type)}
 
     class ProbedVariable(Variable[float]):
-        """Reports its writes; a class of its own for each run, because variables have no room for a recorder."""
+        """Reports its writes; there is one class for each run, because variables have no room for a recorder."""
 
         __slots__ = ()
 

@@ -1,4 +1,4 @@
-"""Where the tasks of a run on the meaning of the language stand, and from where an exception came, in the words of
+"""The places of the tasks of a run on the reference semantics, and the origin of an exception, in the words of
 generated programs.
 """
 
@@ -28,8 +28,8 @@ class Whereabouts:
         self._folder = dirname(network.source)
 
     def origin(self, error: BaseException) -> tuple[Place | None, str | None]:
-        """The process in which an exception was raised, with the source line, and that line; None where no process
-        was.
+        """The process in which an exception was raised, None if in no process, and the source line where that was, if
+        it is known.
         """
         found = _Found()
         traceback: TracebackType | None = error.__traceback__
@@ -40,7 +40,7 @@ class Whereabouts:
         return (Place(found.path, line) if found.path else None), line
 
     def waiting(self, main: Task) -> list[WaitingRecord]:
-        """All that wait, in the order of the text."""
+        """All waiting processes, in text order."""
         return [self._record(task, task.request) for task in _leaves(main) if task.request is not None]
 
     def _record(self, task: Task, request: Request) -> WaitingRecord:
@@ -98,7 +98,7 @@ class _Found:
 
 
 def _leaves(task: Task) -> Iterator[Task]:
-    """Those that wait for nothing that they run themselves."""
+    """The tasks that do not wait for tasks that they run themselves."""
     match task.request:
         case Parallel(tasks=tasks):
             for branch in tasks:
@@ -111,7 +111,7 @@ def _leaves(task: Task) -> Iterator[Task]:
 
 
 def _missing(offer: Offer) -> tuple[int, ...]:
-    """The ends of a broadcast that a writer waits for, as they are counted."""
+    """The ends of a broadcast for which a writer waits, by their numbers."""
     medium = offer.medium
     if not (isinstance(medium, Broadcast) and offer.writes):
         return ()

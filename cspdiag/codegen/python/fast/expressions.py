@@ -329,7 +329,9 @@ class FastPrinter(Printer):
                 assert_never(expression.function)
 
     def _limit(self, value: Expression, low: Expression, high: Expression) -> Code | None:
-        """The bounds are evaluated only when they are needed, so a fault of the upper one could be missed."""
+        """The bounds are evaluated only when they are needed; None if a fault of the upper one could be missed because
+        of that.
+        """
         highest = self.print(high)
         if may_fault(high) and not _is_simple(highest):
             return None
