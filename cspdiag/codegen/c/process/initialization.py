@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.base.record import record
 from cspdiag.codegen.c.process.leaves import KINDS
 from cspdiag.codegen.c.process.outlines import Outlines
+from cspdiag.codegen.c.process.struct.declarations import port_members
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.port_layout import PortLayout, elements
 from cspdiag.codegen.c.process.writer import Writer
@@ -115,7 +116,7 @@ class _Initialization:
             found.append(run(made))
         found += self._created()
         found += self.writer.initial
-        if members.port_members() and not any(isinstance(node, Given) for node in nodes(found)):
+        if port_members(members) and not any(isinstance(node, Given) for node in nodes(found)):
             found.insert(0, run(ignored(PORTS)))
         return found
 

@@ -9,6 +9,7 @@ from cspdiag.codegen.c.process.initialization import initialization
 from cspdiag.codegen.c.process.leaves import leaf_header
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.steps.composition import CompositionWriter
+from cspdiag.codegen.c.process.struct.declarations import declared, port_members
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
 from cspdiag.codegen.c.process.struct.unwritten import Unwritten
 from cspdiag.codegen.c.text.code import code
@@ -86,7 +87,7 @@ class _Writer:
         about = [*wrapped(self.process.doc or f"The process {self.process.definition}."), "", f"Source: {self.place}"]
         rows = [*comment(about), f"#ifndef {guard}", f"#define {guard}", ""]
         rows += [f'#include "{name}"' for name in ("csp.h", "types.h", *self._included())]
-        ports = self.members.port_members()
+        ports = port_members(self.members)
         if ports:
             rows += ["", "/* What the ports are connected to. */"]
             rows += lines([Block(tuple(_fields(ports)), f"struct {struct}_ports", "};")])
@@ -105,7 +106,7 @@ class _Writer:
 
     def _struct(self) -> list[Statement]:
         members = self.members
-        found = _fields(members.declared())
+        found = _fields(declared(members))
         for name, fields in members.structs.items():
             found.append(Block(tuple(_fields(fields)), "struct", f"}} {name};"))
         for name, kept in self.composition.unions():
@@ -148,7 +149,7 @@ def _fields(members: Sequence[StructMember]) -> list[Statement]:
 def head(members: Members, struct: str) -> tuple[str, tuple[str, ...]]:
     """The function that initializes a process, and its parameters."""
     given = [f"struct {struct} *self", "csp_numbers *numbers"]
-    if members.port_members():
+    if port_members(members):
         given.append(f"const struct {struct}_ports *ports")
     for item in members.process.parameters:
         given.append(f"{members.types.type_name(item.type)} {members.parameters[item.name]}")

@@ -1,10 +1,9 @@
-"""The struct of a process class: its members, and how step functions write what the class refers to."""
+"""The members of the struct of a process class, and how step functions write what the class refers to."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 from cspdiag.base.record import record, replaced
 from cspdiag.codegen.c.process.struct.port_layout import TAKEN, PortLayout, elements
@@ -18,8 +17,6 @@ from cspdiag.codegen.c.text.media import (
     Spelling,
     access_of_channel,
     access_of_medium,
-    channel_type,
-    port_type,
 )
 from cspdiag.codegen.c.text.names import Names
 from cspdiag.codegen.c.text.numbered import Numbered
@@ -32,8 +29,6 @@ from cspdiag.network.ir.expressions import ParameterValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
-    InstanceOf,
-    LocalChannel,
     Network,
     Port,
     ProcessClass,
@@ -41,8 +36,6 @@ from cspdiag.network.ir.network import (
     channels_of,
 )
 from cspdiag.network.ir.walk import PartsByType
-
-T = TypeVar("T", LocalChannel, InstanceOf)
 
 
 @record
@@ -95,9 +88,10 @@ class Members:
             {item.name: (access_of_channel(item), item.type, item.capacity) for item in process.channels},
             {item.name: item.class_name for item in process.instances},
         )
-        self._plain = {
+        self.plain = {
             item.name: self.names[self.arrays.base(item.name)] for item in (*process.channels, *process.instances)
         }
+        """The members of channels and instances: of elements of arrays the arrays."""
         self._elements_by_number: dict[str, tuple[str, Numbered]] = {}
         self._numbers: dict[str, Code] = {}
         self.classes = {entry.name: entry for entry in self.network.classes}
@@ -105,11 +99,10 @@ class Members:
         self.created = [item for item in process.creation if not isinstance(item, CreatedInstance | CreatedChoice)]
         self._end_names: dict[End, str] = {}
         self._name_ends()
-        self._uniform = self.layout.uniform
         self._scopes = {end: scope.instance for scope in self.inside.of(ProcessScope) for end in scope.ends}
         sampled = [end for end in self.created if self.access(end) == "sampled"]
         self.has_samples = any(end not in self._scopes for end in sampled)
-        self._samples = {
+        self.scope_samples = {
             scope: self.names.fresh(f"{scope} samples")
             for scope in dict.fromkeys(self._scopes[end] for end in sampled if end in self._scopes)
         }
@@ -158,7 +151,7 @@ class Members:
 
     def member(self, name: str) -> Code:
         """The member of a channel or instance: ``cell[3]``."""
-        return self._element(self._plain[name], name)
+        return self._element(self.plain[name], name)
 
     def _element(self, array: str, name: str) -> Code:
         if name in self._elements_by_number:
@@ -176,7 +169,7 @@ class Members:
         while self._elements_by_number.setdefault(name, (array, index)) != (array, index):
             name += "[]"
         first = f"{array}[{index.first}]"
-        self._plain[name] = self._plain[first]
+        self.plain[name] = self.plain[first]
         if first in self.channels:
             self.channels[name] = self.channels[first]
         else:
@@ -191,14 +184,14 @@ class Members:
 
     def add_variable(self, name: str) -> str:
         """The member for a variable of the generator; its name is none that the text can have."""
-        self._plain[name] = self.names.fresh(name)
-        return self._plain[name]
+        self.plain[name] = self.names.fresh(name)
+        return self.plain[name]
 
     def written(self, name: str) -> Code | None:
         """The member that says whether a variable was written; None where that is sure."""
         if name not in self.unwritten.variables[self.process.name]:
             return None
-        return own(self._element(self.names[f"{self._plain[name]} written"], name))
+        return own(self._element(self.names[f"{self.plain[name]} written"], name))
 
     def _flag(self, name: str) -> Code | None:
         """A pointer to it."""
@@ -241,11 +234,11 @@ class Members:
     def samples(self, end: End) -> str:
         """The member that closes a reading end: that of the process or of the scope that owns it."""
         scope = self._scopes.get(end)
-        return "samples" if scope is None else self._samples[scope]
+        return "samples" if scope is None else self.scope_samples[scope]
 
     def samples_of_scope(self, scope: str) -> str | None:
         """The member that closes the ends of a scope; None if it has none."""
-        return self._samples.get(scope)
+        return self.scope_samples.get(scope)
 
     def report(self, channel: str, type_: Type) -> int:
         """The number, among those of the class, of a channel that is no more."""
@@ -290,7 +283,7 @@ class Members:
 
     def end_member(self, end: End) -> Code:
         """The member of a reading end that is an object of its own, or of the pointer to a latch of an event input."""
-        base = self._end_names[_whole(end)]
+        base = self.end_name(end)
         return self.layout.element(base, self.ports[end.port], _place(end)) if isinstance(end, PortEnd) else code(base)
 
     def _name_ends(self) -> None:
@@ -306,127 +299,30 @@ class Members:
                     f"{end.channel}_end{'' if end.end == 0 else f'_{end.end + 1}'}"
                 )
 
-    # Declarations
+    # Members beside others
 
-    def port_members(self) -> list[StructMember]:
-        """The members of the struct in which a process is given its ports."""
-        found: list[StructMember] = []
-        for port in self.process.ports:
-            whole = port.size is not None and self._uniform[port.name]
-            for index in elements(port)[:1] if whole else elements(port):
-                access = access_of_medium(port.media[index or 0])
-                type_ = port_type(access, self.types.type_name(port.type), writes=port.direction == "out")
-                if type_ is not None:
-                    name = f"{self.names[port.name]}[{port.size}]" if whole else self.layout.member(port, index)
-                    found.append(StructMember(f"{type_}{name}"))
-            found += self._flag_pointers(port, elements(port))
-        return found
+    def end_name(self, end: End) -> str:
+        """The member of a reading end, or the array of those of an array of ports."""
+        return self._end_names[_whole(end)]
 
-    def declared(self) -> list[StructMember]:
-        """The members for parameters, ports, channels and instances, in this order."""
-        process, found = self.process, [StructMember("csp_process process")]
-        types = {item.name: item.type for item in process.parameters}
-        if self.has_samples:
-            found.append(StructMember("csp_ends samples"))
-        found += [StructMember(f"csp_ends {name}") for name in self._samples.values()]
-        docs = {item.name: item.doc for item in (*process.parameters, *process.ports)}
-        for name in self.stored_parameters():
-            found.append(StructMember(f"{self.types.type_name(types[name])} {self.parameters[name]}", docs[name]))
-        found += self._port_declarations()
-        found += self._channel_declarations()
-        found += self._signal_declarations()
-        found += self._instance_declarations()
-        return found
-
-    def _signal_declarations(self) -> Iterator[StructMember]:
-        docs = {item.name: item.doc for item in (*self.process.constants, *self.process.states)}
-        for name, member in self.signal_members.items():
-            yield StructMember(f"{self.types.type_name(self.signal_types[name])} {member}", docs.get(name))
-
-    def _port_declarations(self) -> Iterator[StructMember]:
-        done: set[str] = set()
-        for port, index in self.used_ports():
-            access = access_of_medium(port.media[index or 0])
-            if port.direction == "in" and access in READING_ENDS:
-                continue
-            type_ = port_type(access, self.types.type_name(port.type), writes=port.direction == "out")
-            name = str(self.layout.member(port, index))
-            if index is not None and self._uniform[port.name]:
-                name = f"{self.names[port.name]}[{port.size}]"
-            if type_ is not None and name not in done:
-                done.add(name)
-                yield StructMember(f"{type_}{name}", port.doc)
-            yield from self._flag_pointers(port, [index])
-        yield from self._end_declarations()
-
-    def _flag_pointers(self, port: Port, indexes: Sequence[int | None]) -> list[StructMember]:
-        """Pointers to the flags whether the variables behind a port were written."""
-        constant = "const " if port.direction == "in" else ""
-        flagged = [i for i in indexes if self.unwritten.has_port(self.process.name, port.name, i)]
-        names = (self.layout.written(port, index) for index in flagged)
-        return [StructMember(f"{constant}csp_written *{name}") for name in names]
-
-    def _end_declarations(self) -> Iterator[StructMember]:
-        done: set[str] = set()
-        for end in self.created:
-            access = self.access(end)
-            if access not in READING_ENDS:
-                continue
-            base, size, doc = self._end_names[_whole(end)], "", None
-            if isinstance(end, PortEnd):
-                port = self.ports[end.port]
-                doc = port.doc
-                if end.index is not None:
-                    base, size = (base, f"[{port.size}]") if self._uniform[end.port] else (f"{base}_{end.index}", "")
-            if base in done:
-                continue
-            done.add(base)
-            if access == "event":
-                yield StructMember(f"csp_event_end *{base}{size}", doc)
-                yield StructMember(f"csp_event_end {self._latch(base)}{size}", "if it has one of its own")
-            else:
-                yield StructMember(f"{READING_ENDS[access]} {base}{size}", doc)
-
-    def _latch(self, base: str) -> str:
+    def latch_name(self, base: str) -> str:
+        """The member for the latch of the reading end ``base``."""
         return self.names[f"{base} latch"]
 
     def latch(self, end: PortEnd) -> Code:
         """The member for the latch that a reader of an event input may have for itself."""
-        base, uniform = self._end_names[_whole(end)], self._uniform[end.port]
+        base, uniform = self.end_name(end), self.layout.uniform[end.port]
         if end.index is None or uniform:
-            return self.layout.element(self._latch(base), self.ports[end.port], end.index)
-        return code(self._latch(f"{base}_{end.index}"))
+            return self.layout.element(self.latch_name(base), self.ports[end.port], end.index)
+        return code(self.latch_name(f"{base}_{end.index}"))
 
-    def _channel_declarations(self) -> Iterator[StructMember]:
-        for channel, count in self._grouped(self.process.channels):
-            name, access = self._plain[channel.name], access_of_channel(channel)
-            type_name = self.types.type_name(channel.type)
-            yield StructMember(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
-            if channel.name in self.unwritten.variables[self.process.name]:
-                yield StructMember(f"csp_written {self.names[f'{name} written']}{count}")
-            if access == "buffer":
-                yield StructMember(f"{type_name} {self._storage(channel.name)}{count}[{channel.capacity}]")
-
-    def _storage(self, channel: str) -> str:
-        return self.names[f"{self._plain[channel]} values"]
+    def storage_name(self, channel: str) -> str:
+        """The member for the values in a buffer, or the array of those of an array of buffers."""
+        return self.names[f"{self.plain[channel]} values"]
 
     def storage(self, channel: str) -> Code:
         """The member for the values in a buffer."""
-        return self._element(self._storage(channel), channel)
-
-    def _instance_declarations(self) -> Iterator[StructMember]:
-        for instance, count in self._grouped(self.process.instances):
-            struct = self.types.names.classes[instance.class_name]
-            yield StructMember(f"struct {struct} {self._plain[instance.name]}{count}", instance.doc)
-
-    def _grouped(self, items: Sequence[T]) -> Iterator[tuple[T, str]]:
-        done: set[str] = set()
-        for item in items:
-            base = self._plain[item.name]
-            if base not in done:
-                done.add(base)
-                size = self.arrays.size(item.name)
-                yield item, "" if size is None else f"[{size}]"
+        return self._element(self.storage_name(channel), channel)
 
 
 def name_of(end: End) -> str:
