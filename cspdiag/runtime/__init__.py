@@ -72,9 +72,10 @@ from .network import Network
 from .outcome import Jitter, Outcome
 from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text
 from .outside.drivers import DevicePort, Driver, Signal
+from .outside.event_inputs import EventInput
 from .outside.external import EventOutput, SampledOutput
-from .outside.inputs import EventInput, SampledInput
 from .outside.instants import Environment
+from .outside.sampled_inputs import SampledInput
 from .process import Process, Submodel
 
 __all__ = [

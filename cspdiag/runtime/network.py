@@ -26,9 +26,10 @@ from .kernel.scheduler import Scheduler, Task
 from .kernel.stopping import HandlerFailed, Stopped, stopping
 from .outcome import Jitter, Outcome
 from .outside.devices import Devices
+from .outside.event_inputs import EventInput
 from .outside.external import Port
-from .outside.inputs import EventInput, SampledInput
 from .outside.instants import Environment, Instants, start
+from .outside.sampled_inputs import SampledInput
 from .process import Process
 
 _REAL_TIME_STEPS = 16

@@ -16,10 +16,11 @@ from ..kernel.clock import Clock
 from ..kernel.exceptions import DriverError
 from ..kernel.stopping import stopping
 from .drivers import DriverFailed, Signal, device_of, name_of
+from .event_inputs import EventInput
 from .external import EventOutput, Port, SampledOutput
-from .inputs import EventInput, SampledInput
 from .lines import DirectLine, EventLine, OutputLine, SampleLine, ThreadLine
 from .release import Release
+from .sampled_inputs import SampledInput
 from .watch import PATIENCE, Call, Watch
 
 

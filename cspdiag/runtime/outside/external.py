@@ -17,7 +17,8 @@ from ..kernel.exceptions import Fault
 from ..kernel.party import Party
 from ..kernel.scheduler import present
 from .drivers import Driver, Signal
-from .inputs import EventInput, SampledInput
+from .event_inputs import EventInput
+from .sampled_inputs import SampledInput
 from .supply import Supply
 from .ticks import Ticks
 

@@ -14,8 +14,9 @@ from ..kernel.durations import ms
 from ..kernel.exceptions import EnvironmentFailure, fault_of
 from ..kernel.places import raised_by_program, statement_of
 from ..kernel.stopping import stopping
+from .event_inputs import EventInput
 from .external import EventOutput, Port, SampledOutput
-from .inputs import EventInput, SampledEnd, SampledInput
+from .sampled_inputs import SampledEnd, SampledInput
 from .ticks import Ticks
 
 Plan: TypeAlias = tuple[Callable[[], None], ...]

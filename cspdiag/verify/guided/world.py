@@ -7,8 +7,9 @@ from math import lcm
 from typing import Any, Literal
 
 from cspdiag.runtime.kernel.durations import END_OF_TIME
+from cspdiag.runtime.outside.event_inputs import EventInput
 from cspdiag.runtime.outside.external import Port
-from cspdiag.runtime.outside.inputs import EventInput, SampledInput
+from cspdiag.runtime.outside.sampled_inputs import SampledInput
 from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.guided.script import Passed, Script
 
