@@ -10,7 +10,6 @@ in ``Decisions``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any, Literal, NoReturn
 
 from cspdiag.proofs.verdict import LimitError
@@ -19,19 +18,19 @@ from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, RunEnded
 from cspdiag.runtime.kernel.party import Party
 from cspdiag.runtime.kernel.policy import Option, Policy
-from cspdiag.runtime.kernel.scheduler import Priority, Task
+from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.stepwise import StepwiseRun
 from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import Goal
+from cspdiag.verify.guided.ready import ReadyParties
+from cspdiag.verify.guided.repetition import Repetition
 from cspdiag.verify.guided.result import GuidedRun
-from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round
+from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round, words_of
 from cspdiag.verify.guided.world import World
 from cspdiag.verify.runs.task_names import Key, TaskNames, path_of, task_of
 from cspdiag.verify.runs.task_places import TaskPlaces
 
-MOST_CHOICES = 6
-"""The number of ready processes that are tried as the next one."""
 _TRIED = "in the runs that were tried"
 _LEFT_OUT = ", and proofs leave {} out"
 
@@ -66,7 +65,6 @@ class Run(Policy):
         self._strict = strict
         self._free = free
         self._limit = limit
-        self._process = network.process
         self._network = network
         self._outputs = goal.outside - world.inputs
         self._expected = goal.expected() if goal.trace.failure == "refinement" else None
@@ -74,8 +72,7 @@ class Run(Policy):
         self._names = TaskNames()
         self._places = TaskPlaces()
         self._keys: dict[Task, Key] = {}
-        self._ready: dict[Priority, list[tuple[int, int, Party]]] = {(): []}
-        self._serial = 0
+        self._ready = ReadyParties(self._rank)
         self._steps = 0
         self._communications: list[tuple[str, Any]] = []
         self._instants: list[int] = []
@@ -85,11 +82,8 @@ class Run(Policy):
         self._lost: str | None = None
         self._cut: int | None = None
         self._cycle_began: int | None = None
-        self._rounds = 0
+        self._repetition = Repetition(goal, world, network)
         self._besides = False
-        self._situations: dict[tuple[object, ...], tuple[int, int, int]] = {}
-        self._period = slice(0, 0)
-        self._repeated: tuple[int, int] | None = None
         self._broken_off = False
 
     def run(self) -> GuidedRun:
@@ -117,8 +111,8 @@ class Run(Policy):
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
         round_from = None
-        if divergence is None and self._besides and self._can_be_shown(self._period):
-            happened, round_from = to_first_round(self._happened, self._period)
+        if divergence is None and self._besides and self._can_be_shown(self._repetition.period):
+            happened, round_from = to_first_round(self._happened, self._repetition.period)
         return GuidedRun(
             done,
             self._actions,
@@ -129,7 +123,7 @@ class Run(Policy):
             happened,
             standing,
             instants,
-            self._repeated,
+            self._repetition.found,
             round_from,
         )
 
@@ -155,7 +149,7 @@ class Run(Policy):
                 self._run.run_one(party)
             except _Enough:
                 assert self._broken_off
-            if self._repeated is not None:
+            if self._repetition.found is not None:
                 return
             if self._broken_off:
                 if self._script.left or self._goal.is_standstill:
@@ -175,25 +169,14 @@ class Run(Policy):
             raise AstrayError("times or values change in each round, so this may end")
 
     def _has_repeated(self) -> bool:
-        """Whether all further rounds will be like the past one: tasks, values, delays and samples are as they were
-        before.
-        """
+        """Whether all further rounds will be like the past one."""
         number = self._script.next()
         done = len(self._script.entries) if number is None else number
-        goal = self._goal
-        if not goal.period or done < goal.cycle + self._rounds * goal.period:
+        if not self._repetition.is_due(done):
             return False
-        while done >= goal.cycle + self._rounds * goal.period:
-            self._rounds += 1
-        if goal.trace.failure == "livelock" and self._cycle_began not in (None, self._run.now):
+        if self._goal.trace.failure == "livelock" and self._cycle_began not in (None, self._run.now):
             raise AstrayError("time passes before everything is repeated")
-        situation = (*self._world.situation, *goal.recurrence.state(self._process, self._run.root))
-        here = self._rounds, self._run.now, len(self._happened)
-        rounds, instant, began = self._situations.setdefault(situation, here)
-        if rounds < self._rounds:
-            self._repeated = self._rounds - rounds, self._run.now - instant
-            self._period = slice(began, len(self._happened))
-        return self._repeated is not None
+        return self._repetition.look(self._run.root, self._run.now, len(self._happened))
 
     @property
     def _actions(self) -> int:
@@ -232,24 +215,12 @@ class Run(Policy):
 
     def _next(self) -> Party | None:
         """The next process: of the highest level that has any, the one that the script needs first, or as decided."""
-        self._collect()
-        level = min((level for level, entries in self._ready.items() if entries), default=None)
-        if level is None:
-            return None
-        entries = self._ready[level]
-        chosen = self._decisions.choose(min(len(entries), MOST_CHOICES)) if len(entries) > 1 else 0
-        if chosen == 0:
-            return heappop(entries)[2]
-        entry = nsmallest(chosen + 1, entries)[-1]
-        entries.remove(entry)
-        heapify(entries)
-        return entry[2]
-
-    def _collect(self) -> None:
         for level, party in self._run.take_ready():
-            self._serial += 1
-            entry = (self._script.rank(self._key(party)), self._serial, party)
-            heappush(self._ready.setdefault(level, []), entry)
+            self._ready.add(level, party)
+        return self._ready.take(self._decisions)
+
+    def _rank(self, party: Party) -> int:
+        return self._script.rank(self._key(party))
 
     def _key(self, party: Party) -> Key:
         task = task_of(party)
@@ -263,7 +234,7 @@ class Run(Policy):
         number = self._script.next()
         if number is None or not self._world.can_offer(self._script.entries[number]):
             return
-        later = self._run.has_ready or any(self._ready.values()) or self._world.time_can_pass
+        later = self._run.has_ready or bool(self._ready) or self._world.time_can_pass
         if not later or not self._decisions.choose(2):
             self._world.offer(self._script.entries[number])
 
@@ -299,7 +270,9 @@ class Run(Policy):
         wanted = None if head is None else next((n for n, option in enumerate(ready) if _is(head, option)), None)
         if prioritized:
             if head is not None and wanted:
-                words = f"`{head.name or head.path}` prefers `{_words_of(ready[0])}` to `{_words(head)}`"
+                words = (
+                    f"`{head.name or head.path}` prefers `{ready[0].channel or ready[0].action}` to `{words_of(head)}`"
+                )
                 self._lose(words + _LEFT_OUT.format("priorities"))
             return 0
         if wanted is not None:
@@ -357,7 +330,7 @@ class Run(Policy):
     def _other(self, party: Party, done: str, head: Passed | None) -> str:
         words = f"at {shown(self._run.now)}, `{self._names.called(task_of(party))}` continues with `{done}`"
         if head is not None:
-            words += f" before `{_words(head)}`"
+            words += f" before `{words_of(head)}`"
         timed = head is not None and head.action in {"wait", "after"}
         return words + _LEFT_OUT.format("priorities" if self._run.has_levels and not timed else "times")
 
@@ -376,7 +349,7 @@ class Run(Policy):
             return f"it does not get stuck {when}".rstrip()
         entry = self._script.entries[number]
         when = when or f": at {shown(self._run.now)} nothing can continue"
-        return f"`{entry.name or entry.path}` does not reach `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
+        return f"`{entry.name or entry.path}` does not reach `{words_of(entry)}`{'' if when[0] == ':' else ' '}{when}"
 
     def wrote(self, party: Party, channel: str, value: Any) -> None:
         """See ``Policy.wrote``."""
@@ -420,17 +393,3 @@ def _is(entry: Passed, option: Option) -> bool:
         action = "read" if option.action == "ready" else option.action
         return entry.action == action and entry.channel == option.channel
     return entry.action == option.action and entry.index == option.index
-
-
-def _words_of(option: Option) -> str:
-    return option.channel or option.action
-
-
-def _words(entry: Passed) -> str:
-    if entry.words:
-        return entry.words
-    if entry.action in {"wait", "after"}:
-        return f"{entry.action} {shown(entry.duration)}"
-    if entry.action == "miss":
-        return f"a missed sample of {entry.channel}"
-    return entry.channel or entry.action

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cspdiag.base.record import record
+from cspdiag.runtime.kernel.durations import shown
 from cspdiag.verify.runs.task_names import Key
 
 LATER = 1 << 60
@@ -36,6 +37,17 @@ class Passed:
 
     def __str__(self) -> str:
         return self.channel or self.action
+
+
+def words_of(entry: Passed) -> str:
+    """What a task has to do, in words."""
+    if entry.words:
+        return entry.words
+    if entry.action in {"wait", "after"}:
+        return f"{entry.action} {shown(entry.duration)}"
+    if entry.action == "miss":
+        return f"a missed sample of {entry.channel}"
+    return entry.channel or entry.action
 
 
 @record
