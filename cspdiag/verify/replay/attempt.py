@@ -29,6 +29,7 @@ from cspdiag.verify.replay.gates import Conductor, Gate, Interruption
 from cspdiag.verify.replay.rest import Resting, resting
 from cspdiag.verify.replay.result import Judge, Replay
 from cspdiag.verify.replay.rounds import Rounds
+from cspdiag.verify.replay.standstill import Standstill
 from cspdiag.verify.runs.memory import memory
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.recurrence import counting_to_faults
@@ -357,61 +358,16 @@ class Attempt:
             raise DivergenceError(_ALLOWED)
         return judgement
 
-    def _end_silently(self) -> None:
-        """Lets processes take guards that are always ready, also those of interrupts: transition systems leave out
-        steps that make no difference.
-        """
-        for interruption in list(self.conductor.interruptions):
-            if interruption in self.conductor.interruptions and interruption.options[0].action == "skip":
-                interruption.fire()
-                self._settle()
-        gates = [
-            gate for gate in self.conductor.halted.values() if any(option.action == "skip" for option in gate.options)
-        ]
-        for gate in gates:
-            silent = [option for option in gate.options if option.action == "skip"]
-            if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
-                chosen = silent[self._decisions.choose(len(silent))]
-                self.conductor.release(gate, chosen)
-                self._settle()
-
-    def _is_stuck(self, gate: Gate) -> bool:
-        """Whether a process never continues according to the trace; its parallel branches are distinguished by where
-        they wait.
-        """
-        waits = {option.channel for option in gate.options if option.channel}
-        return any(belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
-
-    def _require_stuck(self, stuck: list[Gate]) -> None:
-        """Raises DivergenceError if a process among ``stuck`` can continue by itself, with the environment, or with
-        those that continue.
-        """
-        moving = [gate for gate in self.conductor.halted.values() if gate not in stuck]
-        offered = {(option.action, option.channel) for gate in moving for option in gate.options}
-        for gate in stuck:
-            for option in gate.options:
-                can_happen = option.action in {"wait", "after", "skip"} or option.channel in self._ports
-                opposite = "read" if option.action == "write" else "write"
-                if can_happen or (opposite, option.channel) in offered:
-                    way = f" with `{option.channel}`" if option.channel else ""
-                    raise DivergenceError(f"`{self.conductor.names.called(gate.task)}` can still continue{way}")
-
     def _conclude(self) -> DeadlockReport | None:
         """Raises DivergenceError unless what was refuted is now the case."""
         if self._trace.failure not in STANDSTILLS:
             return None
         if self.conductor.run.root.ended:
             raise DivergenceError("it ends instead of getting stuck")
-        self._end_silently()
+        standstill = Standstill(self.conductor, self._trace, self._decisions, self._ports, self._settle)
+        standstill.end_silently()
         before = len(self._communications)
-        stuck = [
-            gate for gate in self.conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
-        ]
-        self._require_stuck(stuck)
-        self.conductor.let_all_through()
-        for gate in stuck:
-            self.conductor.release(gate, None)
-        self._settle()
+        standstill.try_to_go_on()
         if len(self._communications) > before:
             channel, _ = self._communications[before]
             raise DivergenceError(f"it continues with `{channel}`")
