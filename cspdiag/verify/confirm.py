@@ -150,9 +150,18 @@ class Verifier:
             if answer.outcome != "refuted" or answer.counterexample is None:
                 continue
             found = answer.counterexample
+            if found.failure == "knot" and self._may_fault(question.process):
+                continue  # What others go on to compute may end the program, and the knot with it.
             without_end = replaced(found, failure="no termination") if claim == "livelock free" else found
             return replaced(answer, question=question, counterexample=without_end)
         return None
+
+    def _may_fault(self, process: str) -> bool:
+        from cspdiag.proofs.transitions.classes.faults import Faults
+
+        network = self._obligations.network(process)
+        assert network is not None, "asked for a process with errors"
+        return Faults(network).of_network()
 
     def _answer_by_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.verify import spin

@@ -26,6 +26,7 @@ process Main {{
 assert Main {claim}
 """
 
+ALL_BUT_PROVED = {"refuted", "unknown"}
 NEVER_STOPS = "wait 5 ms ; (if now < 5 ms then stop)"
 STOPS = "wait 5 ms ; (if now >= 5 ms then stop)"
 
@@ -68,7 +69,64 @@ STOPS = "wait 5 ms ; (if now >= 5 ms then stop)"
         ("wait until 7 ms ; mu (wait 1 ms ; n := 1)", "terminates", {"refuted"}),
         ("(if now < 3 ms then n := 1) ; mu (wait 1 ms ; n := 1)", "terminates", {"refuted"}),
         ("mu (wait 1 ms ; pause := now)", "terminates", {"refuted"}),
+        ("(n := (if now >= 3 ms then 6 / n else 2) ; stop) catch Fault -> skip", "deadlock free", ALL_BUT_PROVED),
+        ("(late := now >= 3 ms and 6 / n > 1 ; stop) catch Fault -> skip", "deadlock free", ALL_BUT_PROVED),
+        ("(late := now < 3 ms or 6 / n > 1 ; stop) catch Fault -> skip", "deadlock free", ALL_BUT_PROVED),
+        (
+            "(n := (if now >= 3 ms then 6 / n else 7 / n) ; stop) catch Fault -> skip",
+            "deadlock free",
+            {"proved", "unknown"},
+        ),
     ],
 )
 def test_no_answer_about_the_present_instant_is_wrong(composition: str, claim: str, allowed: set[str]) -> None:
     assert answer_to(PROGRAM.format(composition=composition, claim=claim)).outcome in allowed
+
+
+KNOT = """process Main {{
+  communication {{
+    var v : int = 0
+    var w : int = 0
+    var x : int = 0
+    var z : int = 0
+    channel c : int
+    channel d : int
+  }}
+
+  composition {{ (c ? v ; d ! 3) || (d ? w ; c ! 3) || mu (wait 1 ms ; {beside}) }}
+}}
+
+assert Main terminates
+"""
+
+
+@pytest.mark.parametrize(
+    ("beside", "allowed"),
+    [
+        ("z := 6 / (if now >= 3 ms then 0 else 1)", {"proved", "unknown"}),
+        ("z := z - 1 ; x := 6 / (z + 3)", {"proved", "unknown"}),
+        ("z := z - 1", {"refuted"}),
+    ],
+)
+def test_a_fault_may_end_a_program_in_which_some_are_stuck(beside: str, allowed: set[str]) -> None:
+    assert answer_to(KNOT.format(beside=beside)).outcome in allowed
+
+
+def test_a_specification_fails_only_where_what_it_computes_does() -> None:
+    answer = answer_to("""process Spec {
+  out o : int
+
+  communication { var v : int = 1 }
+
+  composition { (o ! (if now >= 3 ms then 6 / (v - 1) else 2)) catch Fault -> stop }
+}
+
+process Main {
+  out o : int
+
+  composition { o ! 2 }
+}
+
+assert Main refines Spec
+""")
+    assert answer.outcome != "refuted"

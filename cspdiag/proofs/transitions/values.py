@@ -92,8 +92,11 @@ def evaluated(expression: Expression, variables: Variables, parameters: Paramete
     """The value of an expression as far as it is known. Raises EvaluationFault if it certainly fails."""
     try:
         return _Evaluation(variables, parameters).value(expression)  # type: ignore[no-any-return]
-    except (arithmetic.UndefinedError, arithmetic.OutOfRangeError, ArithmeticError, ValueError, IndexError) as problem:
+    except _FAILURES as problem:
         raise EvaluationFault(str(problem)) from None
+
+
+_FAILURES = (arithmetic.UndefinedError, arithmetic.OutOfRangeError, ArithmeticError, ValueError, IndexError)
 
 
 class _Evaluation:
@@ -126,8 +129,7 @@ class _Evaluation:
                 condition = self.value(expression.condition)
                 if condition is not UNKNOWN:
                     return self.value(expression.then if condition else expression.otherwise)
-                then, otherwise = self.value(expression.then), self.value(expression.otherwise)
-                return then if same(then, otherwise) else UNKNOWN
+                return self._either(expression.then, expression.otherwise)
             case FunctionCall():
                 arguments = [self.value(argument) for argument in expression.arguments]
                 if not all(map(is_exact, arguments)):
@@ -154,6 +156,22 @@ class _Evaluation:
             case _:
                 assert_never(expression)
 
+    def _either(self, one: Expression, other: Expression) -> Any:
+        """The value of two expressions of which only one is computed, and it is not known which. Fails if both do."""
+        try:
+            value = self.value(one)
+        except _FAILURES:
+            self.value(other)
+            return UNKNOWN
+        return value if same(value, self._if_computed(other)) else UNKNOWN
+
+    def _if_computed(self, expression: Expression) -> Any:
+        """The value of an expression that may not be computed at all, and does not fail then."""
+        try:
+            return self.value(expression)
+        except _FAILURES:
+            return UNKNOWN
+
     def _converted(self, operand: Known, kind: IntType | RealType) -> Known:
         if not is_exact(operand):
             return UNKNOWN
@@ -178,10 +196,10 @@ class _Evaluation:
             decisive = expression.operator == "or"
             if left is not UNKNOWN and left == decisive:
                 return left
-            right = self.value(expression.right)
-            if left is UNKNOWN:
-                return right if right is not UNKNOWN and right == decisive else UNKNOWN
-            return right
+            if left is not UNKNOWN:
+                return self.value(expression.right)
+            right = self._if_computed(expression.right)
+            return right if right is not UNKNOWN and right == decisive else UNKNOWN
         right = self.value(expression.right)
         if _is_opaque(left) or _is_opaque(right):
             return UNKNOWN

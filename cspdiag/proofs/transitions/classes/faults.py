@@ -11,7 +11,7 @@ from typing import assert_never
 
 from cspdiag.model.types import ArrayType, IntType, TimeType, Type, UnknownType
 from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
-from cspdiag.network.ir.actions import CatchException, ChannelEnd, PortEnd, Target
+from cspdiag.network.ir.actions import CatchException, ChannelEnd, PortEnd, ReadValue, Target
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
@@ -78,6 +78,27 @@ class Faults:
     @cached_property
     def _ports(self) -> dict[str, frozenset[tuple[str, int | None]]]:
         return ports_of_unwritten(self._network)
+
+    def of_network(self) -> bool:
+        """Whether some computation may fail, or is written by hand."""
+        return any(map(self._of_class, self._network.classes))
+
+    def _of_class(self, entry: ProcessClass | SubmodelClass) -> bool:
+        if isinstance(entry, SubmodelClass):
+            return self.of_law(entry)
+        if entry.body is None:
+            return True
+        for part in parts(entry.body):
+            match part:
+                case Target() if self.of_target(part, entry.name):
+                    return True
+                case ReadValue(source=source) if self.of_read(source, entry.name):
+                    return True
+                case _ if isinstance(part, Expression) and self._part(part, entry.name):
+                    return True
+                case _:  # Nothing else computes.
+                    pass
+        return False
 
     def of_expression(self, expression: Expression, class_name: str) -> bool:
         """Whether evaluating an expression of a class may fail."""
