@@ -20,6 +20,10 @@ REFUSED = {
     "whoever": r"whoever",
     "leave it away": r"(?:leave|left) (?:[\w`'\"]+ ){0,4}away",
     "is said of": r"(?:is|be|was|nothing) said of",
+    "stands for": r"stands? for",
+    "come to be": r"comes? to be",
+    "on every way": r"on every way",
+    "is no number": r"(?:is|are) no numbers?",
     "books": r"books",
 }
 """By the words as the glossary lists them, what is looked for; ``_`` is no letter, so names are searched too."""
@@ -66,6 +70,10 @@ def test_refused_words_are_nowhere() -> None:
         "nothing is said of it",
         "a process keeps books",
         "senders_not_come = 0",
+        "What the name stands for.",
+        "The order in which they come to be.",
+        "released on every way",
+        "it is no number",
     ],
 )
 def test_a_refused_word_is_found(line: str) -> None:

@@ -130,7 +130,7 @@ class _Extraction:
     ) -> None:
         places: tuple[Span, ...] = (item.span,)
         if isinstance(item, ast.Connection):
-            # The arrow stands for the rest of the relationship.
+            # The arrow represents the rest of the relationship.
             places = (item.label.span,) if item.label is not None else ()
         flow = self.facts.channel(self.definition, item)
         written = texts.optional(declared) or ""

@@ -165,7 +165,7 @@ class UnitNotAllowed(Diagnostic):
     title = "a unit on a type without units"
 
     name: str
-    stands_for: Type
+    meaning: Type
 
     @property
     def message(self) -> str:
@@ -173,8 +173,8 @@ class UnitNotAllowed(Diagnostic):
 
     @property
     def help(self) -> str:
-        if str(self.stands_for) != self.name:
-            return f"`{self.name}` stands for {self.stands_for} already"
+        if str(self.meaning) != self.name:
+            return f"`{self.name}` already means {self.meaning}"
         return "only `double` and `float` carry units"
 
 

@@ -68,7 +68,7 @@ def element_type(context: Context, name: ast.TypeName) -> Type:
     if unit is None:
         return UNKNOWN
     if not isinstance(found, RealType) or found.unit != RealType().unit:
-        context.refuse(UnitNotAllowed(name.unit_span or name.span, name=name.name.text, stands_for=found), name)
+        context.refuse(UnitNotAllowed(name.unit_span or name.span, name=name.name.text, meaning=found), name)
         return UNKNOWN
     return RealType(found.bits, unit)
 

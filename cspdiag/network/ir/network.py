@@ -195,10 +195,10 @@ class ProcessClass(Declared, Generic[A_co]):
 class SubmodelClass(Declared):
     """A control law, flattened and sorted.
 
-    One run: the ``equations`` are evaluated in order from the inputs and the present states; the outputs are had; then
-    every discrete state takes its ``next`` value at once, and the continuous ones are integrated over the sample with
-    the inputs held: ``derivatives`` are evaluated after ``derivative_equations`` (the part of the equations that they
-    need). ``constants`` depend on parameters only and are evaluated once, in order.
+    One run: the ``equations`` are evaluated in order from the inputs and the present states; the outputs are then
+    known; next, every discrete state takes its ``next`` value at once, and the continuous ones are integrated over the
+    sample with the inputs held: ``derivatives`` are evaluated after ``derivative_equations`` (the part of the equations
+    that they need). ``constants`` depend on parameters only and are evaluated once, in order.
     """
 
     definition: str

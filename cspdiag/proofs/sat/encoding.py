@@ -142,12 +142,12 @@ class Encoding:
         return offering, [variables[state] for state in self.left[party] if number not in offers[state]]
 
     def _require_waiting(self) -> None:
-        somebody = []
+        waiting = []
         for component, (shape, left, variables, stuck) in enumerate(
             zip(self.structure.shapes, self.left, self.variables, self.stuck, strict=True)
         ):
             if self.together:
-                somebody += [variables[state] for state in left if shape.process and state not in shape.terminal]
+                waiting += [variables[state] for state in left if shape.process and state not in shape.terminal]
             elif left and left <= shape.requesting:
                 self.goals.append((component, [stuck]))
             elif requesting := [variables[state] for state in left if state in shape.requesting]:
@@ -155,7 +155,7 @@ class Encoding:
                 self.clauses += [[-requests, stuck], [-requests, *requesting]]
                 self.goals.append((component, [requests]))
         if self.together:
-            self.clauses.append(somebody)
+            self.clauses.append(waiting)
             self.goals = [(-1, [])]
 
     @property

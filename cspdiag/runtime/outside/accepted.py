@@ -25,7 +25,7 @@ def double(value: Any) -> float:
     if type(value) is float:
         return value
     if _kind(value) not in ("", "i", "u", "f") or not hasattr(type(value), "__float__"):
-        raise TypeError(f"{value!r} is no number")
+        raise TypeError(f"{value!r} is not a number")
     return float(value)
 
 

@@ -119,5 +119,5 @@ def found_words(situation: Situation) -> str:
             return "a text in quotes"
         case "NUMBER" | "QUANTITY" | "DURATION":
             return f"the number `{situation.text}`"
-        case _:  # Any other token stands for itself.
+        case _:  # Any other token is its own text.
             return f"`{situation.text}`"

@@ -150,4 +150,4 @@ def test_a_driver_that_returns_another_value_is_named(sampled: bool, blocking: b
         await end.read()
 
     outcome = Network(Body(top), [port]).run(real_time=real_time)
-    assert str(outcome.error) == "driver Card failed to read at port Top.level: TypeError: 'high' is no number"
+    assert str(outcome.error) == "driver Card failed to read at port Top.level: TypeError: 'high' is not a number"

@@ -13,7 +13,7 @@ VARIABLE = "i"
 """What counts."""
 
 Rolled: TypeAlias = Plain | Block | For
-"""What a loop may stand for, and the loop."""
+"""What a loop may replace, and the loop."""
 
 
 def rolled(groups: Sequence[Sequence[Plain]]) -> list[Rolled]:

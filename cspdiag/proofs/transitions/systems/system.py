@@ -38,7 +38,7 @@ EventKind: TypeAlias = Literal[
   guard that an input from outside is ready; ``time``: a delay or time-out
 - ``variable``: an access to a shared ``var``
 - ``start``, ``end`` and ``cancel``: of a parallel composition, all branches at once
-- ``exception``: a branch ends its parallel by ``raise``; ``failure``: by Timeout or Fault, which is no way out for
+- ``exception``: a branch ends its parallel by ``raise``; ``failure``: by Timeout or Fault, which does not help
   processes that wait for each other
 """
 

@@ -251,7 +251,7 @@ def _draw_events(axes: Axes, row: int, lane: Lane, end: float, letter: float) ->
 
 
 def _legend(axes: Axes, names: dict[tuple[str, str], str]) -> None:
-    """What colours stand for; with the name of the port where several stand for different things."""
+    """The legend of the colours; with the name of the port if one colour means several values."""
     from matplotlib.patches import Patch
 
     words, pairs = {name for _, name in names}, {(name, color) for (_, name), color in names.items()}

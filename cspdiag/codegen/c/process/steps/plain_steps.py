@@ -18,7 +18,7 @@ READS = {
     "buffer": "csp_buffer_read",
     "sampled": "csp_sampled_read", "event": "csp_event_read",
 }  # fmt: skip
-"""What reads an end; not for those that are had at once."""
+"""The function that reads an end; ends that are read at once have none."""
 
 WRITES = {
     "channel": "csp_channel_write", "any": "csp_any_write", "broadcast": "csp_broadcast_write",
@@ -116,7 +116,7 @@ def assign_value(writer: Writer, target: Target, value: Expression, where: str) 
 
 
 def take(writer: Writer, target: Target, source: Spelling, where: str) -> list[Statement]:
-    """Reads what is had at once."""
+    """Reads a value that is available at once."""
     return [*required(writer, source, where), *put(writer, target, source.pointer, source.type, where)]
 
 

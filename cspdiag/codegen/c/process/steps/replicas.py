@@ -147,7 +147,7 @@ class _Numbering:
         self._changes = changes
 
     def filled(self, item: Any) -> Any:
-        """The tree with what stands for its nodes that may count."""
+        """The tree with its nodes that may count replaced."""
         if isinstance(item, Counted):
             return self._made(item, next(self._changes))
         if isinstance(item, tuple):
