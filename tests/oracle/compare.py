@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from random import Random
 
 from tests.oracle.explore import explore
 from tests.oracle.judged import Judgement, verify
 from tests.oracle.programs.closed import closed
+from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants
 from tests.oracle.programs.pairs import pair
+from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import process, text
 from tests.oracle.programs.timed import timed
 from tests.oracle.programs.tree import INT, Program
@@ -93,32 +96,60 @@ def _livelock(program: Program) -> Answer:
     return livelock_free(explore(program))
 
 
+def program_of(seed: int, *, inputs: bool) -> Program:
+    """A closed program, or one with inputs; about one in six asks for the present instant.
+
+    Those have no laws: proofs let a law compute as long as may be, and here it takes no time.
+    """
+    if not asks_for_the_time(seed):
+        return closed(seed, inputs=inputs)
+    rng = Random(f"instants {seed}")
+    base = single_steps(rng) if rng.random() < 0.6 else closed(seed, inputs=inputs, without=frozenset({"law"}))
+    return tidy(with_instants(base, rng))
+
+
+def _counted_apart(outcome: Outcome) -> Outcome:
+    """What is answered to programs that ask for the present instant is counted besides."""
+    if "now" in outcome.text:
+        outcome.counted += [f"now: {name}" for name in outcome.counted]
+        outcome.counted += ["now"] + ["now: wrong"] * bool(outcome.wrong)
+    return outcome
+
+
 def _closed(assertion: str, decide: Callable[[Program], Answer]) -> Comparison:
     def compare(case: Case) -> Outcome:
-        program = closed(case.seed, inputs=case.seed % 3 == 0)
-        return judged(program, text(program, assertion), decide)
+        program = program_of(case.seed, inputs=case.seed % 3 == 0)
+        outcome = judged(program, text(program, assertion), decide)
+        return _counted_apart(outcome)
 
     return Comparison(compare)
 
 
+def _timed(seed: int, *, outputs: bool = False) -> Program:
+    program = timed(seed, outputs=outputs)
+    if not asks_for_the_time(seed):
+        return program
+    return tidy(with_instants(program, Random(f"instants {seed}")))
+
+
 def _schedulable(case: Case) -> Outcome:
-    program = timed(case.seed)
+    program = _timed(case.seed)
 
     def decide(program: Program) -> Answer:
         return schedulable(explore(program, free=False, wcet=True))
 
-    return judged(program, text(program, "schedulable"), decide)
+    return _counted_apart(judged(program, text(program, "schedulable"), decide))
 
 
 def _trace(case: Case) -> Outcome:
     """Both ways to run Python, and one program in twenty in C, which has to be compiled."""
     if case.seed % 3:
-        program = replace(closed(case.seed, inputs=case.seed % 3 == 1), step=500_000)
+        program = replace(program_of(case.seed, inputs=case.seed % 3 == 1), step=500_000)
     else:
-        program = timed(case.seed, outputs=True)
+        program = _timed(case.seed, outputs=True)
     targets = ("-O0", "-O1", "C", "C -O1") if case.seed % 20 == 0 else ("-O0", "-O1")
     counted, wrong = compare_traces(program, 41_300_000, targets)
-    return Outcome(counted, wrong, text(program), program)
+    return _counted_apart(Outcome(counted, wrong, text(program), program))
 
 
 def _refines(case: Case) -> Outcome:
@@ -138,7 +169,7 @@ def _refines(case: Case) -> Outcome:
     if made.holds:
         outcome.counted.append("holds by construction")
     outcome.counted += [clause for clause in ("in failures", "hide") if clause in clauses]
-    return outcome
+    return _counted_apart(outcome)
 
 
 COMPARISONS = {

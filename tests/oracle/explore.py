@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from tests.oracle.machine.link import Linked, link
 from tests.oracle.machine.machine import Machine
 from tests.oracle.machine.policy import from_table
-from tests.oracle.machine.state import Choice, Delay, Joint, Offer, State, Thread, Tid
+from tests.oracle.machine.state import Choice, Delay, Joint, Offer, Op, State, Thread, Tid
 from tests.oracle.programs.tree import Law, Port, Program, Value
 
 
@@ -220,14 +220,20 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         seqs |= set(_seqs(thread))
     rank = {seq: place for place, seq in enumerate(sorted(seqs))}
 
+    clock, horizon = machine.clock, machine.clock.horizon
+
     def offer(each: Offer) -> Hashable:
         due = max(each.due - st.now, -1) if each.kind == "after" else 0
-        return (*each[:4], due, rank[each.seq])
+        return (*each[:3], horizon.seen(each.channel, each.value, st.now), due, rank[each.seq])
+
+    def operation(op: Op) -> Hashable:
+        value = horizon.seen(op.channel, op.value, st.now)
+        return (*op[:2], value, rank[op.seq], *op[4:])
 
     def waiting(thread: Thread) -> Hashable:
         match thread.wait:
             case Joint(ops):
-                return tuple(op._replace(seq=rank[op.seq]) for op in ops)
+                return tuple(map(operation, ops))
             case Choice(node, offers):
                 return (node, *map(offer, offers))
             case Delay(due, seq):
@@ -247,12 +253,13 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         )
         for tid, thread in sorted(st.threads.items())
     )
-    clock = machine.clock
     return (
         threads,
         frozenset(st.ready) if free else tuple(st.ready),
-        tuple(st.variables[name] for name in linked.variables),
-        tuple(sorted(st.buffers.items())),
+        tuple(horizon.seen(name, st.variables[name], st.now) for name in linked.variables),
+        tuple(
+            (name, *(horizon.seen(name, value, st.now) for value in held)) for name, held in sorted(st.buffers.items())
+        ),
         tuple(sorted(st.laws.items())),
         None if free else tuple(sorted(st.chosen.items())),
         tuple(sorted(st.sessions.items())),
@@ -263,7 +270,7 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         st.running,
         st.now % clock.whole,
         0 if general else min(st.now, clock.last + clock.whole),
-        min(st.now, clock.named),
+        min(st.now, horizon.instant),
         st.missed,
         st.timeout,
     )

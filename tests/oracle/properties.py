@@ -25,7 +25,8 @@ def _found(graph: Graph, index: int, why: str) -> Answer:
 
 
 def _none(graph: Graph) -> Answer:
-    return Answer(True if graph.complete else None, states=len(graph.states))
+    why = "" if graph.complete or graph.machine.clock.horizon.bounded else "its states hold the clock, which goes on"
+    return Answer(True if graph.complete else None, states=len(graph.states), why=why)
 
 
 def deadlock_free(graph: Graph) -> Answer:

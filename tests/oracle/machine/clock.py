@@ -5,11 +5,12 @@ from __future__ import annotations
 from math import lcm
 
 from tests.oracle.machine.channels import Channels
+from tests.oracle.machine.horizon import horizon
 from tests.oracle.machine.link import Linked
 from tests.oracle.machine.policy import Policy
 from tests.oracle.machine.state import Choice, Delay, Joint, Session, State, Thread, Tid
 from tests.oracle.machine.values import NOW, zero
-from tests.oracle.programs.tree import Port, Value, last_instant
+from tests.oracle.programs.tree import Port, Value
 
 
 class MissedSampleError(Exception):
@@ -36,7 +37,7 @@ class Clock:
         self.grid = program.step if events else None
         self.cycle = [*self.ticks, *([(self.grid, 0)] if self.grid else [])]
         self.whole = lcm(*(period for period, _ in self.cycle)) if self.cycle else 1
-        self.named = last_instant(program)
+        self.horizon = horizon(program)
         self.last = max((begin for port in program.ports for begin, _ in port.values), default=0)
 
     def start(self, st: State) -> None:

@@ -11,7 +11,6 @@ from tests.oracle.programs.tree import (
     Bool,
     Call,
     Convert,
-    Early,
     Enum,
     Expr,
     Field,
@@ -20,6 +19,7 @@ from tests.oracle.programs.tree import (
     Int,
     Lit,
     Make,
+    Now,
     Real,
     Ref,
     Struct,
@@ -148,8 +148,8 @@ def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
             return _converted(_number(evaluate(of, variables)), kind)
         case If3(condition, yes, no, _):
             return evaluate(yes if evaluate(condition, variables) else no, variables)
-        case Early(instant):
-            return _number(variables[NOW]) < instant
+        case Now():
+            return variables[NOW]
         case Make(inner, _):
             return tuple(evaluate(part, variables) for part in inner)
 

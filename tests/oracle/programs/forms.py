@@ -22,7 +22,6 @@ from tests.oracle.programs.tree import (
     Catch,
     Channel,
     Comp,
-    Early,
     Event,
     Expr,
     Guarded,
@@ -43,6 +42,7 @@ from tests.oracle.programs.tree import (
     Wait,
     While,
     Write,
+    early,
     walk,
 )  # fmt: skip
 
@@ -126,7 +126,7 @@ class Forms:
 
     def condition(self) -> Expr:
         if "time" not in self.without and self.rng.random() < 0.1:
-            return Early(self.instant())
+            return early(self.instant())
         return self.scope.condition()
 
     # ---- steps ----

@@ -11,6 +11,7 @@ from random import Random
 
 from tests.oracle.programs.closed import closed, is_wide
 from tests.oracle.programs.forms import Forms, forever
+from tests.oracle.programs.instants import asks_for_the_time, with_instants
 from tests.oracle.programs.scope import MODE, PAIR, TWO, Scope, World
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.tree import (
@@ -41,9 +42,8 @@ from tests.oracle.programs.tree import (
     Variable,
     Wait,
     Write,
-    parts,
+    changed_at,
     walk,
-    with_parts,
 )  # fmt: skip
 
 DOMAIN = (0, 1, 2, 7)
@@ -61,6 +61,9 @@ def pair(seed: int) -> Pair:
     rng = Random(seed)
     wide = is_wide(seed)
     base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=wide)
+    asks, instants = asks_for_the_time(seed), Random(f"instants {seed}")
+    if asks:
+        base = with_instants(base, instants, changes=1)
     one, other = base, base
     if wide:
         other = _sure(rng, other)
@@ -68,7 +71,7 @@ def pair(seed: int) -> Pair:
         one = _narrower(rng, one)
     if rng.random() < 0.5:
         other = _looser(rng, other)
-    one = _otherwise(rng, one)
+    one = _otherwise(rng, one, may_compute=not asks)
     holds: bool | None = None if wide else True
     if rng.random() < 0.5:
         world = forms.scope.world
@@ -77,6 +80,8 @@ def pair(seed: int) -> Pair:
             replace(changed, variables=tuple({v.name: v for v in (*world.variables, *one.variables)}.values())),
             None,
         )
+    if asks and instants.random() < 0.3:
+        one, holds = with_instants(one, instants, changes=1), None
     kept = base.ports
     hidden: tuple[Port, ...] = ()
     if rng.random() < 0.3:
@@ -87,7 +92,7 @@ def pair(seed: int) -> Pair:
             ports=(*kept, *hidden),
             name="Main",
             tags=frozenset({"constants"}),
-            exceptions=base.exceptions,
+            exceptions=one.exceptions,
             structs=base.structs,
             enums=base.enums,
         ),
@@ -105,7 +110,7 @@ def _hiding(rng: Random, program: Program) -> tuple[Program, tuple[Port, ...]]:
     reads = rng.random() < 0.4
     port = Port("h0", reads, INT, domain=(0, 1), values=((0, 0),))
     step: Comp = Read("h0", Target("w2", INT)) if reads else Write("h0", Lit(rng.randrange(3), INT))
-    body = _everywhere(program.body, lambda part: Seq((step, part)), rng.choice(places))
+    body = changed_at(program.body, rng.choice(places), lambda part: Seq((step, part)))
     more = (Variable("w2", INT, 0, 0),) if reads else ()
     return replace(program, body=body, variables=(*program.variables, *more)), (port,)
 
@@ -157,20 +162,6 @@ def _number(part: Comp) -> bool:
     return isinstance(part, Write) and part.value.type == INT
 
 
-def _everywhere(node: Comp, change: object, number: int) -> Comp:
-    """The composition with its `number`th part, in the order of the text, changed."""
-    found = walk(node)[number]
-
-    def put(part: Comp) -> Comp:
-        if part is found:
-            assert callable(change)
-            made: Comp = change(part)
-            return made
-        return with_parts(part, tuple(put(inner) for inner in parts(part)))
-
-    return put(node)
-
-
 def _narrower(rng: Random, program: Program) -> Program:
     """Without one of the choices of an alternative of which every guard is always ready, or of any `[]`."""
     places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Alt) and not part.prioritized]
@@ -182,7 +173,7 @@ def _narrower(rng: Random, program: Program) -> Program:
         left = rng.choice(part.branches)
         return left.body if isinstance(left.event, Skip) and left.when is None else part
 
-    return replace(program, body=_everywhere(program.body, fewer, rng.choice(places)))
+    return replace(program, body=changed_at(program.body, rng.choice(places), fewer))
 
 
 def _sure(rng: Random, program: Program) -> Program:
@@ -195,7 +186,7 @@ def _sure(rng: Random, program: Program) -> Program:
         assert isinstance(part, Catch)
         return replace(part, handler=rng.choice((Skip(), Stop())))
 
-    return replace(program, body=_everywhere(program.body, otherwise, rng.choice(places)))
+    return replace(program, body=changed_at(program.body, rng.choice(places), otherwise))
 
 
 def _looser(rng: Random, program: Program) -> Program:
@@ -209,15 +200,15 @@ def _looser(rng: Random, program: Program) -> Program:
         other = Write(part.channel, Lit(rng.randrange(4), INT))
         return Alt((Guarded(Skip(), part), Guarded(Skip(), other)))
 
-    return replace(program, body=_everywhere(program.body, more, rng.choice(places)))
+    return replace(program, body=changed_at(program.body, rng.choice(places), more))
 
 
-def _otherwise(rng: Random, program: Program) -> Program:
+def _otherwise(rng: Random, program: Program, *, may_compute: bool) -> Program:
     """With one value that is written computed in another way."""
     places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
     if not places or rng.random() < 0.2:
         return program
-    way = rng.randrange(6)
+    way = rng.randrange(6 if may_compute else 4)
     fresh = Variable(
         "w0", PAIR if way == 2 else TWO if way == 3 else INT, (0, False) if way == 2 else (0, 0) if way == 3 else 0, 0
     )
@@ -245,7 +236,7 @@ def _otherwise(rng: Random, program: Program) -> Program:
             case _:
                 return Write(part.channel, Bin("*", value, Lit(1, INT), INT))
 
-    body = _everywhere(program.body, made, rng.choice(places))
+    body = changed_at(program.body, rng.choice(places), made)
     laws = (law,) if way == 4 else ()
     return replace(program, body=body, variables=(*program.variables, fresh, through), laws=laws)
 
@@ -265,4 +256,4 @@ def _changed(rng: Random, program: Program, forms: Forms) -> Program:
             case _:
                 return Skip() if not isinstance(part, Mu | Seq | Wait) else part
 
-    return replace(program, body=_everywhere(program.body, other, rng.choice(places)))
+    return replace(program, body=changed_at(program.body, rng.choice(places), other))

@@ -19,6 +19,7 @@ from tests.oracle.programs.tree import (
     Expr,
     Guarded,
     If,
+    If3,
     Int,
     Interrupt,
     Lit,
@@ -168,6 +169,9 @@ def _values(value: Expr) -> Iterator[Expr]:
         case Un(_, of):
             yield of
             yield from (replace(value, of=each) for each in _values(of))
+        case If3(condition, yes, no):
+            yield from (yes, no)
+            yield from (replace(value, condition=each) for each in _values(condition))
         case Bin(_, left, right):
             yield from (each for each in (left, right) if each.type == value.type)
             yield from (replace(value, left=each) for each in _values(left))

@@ -21,7 +21,6 @@ from tests.oracle.programs.tree import (
     Channel,
     Comp,
     Convert,
-    Early,
     Enum,
     Event,
     Expr,
@@ -36,6 +35,7 @@ from tests.oracle.programs.tree import (
     Lit,
     Make,
     Mu,
+    Now,
     Par,
     Port,
     Program,
@@ -140,8 +140,8 @@ def expression(expr: Expr) -> str:
             return f"{kind.name}({expression(of)})"
         case If3(condition, yes, no, _):
             return f"(if {expression(condition)} then {expression(yes)} else {expression(no)})"
-        case Early(instant):
-            return f"(now < {duration(instant)})"
+        case Now():
+            return "now"
         case Make(inner, Struct(name, fields)):
             named = (f"{part} = {expression(v)}" for (part, _), v in zip(fields, inner, strict=True))
             return f"{name}({', '.join(named)})"
@@ -152,7 +152,7 @@ def expression(expr: Expr) -> str:
 def condition(expr: Expr) -> str:
     """An expression without the outermost parentheses, where none are needed."""
     text = expression(expr)
-    return text[1:-1] if isinstance(expr, Bin | If3 | Early) else text
+    return text[1:-1] if isinstance(expr, Bin | If3) else text
 
 
 def _time(time: int | Expr) -> str:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 MS = 10**6
 """Nanoseconds, as all times."""
-
-COMPUTED = 2**70
-"""Stands for an instant that an expression has: later than any that a run comes to."""
 
 # ---- types ----
 
@@ -140,11 +138,10 @@ class If3:
 
 
 @dataclass(frozen=True)
-class Early:
-    """Whether an instant has not come: `now < 5 ms`."""
+class Now:
+    """The present instant."""
 
-    instant: int
-    type: Type = BOOL
+    type: Int = TIME
 
 
 @dataclass(frozen=True)
@@ -155,7 +152,7 @@ class Make:
     type: Struct | Array
 
 
-Expr = Lit | Ref | Field | Index | Bin | Un | Call | Convert | If3 | Early | Make
+Expr = Lit | Ref | Field | Index | Bin | Un | Call | Convert | If3 | Now | Make
 
 # ---- compositions ----
 
@@ -417,26 +414,18 @@ def walk(node: Comp) -> list[Comp]:
     return found
 
 
-def last_instant(program: Program) -> int:
-    """From this instant on, a program does not tell instants apart, but for the samples and events that come."""
-    found = [0]
-    for node in walk(program.body):
-        match node:
-            case Wait(time, True) | Guarded(After(time, True)):
-                found.append(time if isinstance(time, int) else COMPUTED)
-        for name in ("when", "until", "condition"):
-            found += _instants(getattr(node, name, None))
-    return max(found)
+def changed_at(node: Comp, number: int, change: Callable[[Comp], Comp]) -> Comp:
+    """The composition with its `number`th part, in the order of the text, changed."""
+    found = walk(node)[number]
+
+    def put(part: Comp) -> Comp:
+        if part is found:
+            return change(part)
+        return with_parts(part, tuple(put(inner) for inner in parts(part)))
+
+    return put(node)
 
 
-def _instants(part: object) -> list[int]:
-    """Those of a condition."""
-    match part:
-        case Early(instant):
-            return [instant]
-        case Un(_, of):
-            return _instants(of)
-        case Bin(_, left, right):
-            return _instants(left) + _instants(right)
-        case _:
-            return []
+def early(instant: int) -> Bin:
+    """Whether an instant has not come: `now < 5 ms`."""
+    return Bin("<", Now(), Lit(instant, TIME), BOOL)

@@ -18,7 +18,6 @@ from tests.oracle.programs.tree import (
     Catch,
     Channel,
     Comp,
-    Early,
     Expr,
     Guarded,
     If,
@@ -42,6 +41,7 @@ from tests.oracle.programs.tree import (
     Variable,
     Wait,
     Write,
+    early,
 )  # fmt: skip
 from tests.oracle.properties import decide
 from tests.oracle.steps import O, read, write
@@ -205,10 +205,10 @@ def test_an_instant_stays_where_it_is_when_an_alternative_begins_anew() -> None:
     assert (run.trace, run.ending) == (expected, "terminated")
 
 
-@pytest.mark.parametrize(("early", "holds"), [(3, True), (4, False)])
-def test_states_are_told_apart_by_instants(early: int, holds: bool) -> None:
+@pytest.mark.parametrize(("late", "holds"), [(3, True), (4, False)])
+def test_states_are_told_apart_by_instants(late: int, holds: bool) -> None:
     """A loop comes back to its place, at another instant: it never ends before 3 ms."""
-    ends = Seq((Mu(Wait(MS), Un("not", Early(3 * MS), BOOL)), If(Early(early * MS), Stop())))
+    ends = Seq((Mu(Wait(MS), Un("not", early(3 * MS), BOOL)), If(early(late * MS), Stop())))
     assert decide(program(Par((ends, Mu(Wait(MS))))), "terminates").holds is False
     assert decide(program(ends), "terminates").holds is holds
 
