@@ -17,7 +17,7 @@ Value: TypeAlias = "bool | int | float | str | tuple[Value, ...]"
 
 @record(kw_only=True)
 class Typed:
-    """An expression has a type and, where it stems from the text, a place."""
+    """An expression: it has a type and, if it comes from the text, a span."""
 
     type: Type
     span: Span | None = None
@@ -25,7 +25,7 @@ class Typed:
 
 @record(kw_only=True)
 class LiteralValue(Typed):
-    """A value known at compile time; ``name`` is the ``const`` of the text that it stems from."""
+    """A value known at compile time; ``name`` is the ``const`` of the text that it comes from, if any."""
 
     value: Value
     name: str | None = None
@@ -35,10 +35,9 @@ class LiteralValue(Typed):
 
 @record(kw_only=True)
 class ParameterValue(Typed):
-    """A parameter of the enclosing class (``sample`` and discretized coefficients included).
+    """A parameter of the enclosing class (including ``sample`` and discretized coefficients).
 
-    ``range``: the least and the greatest value that any instance gives a whole number or a ``time``, once all are
-    known.
+    ``range`` has the least and the greatest value of a whole number or a ``time`` in any instance, once all are known.
     """
 
     name: str
@@ -49,9 +48,9 @@ class ParameterValue(Typed):
 
 @record(kw_only=True)
 class VariableValue(Typed):
-    """The present value of a channel of kind ``var`` of the enclosing process class; no communication.
+    """The present value of a channel of kind ``var`` of the enclosing process class; reading it is not a communication.
 
-    ``range``: the least and the greatest value that it can have here, where the compiler counts in it.
+    ``range`` has the least and the greatest value that it can have here, if the compiler counts in it.
     """
 
     channel: str
@@ -105,13 +104,13 @@ Function: TypeAlias = Literal[
     "abs", "min", "max", "limit", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos",
     "atan", "atan2", "floor", "ceil", "round", "quantize", "deadzone", "seconds", "finite", "until",
 ]  # fmt: skip
-"""``seconds`` makes a double of a ``time``, ``finite`` gives a real that is neither infinite nor no number, or else a
-fault, ``until`` the duration until an instant, its first argument, from the present one, its second, and none if it is
-past; the others are those of the language.
+"""The functions: ``seconds`` converts a ``time`` to a double; ``finite`` returns a real number that is finite, and is a
+fault otherwise; ``until`` returns the duration until an instant, its first argument, from the present one, its second,
+and zero if the instant is past. The others are those of the language.
 """
 
 ARITY: dict[Function, int] = {"min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 2, "until": 2}
-"""Arguments of the functions that do not take one."""
+"""The numbers of arguments of the functions that do not take exactly one."""
 
 
 @record(kw_only=True)
@@ -124,7 +123,7 @@ class FunctionCall(Typed):
 
 @record(kw_only=True)
 class Conversion(Typed):
-    """``int16(x)``: to ``type``; out of range is a fault."""
+    """A conversion to ``type``, such as ``int16(x)``; a value out of range is a fault."""
 
     operand: Expression
 
@@ -147,7 +146,7 @@ class ElementValue(Typed):
 
 @record(kw_only=True)
 class StructValue(Typed):
-    """A struct, its fields in the order of its type."""
+    """A struct, with its fields in the order of its type."""
 
     values: tuple[Expression, ...]
 

@@ -12,8 +12,8 @@ from cspdiag.network.ir.walk import all_actions
 
 
 def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[ExternalCall, ...]:
-    """The parts of a control law, of the laws inlined into a process, or of an environment that are bodies in other
-    languages: each once, wherever its law runs, in the order of the text.
+    """The bodies in other languages in a control law, in the laws inlined into a process, or in an environment: each
+    once, in the order of the text.
     """
     laws: list[SubmodelClass | RunLaw] = []
     match owner:
@@ -34,7 +34,7 @@ def external_calls(owner: ProcessClass | SubmodelClass | Environment) -> tuple[E
 def external_bodies(
     classes: Iterable[ProcessClass | SubmodelClass], environments: Iterable[Environment]
 ) -> Iterator[ExternalBody]:
-    """The bodies of processes, control laws and devices, as often as they are named."""
+    """The external bodies of processes, control laws and drivers; one that is named several times is repeated."""
     for class_ in classes:
         yield from (call.external for call in external_calls(class_))
         if class_.external is not None:

@@ -1,8 +1,8 @@
-"""Which expressions can end a process with a ``Fault``: decided here, for every target, pass and analysis.
+"""Which expressions can end a process with a ``Fault``, for all targets, passes and analyses.
 
-What is known before the run is no exception: an index or an operand that is a literal, a parameter or the index of a
-replicator is in range where its value says so, and else it is a fault of the run like any other, where it stands and if
-it is reached.
+Values that are known before the run are no exception: if an index or an operand that is a literal, a parameter or the
+index of a replicator is out of range, it is a fault during the run like any other, at its place and only if it is
+reached.
 """
 
 from __future__ import annotations
@@ -36,14 +36,16 @@ def may_fault(expression: Expression) -> bool:
     """Whether evaluating the expression can fault.
 
     Overflow of whole numbers, division by zero (also of reals), conversions out of range and indexes out of range are
-    faults, and so is the value of a variable that was not written, which is not considered here: a pass that moves an
-    expression over a write of its variables has to know.
+    faults. So is reading a variable that has not been written, which is not considered here: a pass that moves an
+    expression across a write of its variables has to check that itself.
     """
     return any(map(operation_may_fault, walk(expression)))
 
 
 def is_known_at_start(expression: Expression) -> bool:
-    """Whether an expression can be evaluated before the process runs: it does not change, and cannot fault."""
+    """Whether an expression can be evaluated before the process runs: its value does not change, and it
+    cannot fault.
+    """
     return not mentions_variable(expression) and not may_fault(expression)
 
 
@@ -53,7 +55,7 @@ def variables_in(expression: Expression) -> frozenset[str]:
 
 
 def operation_may_fault(part: Expression) -> bool:
-    """Whether the operation itself can fault, its operands being what they are."""
+    """Whether the operation itself can fault, apart from its operands."""
     match part:
         case (
             LiteralValue()
@@ -86,8 +88,8 @@ def operation_may_fault(part: Expression) -> bool:
 
 
 def divisor_may_be_zero(operation: BinaryOperation) -> bool:
-    """Whether the right operand of a division, or of ``%``, can be zero: also one that has faulted, which in C goes on
-    with any value.
+    """Whether the right operand of a division, or of ``%``, can be zero; also if it may fault, since in C its
+    evaluation then continues with an arbitrary value.
     """
     divisor = operation.right
     if isinstance(divisor.type, RealType):
@@ -97,7 +99,7 @@ def divisor_may_be_zero(operation: BinaryOperation) -> bool:
 
 
 def conversion_fits(conversion: Conversion) -> bool:
-    """Whether every value of the operand has one in the type that it is converted to."""
+    """Whether every value of the operand is in the range of the type that it is converted to."""
     if isinstance(conversion.type, RealType):
         return True
     if not isinstance(conversion.operand.type, IntType | TimeType):
@@ -108,13 +110,13 @@ def conversion_fits(conversion: Conversion) -> bool:
 
 
 def index_fits(element: ElementValue) -> bool:
-    """Whether every value of the index belongs to an element."""
+    """Whether every value of the index is in range."""
     return is_index_of(element.index, element.operand.type)
 
 
 def is_index_of(index: Expression, array: Type) -> bool:
-    """Whether every value of an index belongs to an element of an array of a type; not if the index can fault, as in C
-    it then has any value.
+    """Whether every value of an index is in the range of an array type; False if the index can fault, since in C it
+    then has an arbitrary value.
     """
     if not isinstance(array, ArrayType) or array.size is None or may_fault(index):
         return False

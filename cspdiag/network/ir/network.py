@@ -1,12 +1,12 @@
 """The network representation: small, closed, explicit.
 
 A program is a set of classes and a tree of instances. A class is a definition in one shape: two instances of a
-definition share a class when they differ only in the values of constants; where array sizes or the structure below
-differ they have classes of their own. Kinds of channels, sample periods, priorities and reader ends are decided,
-replicators are unrolled (but for ``CountedLoop``), defaults are filled in. Names stay those of the text; an element of
-an array is called ``cell[3]``.
+definition share a class if they differ only in the values of constants; if array sizes or the structure below differ
+they have different classes. Kinds of channels, sample periods, priorities and reading ends are decided, replicators are
+unrolled (except those in a ``CountedLoop``), and defaults are filled in. Names are those of the text; an element of an
+array is called ``cell[3]``.
 
-Every backend, analysis and picture reads this and nothing else.
+All backends, analyses and pictures are made from this representation alone.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ MediumKind: TypeAlias = Literal[
 
 @record(kw_only=True)
 class ClassParameter(Declared):
-    """A constant that an instance is given.
+    """A constant that each instance provides.
 
-    ``derived`` says what the compiler added: the sample period (name ``sample``, type double, in seconds),
+    ``derived`` parameters are added by the compiler: the sample period (name ``sample``, type double, in seconds),
     coefficients of discretized operators, and constants passed on to instances inside.
     """
 
@@ -55,8 +55,8 @@ class NamedConstant(Declared):
 class Medium:
     """What a port is connected to, once classes are specialized by it.
 
-    ``kind`` is that of the channel, or for ports that reach the outside ``sampled`` and ``event`` (inputs), ``latched``
-    (a sampled output), ``direct`` (an event output, or an immediate one), or ``constant`` and ``discard``.
+    ``kind`` is that of the channel; for ports of the outermost process ``sampled`` or ``event`` (inputs), ``latched``
+    (a sampled output) or ``direct`` (an event output, or an immediate one); otherwise ``constant`` or ``discard``.
     ``guarded_reads`` and ``guarded_writes`` say whether any alternative or interrupt has a guard on that side of the
     channel, anywhere.
     """
@@ -68,8 +68,8 @@ class Medium:
 
 @record(kw_only=True)
 class Port(Declared):
-    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation, at the place of
-    all that the text says of the sample instants.
+    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation, with the span of
+    the whole declaration of the sample instants.
 
     ``media`` has the medium of the port, or of each element of the array, once the class is specialized.
     """
@@ -102,14 +102,14 @@ class LocalChannel(Declared):
 
 @record
 class ConstantEnd:
-    """An input that was left to its default: reading gives this value at once."""
+    """An unconnected input with a default: reading it returns this value at once."""
 
     value: Expression
 
 
 @record
 class DiscardEnd:
-    """``_``: takes everything at once."""
+    """The end of a port that is connected to ``_``, which takes every value at once."""
 
 
 Attachment: TypeAlias = End | ConstantEnd | DiscardEnd
@@ -140,14 +140,14 @@ class InstanceOf(Declared):
 
 
 def channels_of(instances: Iterable[InstanceOf]) -> frozenset[str]:
-    """The channels of the enclosing class, variables among them, that instances have at a port."""
+    """The channels of the enclosing class, including variables, that ports of instances are attached to."""
     ends = (connection.attachment for instance in instances for connection in instance.connections)
     return frozenset(end.channel for end in ends if isinstance(end, ChannelEnd))
 
 
 @record(kw_only=True)
 class SubmodelState(Declared):
-    """A state; ``continuous`` ones have a derivative, the others a next value."""
+    """A state of a control law; ``continuous`` ones have a derivative, the others a next value."""
 
     type: Type
     initial: Expression
@@ -174,7 +174,7 @@ class ProcessClass(Declared, Generic[A_co]):
 
     The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and
     ``states``, those of control laws that were inlined, and ``creation``: reading ends, instances and the names of
-    alternatives in the order in which they are created without those passes, which decides who is served first where
+    alternatives in the order in which they are created without those passes, which decides which is served first if
     several wait for one event.
     """
 
@@ -229,16 +229,16 @@ class ExternalPort(Declared):
     safe: Value | None = None
     default: Value | None = None
     kind: ChannelKind = "sync"
-    """For an event input that several processes read: ``broadcast`` or ``any``."""
+    """``broadcast`` or ``any`` for an event input that several processes read."""
 
     @property
     def key(self) -> str:
-        """Its name with its index, under which drivers know it."""
+        """The name of the port with its index, as drivers use it."""
         return self.name if self.index is None or self.name.endswith("]") else f"{self.name}[{self.index}]"
 
     @property
     def medium(self) -> Literal["event", "sampled", "direct", "latched"]:
-        """What a process reads or writes behind it."""
+        """The kind of medium behind the port."""
         if self.direction == "in":
             return "event" if self.sampling is None else "sampled"
         return "direct" if self.sampling is None or self.immediate else "latched"
@@ -256,7 +256,7 @@ class DriverInstance(Declared):
 
 @record(kw_only=True)
 class Environment(Declared):
-    """The plant and the operator as one flattened system, and the drivers.
+    """An environment: the plant and the operator as one flattened system, and the drivers.
 
     ``system`` has the program's outputs as inputs and its inputs as outputs, under the names of the program's ports; it
     has no parameters. ``step`` is the grid in nanoseconds on which it is evaluated besides the ticks.
@@ -281,8 +281,8 @@ class Instantiation:
 
 @record(kw_only=True)
 class Net:
-    """A channel with everyone who takes part: paths of the leaf processes (``Jiwy.horizontal.alignL.velocity``) and
-    their ports.
+    """A channel with all its users: the paths of the leaf processes (``Jiwy.horizontal.alignL.velocity``) and their
+    ports.
 
     ``path`` is the channel's hierarchical name, or the external port's.
     """
@@ -299,7 +299,7 @@ class Net:
 
 @record(kw_only=True)
 class Network(Generic[A_co]):
-    """A whole program. ``classes`` come in an order in which each is preceded by the classes of its instances."""
+    """A whole program. In ``classes`` each class comes after the classes of its instances."""
 
     name: str
     source: str
@@ -318,7 +318,7 @@ class Network(Generic[A_co]):
     doc: str | None = None
 
     def class_named(self, name: str) -> ProcessClass[A_co] | SubmodelClass:
-        """The class of that name; KeyError if it is unknown."""
+        """The class with this name. Raises KeyError if it is unknown."""
         for entry in self.classes:
             if entry.name == name:
                 return entry

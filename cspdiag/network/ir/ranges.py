@@ -1,5 +1,5 @@
-"""Between which bounds the whole numbers and the times of expressions lie, by the arithmetic of intervals: which of
-them may leave the range of their type.
+"""The ranges of whole numbers and times in expressions, by interval arithmetic, and which of them may leave the range
+of their type.
 """
 
 from __future__ import annotations
@@ -43,27 +43,26 @@ Range: TypeAlias = tuple[int, int]
 """The least and the greatest value."""
 
 Given: TypeAlias = "ParameterValue | VariableValue | SignalValue | PresentTime"
-"""What an expression is computed from."""
+"""The inputs that an expression is computed from."""
 
 Lookup: TypeAlias = "Callable[[Given], Range | None]"
-"""What a parameter, a variable, a signal or the present time may be; None where that is any value of its type."""
+"""The range of a parameter, a variable, a signal or the present time; None if it may be any value of its type."""
 
 _WORD = IntType()
 
 
 def of_instances(name: Given) -> Range | None:
-    """What the instances of a class give a parameter, once all are known, and what a variable counts; of the rest
-    nothing is known.
+    """The range of a parameter over the instances of a class, once all are known, or of a variable that counts; None
+    for everything else.
     """
     return name.range if isinstance(name, ParameterValue | VariableValue) else None
 
 
 def needs_check(expression: Expression, known: Lookup = of_instances) -> bool:
-    """Whether a whole-number operation may overflow: only one whose operands have ranges that exclude it needs no
-    check.
+    """Whether a whole-number operation may overflow: it needs no check only if the ranges of its operands exclude that.
 
-    That an operation is over parameters and indices alone does not say that it stays in range. What is known before the
-    run is a fault of the run, where it stands and if it is reached.
+    An operation on parameters and indexes alone may overflow, too: even if that is known before the run, it is a fault
+    during the run, at its place and only if it is reached.
     """
     low, high = _result(expression, known)
     bounds = limits_of(expression.type)
@@ -78,7 +77,7 @@ def exceeds(expression: Expression) -> tuple[bool, bool]:
 
 
 def cannot_fault(expression: Expression) -> bool:
-    """Whether evaluating the expression computes nothing, so that it does not matter when it is evaluated."""
+    """Whether the expression is only read and not computed, so it does not matter when it is evaluated."""
     stored = LiteralValue | ParameterValue | VariableValue | FieldValue | StructValue | ArrayElements
     return all(isinstance(part, stored) for part in parts(expression))
 
@@ -91,7 +90,7 @@ def value_range(expression: Expression, known: Lookup = of_instances) -> Range:
 
 
 def limits_of(type_: Type) -> Range:
-    """The least and the greatest value of a type of whole numbers; those of ``int`` for others."""
+    """The least and the greatest value of a type of whole numbers; those of ``int`` for other types."""
     match type_:
         case IntType():
             return type_.minimum, type_.maximum
@@ -106,13 +105,13 @@ def limits_of(type_: Type) -> Range:
 
 
 def joined(several: Iterable[Range]) -> Range:
-    """What may be in any of some ranges, of which there is at least one."""
+    """The smallest range that contains all the given ranges, of which there is at least one."""
     lows, highs = zip(*several, strict=True)
     return min(lows), max(highs)
 
 
 def _result(expression: Expression, known: Lookup = of_instances) -> Range:
-    """The values an operation can have before it is checked."""
+    """The range of the result of an operation before it is checked."""
     match expression:
         case LiteralValue(value=int(value)):
             return value, value
@@ -166,8 +165,8 @@ def _operation(operator: BinaryOperator, left: Range, right: Range, bounds: Rang
 
 
 def _quotient(left: Range, right: Range) -> Range:
-    """Truncated toward zero; by zero it is a fault. On each side of zero, the least and the greatest are by one of the
-    bounds.
+    """The range of a quotient, truncated toward zero; division by zero is a fault. For divisors on one side of zero,
+    the extremes are at the bounds.
     """
     divisors = [
         (low, high) for low, high in ((right[0], min(right[1], -1)), (max(right[0], 1), right[1])) if low <= high

@@ -1,4 +1,4 @@
-"""Looks through actions and expressions."""
+"""Searches actions and expressions."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ T = TypeVar("T")
 
 
 def parts(item: object) -> Iterator[object]:
-    """Every record in a record or in a tuple or list of them, itself first, in the order of the text; places and types
-    are left out.
+    """Every record in a record, or in a tuple or list of records, itself first, in the order of the text; spans and
+    types are left out.
     """
     pending: list[object] = [item]
     while pending:
@@ -34,7 +34,7 @@ def parts(item: object) -> Iterator[object]:
 
 
 class PartsByType:
-    """What `parts` finds, gone through once for all who look for something in it."""
+    """The parts of an item by type, collected once for several searches."""
 
     def __init__(self, item: object) -> None:
         self._found: dict[type, list[Any]] = {}
@@ -42,12 +42,12 @@ class PartsByType:
             self._found.setdefault(type(part), []).append(part)
 
     def of(self, kind: type[T]) -> Sequence[T]:
-        """Those of exactly this type, in the order of the text."""
+        """The parts of exactly this type, in the order of the text."""
         return self._found.get(kind, ())
 
 
 _INSIDE: dict[type, tuple[str, ...] | None] = {}
-"""By type, the fields of a record that are looked into, the last one first, and None for what is no record: networks
+"""The fields of a record to search, by type, the last one first; None if it is not a record. Cached, since networks
 have millions of parts.
 """
 
@@ -70,7 +70,7 @@ def all_actions(action: ir.CoreAction) -> Iterator[ir.CoreAction]: ...
 @overload
 def all_actions(action: ir.Action) -> Iterator[ir.Action]: ...
 def all_actions(action: ir.Action) -> Iterator[ir.Action]:
-    """The action and every one inside it, in text order."""
+    """The action and all actions inside it, in text order."""
     pending = [action]
     while pending:
         present = pending.pop()
@@ -83,7 +83,7 @@ def actions_inside(action: ir.CoreAction) -> tuple[ir.CoreAction, ...]: ...
 @overload
 def actions_inside(action: ir.Action) -> tuple[ir.Action, ...]: ...
 def actions_inside(action: ir.Action) -> tuple[ir.Action, ...]:
-    """Those of which an action consists, in text order; none for a communication and the like."""
+    """The actions directly inside an action, in text order."""
     match action:
         case ir.SequentialSteps() | ir.ParallelSteps():
             return action.steps
@@ -118,7 +118,7 @@ def mentions_variable(expression: Expression) -> bool:
 
 
 def channels_written(item: object) -> Iterator[str]:
-    """The channels of the process, its variables among them, that anything in a record sets or writes."""
+    """The channels of the process, including variables, that anything in a record assigns or writes."""
     for part in parts(item):
         match part:
             case ir.AssignValue(target=target) | ir.ReadValue(target=target) | ir.InputEvent(target=target):

@@ -1,4 +1,4 @@
-"""The value of a type where nobody gave one."""
+"""The default values of types."""
 
 from __future__ import annotations
 
