@@ -36,7 +36,7 @@ from cspdiag.network.ir.actions import (
     WriteValue,
 )
 from cspdiag.network.ir.expressions import Expression, FunctionCall, ParameterValue, Value
-from cspdiag.network.ir.ranges import Given, Range, of_instances, value_range
+from cspdiag.network.ir.ranges import ExpressionInput, Range, of_instances, value_range
 from cspdiag.network.ir.walk import all_actions, mentions_variable
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key
@@ -87,7 +87,7 @@ def is_over_at_once(placed: Placed, duration: Expression) -> bool:
     been refused already.
     """
 
-    def known(name: Given) -> Range | None:
+    def known(name: ExpressionInput) -> Range | None:
         return placed.parameters.get(name.name) if isinstance(name, ParameterValue) else of_instances(name)
 
     constant = constant_value(duration, lambda _: None)

@@ -11,7 +11,7 @@ from cspdiag.network.ir.actions import AssignValue, InputEvent, ReadValue
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.ir.network import Network, ProcessClass
-from cspdiag.network.ir.ranges import Given, Range, joined, limits_of, of_instances, value_range
+from cspdiag.network.ir.ranges import ExpressionInput, Range, joined, limits_of, of_instances, value_range
 from cspdiag.network.ir.walk import parts
 
 _DEEPEST = 4
@@ -41,7 +41,7 @@ class Durations:
     def _bounds(self, name: str, expression: Expression, assumed: frozenset[str]) -> Range:
         """The values that an expression may have. ``assumed`` are variables that are taken to be greater than zero."""
 
-        def known(part: Given) -> Range | None:
+        def known(part: ExpressionInput) -> Range | None:
             if isinstance(part, VariableValue) and part.range is None:
                 return self._of_variable(name, part, assumed)
             return of_instances(part)

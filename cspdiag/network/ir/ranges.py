@@ -42,16 +42,16 @@ from cspdiag.network.ir.walk import parts
 Range: TypeAlias = tuple[int, int]
 """The least and the greatest value."""
 
-Given: TypeAlias = "ParameterValue | VariableValue | SignalValue | PresentTime"
+ExpressionInput: TypeAlias = "ParameterValue | VariableValue | SignalValue | PresentTime"
 """The inputs that an expression is computed from."""
 
-Lookup: TypeAlias = "Callable[[Given], Range | None]"
+Lookup: TypeAlias = "Callable[[ExpressionInput], Range | None]"
 """The range of a parameter, a variable, a signal or the present time; None if it may be any value of its type."""
 
 _WORD = IntType()
 
 
-def of_instances(name: Given) -> Range | None:
+def of_instances(name: ExpressionInput) -> Range | None:
     """The range of a parameter over the instances of a class, once all are known, or of a variable that counts; None
     for everything else.
     """

@@ -33,7 +33,7 @@ from cspdiag.proofs.transitions.threads.alarms import bindings, side_of
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 from cspdiag.proofs.transitions.threads.thread import resolve
 from cspdiag.proofs.transitions.threads.threads import ThreadInstance, ThreadTree
-from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Given, Known, UnknownValue
+from cspdiag.proofs.transitions.values import ANY, UNKNOWN, CopiedValue, Known, UnknownValue
 
 Use: TypeAlias = tuple[ThreadInstance, OnMedium]
 """What a thread does on a medium."""
@@ -319,7 +319,7 @@ def _text(value: Known, kind: Any) -> str | None:
     match value:
         case Range():
             return range_text(value, kind)
-        case Given():
+        case CopiedValue():
             return None if value == ANY else str(value)
         case float():
             return value_text(value + 0.0, kind)

@@ -20,7 +20,7 @@ from cspdiag.proofs.transitions.classes.program import Class, Program
 from cspdiag.proofs.transitions.ranges import Cell, Range, cell_of, cells, limits_of, pieces, with_examples
 from cspdiag.proofs.transitions.values import (
     ANY,
-    GIVEN,
+    COPIES,
     MOST_VALUES,
     UNKNOWN,
     EvaluationFault,
@@ -271,7 +271,7 @@ def _given(kind: Type, distinction: Distinction, *, free: bool) -> tuple[Known, 
     if free:
         return among or (ANY,)
     if limits_of(kind) is None:
-        return GIVEN
+        return COPIES
     every = with_examples(among, kind)
     ranges = (replaced(entry, copied=True) for entry in every if isinstance(entry, Range))
     return (*(entry for entry in every if not isinstance(entry, Range)), *ranges)

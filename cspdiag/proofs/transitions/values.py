@@ -62,7 +62,7 @@ UNKNOWN: Final = UnknownValue()
 
 
 @record(order=True)
-class Given:
+class CopiedValue:
     """A value of an input that is only passed on, and of which nothing else is known: ``one`` that represents every
     value, ``another`` that differs from it, or ``any`` value that a specification chooses.
     """
@@ -73,9 +73,9 @@ class Given:
         return f"({self.which} value)"
 
 
-GIVEN: Final = (Given("one"), Given("another"))
-ANY: Final = Given("any")
-Known: TypeAlias = "Value | Range | Given | UnknownValue"
+COPIES: Final = (CopiedValue("one"), CopiedValue("another"))
+ANY: Final = CopiedValue("any")
+Known: TypeAlias = "Value | Range | CopiedValue | UnknownValue"
 """What is known of a value: the value itself, the range that it lies in, that it is only passed on, or nothing."""
 
 Variables: TypeAlias = Callable[[str], Known]
@@ -225,11 +225,11 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 def is_exact(value: Known) -> bool:
     """Whether a value is known exactly."""
-    return not isinstance(value, UnknownValue | Range | Given)
+    return not isinstance(value, UnknownValue | Range | CopiedValue)
 
 
 def _is_opaque(value: Known) -> bool:
-    return isinstance(value, UnknownValue | Given)
+    return isinstance(value, UnknownValue | CopiedValue)
 
 
 def _ranged(found: Known | None) -> Known:
@@ -253,7 +253,11 @@ def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> 
     if not 0 <= index < len(whole):
         raise EvaluationFault(f"there is no element {index}")
     inner = replaced_element(whole[index], indexes[1:], value)
-    return UNKNOWN if isinstance(inner, UnknownValue | Range | Given) else (*whole[:index], inner, *whole[index + 1 :])
+    return (
+        UNKNOWN
+        if isinstance(inner, UnknownValue | Range | CopiedValue)
+        else (*whole[:index], inner, *whole[index + 1 :])
+    )
 
 
 def values_of_type(kind: Type) -> tuple[Value, ...] | None:

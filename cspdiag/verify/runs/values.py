@@ -27,13 +27,13 @@ from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.cuts import COMPARISONS, Arguments
 from cspdiag.proofs.transitions.ranges import limits_of
-from cspdiag.proofs.transitions.values import GIVEN
+from cspdiag.proofs.transitions.values import COPIES
 from cspdiag.settings import parse_duration
 
 _REALS = (0.0, 1.0, -1.0)
 _OTHER_REALS = (1000.0, -1000.0, 0.001)
 _MOST = 64
-HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None)), strict=True)}
+HANDED_ON = {str(one): part for one, part in zip(COPIES, (slice(1), slice(1, None)), strict=True)}
 """Values that proofs only follow as they are handed on: one of them, and any other."""
 
 

@@ -36,7 +36,7 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
     SubmodelState,
 )
-from cspdiag.network.ir.ranges import Given, Lookup, Range, of_instances, value_range
+from cspdiag.network.ir.ranges import ExpressionInput, Lookup, Range, of_instances, value_range
 from cspdiag.network.ir.walk import parts
 
 _STEP = 2**31
@@ -90,7 +90,7 @@ class Counting:
         is taken to be known of variables.
         """
 
-        def known(part: Given) -> Range | None:
+        def known(part: ExpressionInput) -> Range | None:
             match part:
                 case ParameterValue():
                     return of_instances(part)
