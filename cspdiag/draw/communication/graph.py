@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
@@ -114,8 +116,8 @@ class _Level:
         self.marks = marks
         self.prefix = prefix
         self.around = around
-        self.at_border: dict[str, str] = {}
-        """For parent ports that are a port of the box around: that port."""
+        self.at_border: dict[str, list[BoxPort]] = {}
+        """For parent ports the ports of the box around that are they, or elements of them."""
 
     def level(self, diagram: CommunicationDiagram) -> tuple[tuple[Node, ...], tuple[Edge, ...]]:
         if self.around is not None:
@@ -146,12 +148,11 @@ class _Level:
         return nodes, tuple(self._edge(arrow) for arrow in diagram.arrows)
 
     def _find_border(self, around: Box, inside: CommunicationDiagram) -> None:
-        outer = self.prefix.removesuffix("/")
         for vertex in inside.vertices:
             if isinstance(vertex, ParentPort):
-                candidates = [port.key for port in around.ports if port.key == vertex.key]
-                if len(candidates) == 1:
-                    self.at_border[vertex.key] = f"{outer}|{candidates[0]}"
+                own = [port for port in around.ports if port.name == vertex.key]
+                if own:
+                    self.at_border[vertex.key] = own
 
     def _id(self, key: str) -> str:
         return f"{self.prefix}{key}"
@@ -233,8 +234,8 @@ class _Level:
         if arrow.key in self.parting:
             # The symbol stands below the label, where the arrow runs alone.
             label = replaced(label or self._label(f"{name}#label", caption), width=max(caption.width, SYMBOL_ROOM))
-        sources = tuple(dict.fromkeys(self._end(end, ">") for end in arrow.sources))
-        sinks = tuple(dict.fromkeys(self._end(end, "<") for end in arrow.sinks))
+        sources = tuple(dict.fromkeys(place for end in arrow.sources for place in self._end(end, ">")))
+        sinks = tuple(dict.fromkeys(place for end in arrow.sinks for place in self._end(end, "<")))
         return Edge(f"{name}#edge", sources, sinks, label, priority=0 if arrow.by_composition else 10)
 
     def _goes_with_value(self, arrow: Arrow) -> bool:
@@ -242,14 +243,18 @@ class _Level:
         ends = [self._id(end.element) for end in (*arrow.sources, *arrow.sinks)]
         return any(end in self.marks and isinstance(self.made.vertices.get(end), WrittenValue) for end in ends)
 
-    def _end(self, end: End, side: str) -> str:
+    def _end(self, end: End, side: str) -> list[str]:
+        """Where an arrow begins or ends: at several ports of the box around where it is connected element by
+        element.
+        """
         if end.element in self.at_border:
-            return self.at_border[end.element]
+            outer = self.prefix.removesuffix("/")
+            return [f"{outer}|{port.key}" for port in elements_of(self.at_border[end.element], end.port or "")]
         name = self._id(end.element)
         vertex = self.made.vertices.get(name)
         if isinstance(vertex, Box):
-            return f"{name}|{end.port}" if end.port is not None else name
-        return f"{name}|{side}"
+            return [f"{name}|{end.port}" if end.port is not None else name]
+        return [f"{name}|{side}"]
 
     def _label(self, name: str, caption: Caption) -> Label:
         self.made.captions[name] = caption
@@ -308,6 +313,20 @@ class _Level:
             # The port or variable at that end shows its type itself.
             return None
         return arrow.type or next((self.types[port] for port in ports if self.types[port] != "?"), None)
+
+
+def elements_of(ports: Sequence[BoxPort], index: str) -> Sequence[BoxPort]:
+    """The ports of a box that the element ``[2]`` of a port may be, as it is called inside the box: the one with this
+    number, or else those whose numbers a replicator gives, or else all.
+    """
+    if not _NUMBERS.fullmatch(index):
+        return ports
+    same = [port for port in ports if port.index == index]
+    replicated = [port for port in ports if not _NUMBERS.fullmatch(port.index)]
+    return same or replicated or ports
+
+
+_NUMBERS = re.compile(r"(\[\d+\])+")
 
 
 def box_caption(box: Box) -> Caption:

@@ -14,13 +14,14 @@ from cspdiag.syntax.walk import names, nodes
 
 @record(kw_only=True)
 class Access:
-    """One communication of the process itself with ``channel``.
+    """One communication of the process itself with ``channel``, or with an element of it, ``[i + 1]``.
 
     ``stores`` are the variables that take or give the value; a write is ``is_plain`` where it gives (a part of) a
     variable unchanged. ``text`` is what is written.
     """
 
     channel: str
+    index: str
     is_write: bool
     stores: tuple[str, ...]
     is_plain: bool = True
@@ -33,12 +34,19 @@ def accesses(program: Program, composition: ast.Composition) -> Iterator[Access]
     for item in nodes(composition):
         match item:
             case ast.Read(channel=channel, target=target) | ast.InputGuard(channel=channel, target=target):
-                yield Access(channel=channel.name.text, is_write=False, stores=(target.name.text,), span=item.span)
+                yield Access(
+                    channel=channel.name.text,
+                    index=texts.indexes(channel.indexes),
+                    is_write=False,
+                    stores=(target.name.text,),
+                    span=item.span,
+                )
             case ast.Write(channel=channel, value=value) | ast.OutputGuard(channel=channel, value=value):
                 plain = _variable(program, value)
                 stores = (plain,) if plain is not None else _variables(program, value)
                 yield Access(
                     channel=channel.name.text,
+                    index=texts.indexes(channel.indexes),
                     is_write=True,
                     stores=stores,
                     is_plain=plain is not None,

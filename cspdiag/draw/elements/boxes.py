@@ -131,11 +131,11 @@ class Boxes:
             for port in declaration.names:
                 declared.setdefault(port.name.text, declaration)
         for name, declaration in declared.items():
-            ordered += [port for key, port in ports.items() if _base(key) == name]
+            ordered += [port for port in ports.values() if port.name == name]
             if name not in self._named[box.key]:
                 alone = self._port(box.key, name, name, declaration.direction)
                 ordered.append(replaced(alone, default=texts.optional(declaration.default), is_connected=False))
-        ordered += [port for key, port in ports.items() if _base(key) not in declared]
+        ordered += [port for port in ports.values() if port.name not in declared]
         return replaced(box, ports=tuple(ordered))
 
     def _port(self, box: str, key: str, name: str, direction: Direction) -> BoxPort:
@@ -171,9 +171,3 @@ def _kind(definition: WithPorts) -> BoxKind:
             return "submodel"
         case ast.DriverDefinition():
             return "driver"
-
-
-def _base(key: str) -> str:
-    """The name of the port in ``[i + 1].input[2]``."""
-    within = key.rpartition("].")[2] if key.startswith("[") else key
-    return within.partition("[")[0]

@@ -224,27 +224,34 @@ class _Extraction:
                 else:
                     for store in access.stores:
                         if store in self.vertices:
-                            self._by_composition(access.channel, store, access)
+                            self._by_composition(_end_of(access), End(store), access)
 
     def _written(self, access: Access) -> None:
         stores = [store for store in access.stores if store in self.vertices]
         if access.is_plain and stores:
-            self._by_composition(stores[0], access.channel, access)
+            self._by_composition(End(stores[0]), _end_of(access), access)
             return
         key = f"{access.channel} ! {access.text}"
         self.vertices.setdefault(key, WrittenValue(key=key, text=access.text, spans=(access.span,)))
         for store in stores:
-            self._by_composition(store, key, access)
-        self._by_composition(key, access.channel, access)
+            self._by_composition(End(store), End(key), access)
+        self._by_composition(End(key), _end_of(access), access)
 
-    def _by_composition(self, source: str, sink: str, access: Access) -> None:
-        arrow = Arrow(key="", sources=(End(source),), sinks=(End(sink),), spans=(access.span,), by_composition=True)
-        flow = next((kinds for key in (source, sink) if (kinds := self._kinds(key))), ())
-        known = self.arrows.get(_key(arrow))
+    def _by_composition(self, source: End, sink: End, access: Access) -> None:
+        """An arrow for all accesses of one element by another; its ends are the ports that they name."""
+        key = _key(source.element, sink.element, by_composition=True)
+        known = self.arrows.get(key)
         if known is not None and known.by_composition:
-            self.arrows[known.key] = replaced(known, spans=(*known.spans, access.span))
-        else:
-            self._arrow(replaced(arrow, kinds=flow))
+            self.arrows[key] = replaced(
+                known,
+                spans=(*known.spans, access.span),
+                sources=tuple(dict.fromkeys((*known.sources, source))),
+                sinks=tuple(dict.fromkeys((*known.sinks, sink))),
+            )
+            return
+        flow = next((kinds for end in (source, sink) if (kinds := self._kinds(end.element))), ())
+        arrow = Arrow(key=key, sources=(source,), sinks=(sink,), spans=(access.span,), by_composition=True, kinds=flow)
+        self._arrow(arrow)
 
     def _kinds(self, key: str) -> tuple[FlowKind, ...]:
         """What a communication of the process itself passes through, seen from the port or channel at one of
@@ -258,7 +265,7 @@ class _Extraction:
 
     def _arrow(self, arrow: Arrow) -> None:
         """Adds it under its label, or its ends; a second one of the same ends gets a number."""
-        key = arrow.key or _key(arrow)
+        key = arrow.key or _key(", ".join(map(str, arrow.sources)), ", ".join(map(str, arrow.sinks)))
         number = 1
         unique = key
         while unique in self.arrows or unique in self.vertices:
@@ -267,6 +274,9 @@ class _Extraction:
         self.arrows[unique] = replaced(arrow, key=unique)
 
 
-def _key(arrow: Arrow) -> str:
-    sign = "~>" if arrow.by_composition else "->"
-    return f"{', '.join(map(str, arrow.sources))} {sign} {', '.join(map(str, arrow.sinks))}"
+def _key(sources: str, sinks: str, *, by_composition: bool = False) -> str:
+    return f"{sources} {'~>' if by_composition else '->'} {sinks}"
+
+
+def _end_of(access: Access) -> End:
+    return End(access.channel, access.index or None)

@@ -48,6 +48,20 @@ class BoxPort(Element):
     default: str | None = None
     is_connected: bool = True
 
+    @property
+    def name(self) -> str:
+        """That of the port in its definition: ``input`` of ``[i + 1].input[2]``."""
+        return self._member.partition("[")[0]
+
+    @property
+    def index(self) -> str:
+        """Which element of an array of ports it is: ``[2]`` of ``[i + 1].input[2]``; nothing for a single port."""
+        return self._member[len(self.name) :]
+
+    @property
+    def _member(self) -> str:
+        return self.key.rpartition("].")[2] if self.key.startswith("[") else self.key
+
 
 @record(kw_only=True)
 class Box(Element):

@@ -50,6 +50,7 @@ _OPTIONS = {
     "elk.spacing.edgeEdge": "9",
     "elk.spacing.edgeLabel": str(LABEL_GAP),
     "elk.spacing.componentComponent": "28",
+    "elk.spacing.nodeSelfLoop": str(BOX_GAP),
     "elk.layered.spacing.edgeNodeBetweenLayers": "20",
     "elk.layered.spacing.edgeEdgeBetweenLayers": "12",
     "elk.layered.unnecessaryBendpoints": "false",

@@ -1,5 +1,5 @@
 """What must hold of a drawing wherever its parts stand: no line runs through words, no words lie on each other or leave
-the sheet, and no symbol of an arrow on another arrow.
+the sheet, no symbol of an arrow lies on another arrow, and no arrow on the side of a box.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from cspdiag.draw.scene.geometry import Rectangle
 from cspdiag.draw.scene.scene_geometry import bounds, every
 from cspdiag.draw.scene.shapes import Box, Ellipse, Group, Item, Scene, Text
 from cspdiag.draw.scene.text_metrics import CAPITAL, runs_width
+from tests.draw.geometry.arrows import sides_run_along, symbol_faults
 from tests.draw.geometry.segments import crosses, stroked
-from tests.draw.geometry.symbols import symbol_faults
 
 
 def faults(scene: Scene) -> list[str]:
@@ -36,7 +36,7 @@ def faults(scene: Scene) -> list[str]:
     found += [
         f"{item} leaves the sheet" for item in scene.items if not _is_empty(item) and not sheet.contains(bounds(item))
     ]
-    return [*found, *_hidden(items), *symbol_faults(scene)]
+    return [*found, *_hidden(items), *symbol_faults(scene), *sides_run_along(scene)]
 
 
 def _covers(item: Item, place: Rectangle) -> bool:

@@ -1,4 +1,6 @@
-"""What must hold of the symbols of arrows: each stands where its arrow runs alone, or beside others of its own kind."""
+"""What must hold of arrows: each has its symbol where it runs alone, or beside others of its own kind, and none runs
+along the side of a shape.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ from collections.abc import Iterator
 
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.outline import ARROW_HALF_WIDTH, ARROW_LENGTH
-from cspdiag.draw.scene.scene_geometry import bounds
+from cspdiag.draw.scene.scene_geometry import bounds, every
 from cspdiag.draw.scene.shapes import Box, Ellipse, Group, Head, Item, Line, Scene
 from tests.draw.geometry.segments import Segment, crosses, stroked
 
@@ -31,6 +33,37 @@ def symbol_faults(scene: Scene) -> list[str]:
                 if any(place.overlaps(head) for head in _heads(other))
             ]
     return found
+
+
+def sides_run_along(scene: Scene) -> list[str]:
+    """Arrows of which a part lies on the outline of a box, or of those behind it."""
+    sides = [
+        (item.id, side)
+        for item in every(scene.items)
+        if isinstance(item, Group) and item.kind.startswith("instance")
+        for shape in item.items
+        for side in stroked(shape)
+    ]
+    return [
+        f"{arrow.id!r} runs along a side of {box!r}"
+        for arrow in _arrows(scene.items)
+        for piece in _run(arrow)
+        for box, side in sides
+        if _on_one_line(piece, side)
+    ]
+
+
+def _on_one_line(one: Segment, other: Segment) -> bool:
+    """Whether two upright or two level pieces have more than a point in common."""
+    across = [{point.x for point in (*one, *other)}, {point.y for point in (*one, *other)}]
+    for same, along in (across, reversed(across)):
+        if max(same) - min(same) < 1:
+            return len(along) > 1 and _length(one) + _length(other) > max(along) - min(along) + 1
+    return False
+
+
+def _length(piece: Segment) -> float:
+    return abs(piece[0].x - piece[1].x) + abs(piece[0].y - piece[1].y)
 
 
 def _arrows(items: tuple[Item, ...]) -> Iterator[Group]:
