@@ -1,1 +1,3 @@
-"""The command line: one file a verb. Only here are files written, results printed and exit codes chosen."""
+"""The command line, with one module for each verb. Only here are files written, results printed and exit
+codes chosen.
+"""

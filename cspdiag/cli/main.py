@@ -1,6 +1,6 @@
-"""Finds the verb, runs it, and turns whatever happens into an exit code.
+"""Finds the verb, runs it, and turns the result into an exit code.
 
-Only the module of the verb at hand is imported, and only its options are built: ``cspdiag check`` has 120 ms for
+Only the module of the present verb is imported, and only its options are built: ``cspdiag check`` has 120 ms for
 everything.
 """
 
@@ -49,7 +49,7 @@ EXAMPLE = "cspdiag run models/jiwy/jiwy.csp --plot jiwy.svg"
 
 
 class Verb(Protocol):
-    """What the module of a verb offers."""
+    """The interface of a verb's module."""
 
     EXAMPLE: str
     """Command lines that end the verb's help."""
@@ -62,7 +62,7 @@ class Verb(Protocol):
 
 
 class _StoreOnce(Action):
-    """Stores the value of an option; a second, different one is refused, as one of them would be lost silently."""
+    """Stores the value of an option; a second, different one is refused, because one of them would be lost silently."""
 
     _first: object = None
 
@@ -83,19 +83,19 @@ class _Parser(ArgumentParser):
         super().__init__(**options)
         for name in (None, "store"):
             self.register("action", name, _StoreOnce)
-        # `-5s` is a value, which is then refused as what it is, and no option.
+        # `-5s` is a value, which is then refused as such, and not an option.
         self._negative_number_matcher = _NEGATIVE
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (try {self.prog} --help)")
 
     def print_help(self, file: object = None) -> None:
-        """That of the base class keeps it to itself where this cannot be written."""
+        """Print the help; unlike in the base class, an error of the output is raised."""
         write_out(self.format_help())
 
 
 class _HelpFormatter(RawDescriptionHelpFormatter):
-    """Finds the width of the terminal without importing ``shutil``, as it is made for every option."""
+    """Finds the width of the terminal without importing ``shutil``, because a formatter is made for every option."""
 
     def __init__(self, prog: str) -> None:
         try:
@@ -175,9 +175,7 @@ def _dispatch(given: list[str], *, whole_process: bool) -> int:
 
 
 def _run(verb: str, options: list[str], whole_process: bool) -> int:
-    """Carries out a verb; all but a simulation do without garbage collection, as a compiler makes no cycles worth
-    looking for.
-    """
+    """Carry out a verb; all except simulations run without garbage collection, because a compiler makes few cycles."""
     collects = gc.isenabled()
     if verb != "run":
         gc.disable()
@@ -222,8 +220,8 @@ def _refuse(message: str, *, lines: bool = False) -> int:
 
 
 def _unwritten(problem: OSError, code: int) -> int:
-    """The exit code if something cannot be read or written; of a verb that has done its work with ``code`` that is
-    what it prints.
+    """The exit code if something cannot be read or written; for a verb that has done its work with ``code``, that is
+    its output.
     """
     _drop_broken_output()
     if isinstance(problem, BrokenPipeError):
@@ -240,7 +238,7 @@ def _drop_broken_output() -> None:
 
 
 def _accept_any_character() -> None:
-    """Let a terminal with a small character set show other characters by their numbers."""
+    """Let a terminal with a small character set show other characters as numbers."""
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

@@ -1,1 +1,1 @@
-"""What the verbs have in common: output, progress, failures, time limits."""
+"""The common part of the verbs: output, progress, failures, time limits."""

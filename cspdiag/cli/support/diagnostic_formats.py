@@ -15,7 +15,7 @@ FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
 def rendered_diagnostics(
     diagnostics: Sequence[Diagnostic], format_: str, files: Sequence[str], *, colour: bool
 ) -> tuple[str, str]:
-    """What goes to standard output, and what to standard error; ``files`` are those that were looked at."""
+    """The texts for standard output and for standard error; ``files`` are those that were examined."""
     match format_:
         case "concise":
             from cspdiag.base.render.concise import render as render_concise
@@ -46,7 +46,7 @@ def rendered_diagnostics(
 
 
 def show_findings(diagnostics: Sequence[Diagnostic], names: Sequence[str], arguments: Namespace) -> None:
-    """Show what was found in files in the requested format and colours, and that nothing was found."""
+    """Show the findings in files in the requested format and colours, or that there are none."""
     colour = wants_colour(arguments.color, sys.stderr)
     stdout, stderr = rendered_diagnostics(diagnostics, arguments.format, names, colour=colour)
     if arguments.format == "text" and names and not diagnostics:

@@ -1,4 +1,4 @@
-"""What would change in a file, as a unified difference."""
+"""The changes of a file, as a unified difference."""
 
 from __future__ import annotations
 
@@ -21,5 +21,7 @@ def show_difference(source: SourceFile, text: str, what: str) -> None:
 
 
 def _lines(text: str) -> list[str]:
-    """The lines with their ends, which are line feeds: comments may have what else Python takes for ends of lines."""
+    """The lines with their ends, which are line feeds: comments may contain other characters that Python considers ends
+    of lines.
+    """
     return [line for line in re.split(r"(?<=\n)", text) if line]

@@ -10,19 +10,19 @@ WRONG_USAGE = 2
 INTERNAL_ERROR = 3
 INTERRUPTED = 130
 BROKEN_PIPE = 141
-"""What a shell reports for a program that writes to a pipe nobody reads."""
+"""The exit code that a shell reports for a program that writes to a pipe without a reader."""
 
 
 class NoResultError(Exception):
-    """The command was right but has no result; the message is for the person who gave it, a line or a few."""
+    """The command was right but has no result; the message for its user has one or a few lines."""
 
 
 class UsageError(Exception):
-    """The command cannot be carried out as given; the message is one line for the person who gave it."""
+    """The command cannot be carried out as given; the message for its user has one line."""
 
 
 def described(problem: OSError) -> str:
-    """A file that cannot be read or written, and why, in one line."""
+    """A file that cannot be read or written, with the reason, in one line."""
     reason = problem.strerror or str(problem)
     reason = f"{reason[:1].lower()}{reason[1:]}"
     if problem.filename is None:

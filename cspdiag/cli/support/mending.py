@@ -1,4 +1,6 @@
-"""``check --fix`` and ``check --diff``: mends are shown, or written whole to the files that they belong to."""
+"""``check --fix`` and ``check --diff``: corrections are shown, or written completely to the files that they
+belong to.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ _FOR_PEOPLE = ("text", "concise")
 
 
 def require_free_output(arguments: Namespace) -> None:
-    """Raise UsageError where a difference or a program would share standard output with diagnostics for a machine."""
+    """Raise UsageError if a difference or a program would share standard output with diagnostics in a format for
+    machines.
+    """
     if arguments.format in _FOR_PEOPLE:
         return
     if arguments.diff:
@@ -37,9 +41,8 @@ def require_free_output(arguments: Namespace) -> None:
 
 
 def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
-    """Fix what can be fixed, or show how, and report what is left.
-
-    The exit code is about what is left, with ``--diff`` about differences as well.
+    """Fix what can be fixed, or show how, and report the rest. The exit code reflects the rest, with ``--diff`` also
+    differences.
     """
     mended = mend(sources, read_source, _identity)
     names = [source.name for source in sources]
@@ -71,14 +74,13 @@ def _identity(name: str) -> str:
 
 
 def _write(files: Sequence[MendedFile]) -> None:
-    """Write all files; none, where one of them cannot be written or is no longer as it was read."""
+    """Write all files, or none if one of them cannot be written or has changed since it was read."""
     replace_files({file.before.name: _bytes(file) for file in files if file.before.name != STANDARD_INPUT})
 
 
 def _bytes(file: MendedFile) -> bytes:
-    """What the file is to have: with the byte order mark and the ends of lines that it had.
-
-    Raises UsageError where it cannot be replaced, or has changed since it was read.
+    """The new contents of a file, with the byte order mark and the line ends that it had. Raises UsageError if it
+    cannot be replaced, or has changed since it was read.
     """
     name = file.before.name
     if not os.path.isfile(name):
@@ -96,9 +98,9 @@ def _bytes(file: MendedFile) -> bytes:
 
 
 def _with_ends_of(before: str, text: str) -> str:
-    """``text`` with the ends of lines of ``before``.
+    """``text`` with the line ends of ``before``.
 
-    Where that has several, unchanged lines keep their own, and changed ones have that of the first line.
+    If that has both kinds, unchanged lines keep their own, and changed ones get that of the first line.
     """
     if "\r" not in before:
         return text

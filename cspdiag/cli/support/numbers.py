@@ -1,4 +1,4 @@
-"""The numbers that options are given: finite, and written as the language writes them."""
+"""The numbers in options: finite, and written as in the language."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def number(text: str) -> float:
-    """The finite number that a text is; raises ArgumentTypeError for any other text."""
+    """A text as a finite number. Raises ArgumentTypeError."""
     if not _NUMBER.fullmatch(text.strip()) or not math.isfinite(value := float(text)):
         raise ArgumentTypeError(f"expected a finite number, not {text!r}")
     return value
 
 
 def whole_number(text: str) -> int:
-    """The number without a sign and a fraction that a text is; raises ArgumentTypeError for any other text."""
+    """A text as a whole number without a sign. Raises ArgumentTypeError."""
     digits = text.strip()
     if not (digits.isascii() and digits.isdecimal()) or len(digits) > 9:
         raise ArgumentTypeError(f"expected a whole number, not {text!r}")
@@ -26,7 +26,7 @@ def whole_number(text: str) -> int:
 
 
 def positive(least: float, most: float, unit: str) -> Callable[[str], float]:
-    """What reads a positive number from ``least`` to ``most``; it raises ArgumentTypeError for any other text."""
+    """A parser of positive numbers from ``least`` to ``most``, which raises ArgumentTypeError for any other text."""
 
     def read(text: str) -> float:
         try:

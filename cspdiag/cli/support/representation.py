@@ -1,4 +1,4 @@
-"""Prints what the compiler has made of a text: its tree, or its resolved model."""
+"""Prints what the compiler has made from a text: its tree, or its resolved model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _DETAILS = frozenset({"span", "unit_span", "target_span", "composition_span", "s
 
 
 def show_tree(tree: ast.SourceTree) -> str:
-    """The syntax tree, a node on each line with its place, indented by its depth."""
+    """The syntax tree, with a node and its place on each line, indented by depth."""
     lines: list[str] = []
     pending: list[tuple[int, str, object]] = [(0, "", tree)]
     while pending:

@@ -18,9 +18,9 @@ _COMMIT_OR_NAME_TWO = "commit it first, or name two files to compare: diff OLD N
 
 
 def reader_of(revision: str | None) -> Reader:
-    """Reads a file, named as in the working tree, in a revision; None is the working tree itself.
+    """A function that reads a file, named as in the working tree, in a revision; None is the working tree itself.
 
-    The reader raises OSError where the revision has no such file, and UsageError where there is no such revision.
+    It raises OSError if the revision has no such file, and UsageError if there is no such revision.
     """
     if revision is None:
         return read_source
@@ -32,9 +32,9 @@ def reader_of(revision: str | None) -> Reader:
 
 
 def split_name(name: str) -> tuple[str | None, str]:
-    """``REVISION:FILE`` as git writes it, or a file by its name.
+    """``REVISION:FILE`` as in git, or the name of a file.
 
-    As in git the file counts from the top of the repository, unless it begins with ``./`` or ``../``.
+    As in git, the file is relative to the top of the repository, unless it begins with ``./`` or ``../``.
     """
     revision, colon, path = name.partition(":")
     if not colon or not revision or not path or os.path.exists(name):
@@ -69,7 +69,7 @@ def _shown(revision: str, path: str) -> bytes:
 
 
 def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
-    """What git prints in a folder; ``path`` is the file that this is about."""
+    """The output of git in a folder; ``path`` is the file concerned."""
     try:
         done = subprocess.run(
             ["git", "-C", folder, *arguments],

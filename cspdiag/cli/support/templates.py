@@ -1,4 +1,4 @@
-"""Templates of the user's, read from a folder: each takes the place of the one of its name."""
+"""Templates of the user, read from a folder: each replaces the one of the same name."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from cspdiag.codegen.shared.render import PART, Replacement, template_names
 
 
 def read_templates(folder: str, target: str) -> dict[str, Replacement]:
-    """By name; files that begin with a dot are ignored. Raises UsageError for a folder or a file that cannot be
-    taken.
+    """The templates by name; files that begin with a dot are ignored. Raises UsageError for a folder or a file that
+    cannot be used.
     """
     there = template_names(target)
     if not there:

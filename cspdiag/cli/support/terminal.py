@@ -1,5 +1,5 @@
-"""The streams of a command: what is for machines goes to standard output, what is for people to standard error, in
-colours where that is wanted.
+"""The streams of a command: output for machines goes to standard output, output for people to standard error, in
+colours if wanted.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def show_diagnostics(diagnostics: Sequence[Diagnostic], color: str) -> None:
 
 
 def write_out(text: str | bytes) -> None:
-    """Write to standard output, at once and as it is. Raises OSError, with its name, where that cannot be written."""
+    """Write to standard output, immediately and unchanged. Raises OSError, with its name, if that fails."""
     if not text:
         # Even nothing is too much for a full disk.
         return
@@ -50,10 +50,10 @@ def write_out(text: str | bytes) -> None:
 
 
 def complete_streams() -> None:
-    """Give a process that was started with closed streams (``>&-``) streams again: of standard output and standard
-    input one that refuses every call, so that its user reports the error.
+    """Open streams for a process that was started with closed ones (``>&-``).
 
-    Otherwise the next file that is opened would take their place, and output would go there.
+    For standard output and standard input it is one that refuses every call, so its user reports the error. Otherwise
+    the next file that is opened would take its place, and output would go there.
     """
     for number, access in enumerate((os.O_WRONLY, os.O_RDONLY, os.O_WRONLY)):
         try:
@@ -66,15 +66,15 @@ def complete_streams() -> None:
 
 
 def say(text: str) -> None:
-    """Write a line, or several, to standard error: what is in them from outside, such as names of files, steers no
-    terminal.
+    """Write one or several lines to standard error; control characters in them, as in names of files, have no
+    effect.
     """
     put(f"{printable(text)}\n")
 
 
 def put(text: str) -> None:
-    """Write to standard error as it is. Where that is gone, as when its terminal was closed, nothing is reported, and
-    the command goes on.
+    """Write to standard error unchanged. If that fails, for example because its terminal was closed, nothing is
+    reported, and the command continues.
     """
     try:
         stream = standard_error()

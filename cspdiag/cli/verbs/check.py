@@ -1,4 +1,4 @@
-"""``cspdiag check``: find everything that is wrong with programs."""
+"""``cspdiag check``: find all errors in programs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Check every file and show what was found; a file that cannot be read does not keep the others from it."""
+    """Check every file and show the findings; a file that cannot be read does not prevent checking the others."""
     mends = arguments.fix or arguments.diff
     if mends:
         from cspdiag.cli.support.mending import mend_files, require_free_output

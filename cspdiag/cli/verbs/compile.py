@@ -167,7 +167,7 @@ def _generate(arguments: Namespace) -> int:
 
 
 def _is_another(earlier: str, file: str) -> bool:
-    """Whether the program that a package was of is there still, and is not this one: then it was not moved."""
+    """Whether the program of an earlier package still exists and is not this one: then it was not moved."""
     return os.path.isfile(earlier) and not os.path.samefile(earlier, file)
 
 

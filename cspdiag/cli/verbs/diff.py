@@ -1,4 +1,4 @@
-"""``cspdiag diff``: what changed between two versions, in terms of the diagrams."""
+"""``cspdiag diff``: the changes between two versions, in terms of the diagrams."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Show and draw the differences: exit code 0 for none, 1 for some, 2 where a version cannot be read."""
+    """Show and draw the differences: exit code 0 for none, 1 for some, 2 if a version cannot be read."""
     require_file("-o", arguments.output, FORMATS, any_case=True)
     versions = _versions(arguments)
     before, after = (_program(revision, path, arguments) for revision, path in versions)

@@ -142,7 +142,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _find_file(arguments: Namespace) -> None:
-    """In ``--hide-labels FILE`` the file was meant as one, since a label has no ending."""
+    """In ``--hide-labels FILE`` the file was meant as one, because a label has no ending."""
     if arguments.file is not None:
         return
     hidden = arguments.hide_labels or [""]
@@ -212,7 +212,7 @@ def _write_graph(arguments: Namespace) -> int:
 
 
 def _refuse_for_graph(arguments: Namespace) -> None:
-    """Refuse what only pictures have."""
+    """Refuse options that only apply to pictures."""
     unused = {
         "--all": arguments.all,
         "--book": arguments.book is not None,
@@ -287,7 +287,7 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
 
 
 def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
-    """What is drawn; with --check also what diagnostics refer to."""
+    """The diagrams to draw; with --check also those that diagnostics refer to."""
     if arguments.all:
         chosen = pictures.drawn()
     elif arguments.process:

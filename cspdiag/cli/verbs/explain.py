@@ -35,7 +35,7 @@ def run(arguments: Namespace) -> int:
 
 def _page(code: str) -> str:
     pages = manual_pages()
-    # No two have one number, so that the letter and zeros in front say nothing more.
+    # Numbers are unique, so the letter and leading zeros add nothing.
     number = re.fullmatch(r"[EW]?0*([0-9]{1,4})", code.strip().upper())
     if number is not None:
         for known, page in pages.items():

@@ -85,7 +85,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_plot(path: Path | None) -> None:
-    """Refuse a picture that could not be made before the work, not after it."""
+    """Refuse a picture that could not be made before the work instead of after it."""
     from importlib.util import find_spec
 
     if path is None:
@@ -192,7 +192,7 @@ def _periods(
 
 
 class _Search:
-    """Makes the network for the periods that are looked at, each once. What the text says is read and set once."""
+    """Builds the network for each period that is tried, once. The text is read only once."""
 
     def __init__(self, arguments: Namespace, built: Built) -> None:
         self.environment = arguments.environment

@@ -76,7 +76,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def _level(text: str) -> int | str:
-    """The level that ``-O`` with a text behind it means; ``-O0`` and ``-O1`` are options of their own."""
+    """The level for ``-O`` followed by a text; ``-O0`` and ``-O1`` are options of their own."""
     levels: dict[str, int | str] = {"0": 0, "1": 1, "reference": "reference"}
     if text not in levels:
         raise ArgumentTypeError(f"there is no -O{text}: choose -O0, -O1 or -O reference")
@@ -113,7 +113,7 @@ def run(arguments: Namespace) -> int:
     if built.network is None:
         return UNSUCCESSFUL
     if until is None and not arguments.quiet:
-        _tell_of_no_end(built.network)
+        _report_endless_run(built.network)
     from cspdiag.cli.support.runs.conclude import conclude
     from cspdiag.runtime.kernel.signals import name_of_signal
     from cspdiag.runtime.kernel.stopping import HandlerFailed, Stopped, stopping
@@ -133,7 +133,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _require_what_the_reference_has(arguments: Namespace) -> None:
-    """The reference says which values pass and when; it has no clock, no source places and no execution times."""
+    """Refuse what the reference semantics does not have: a clock, source places, execution times."""
     trace = arguments.trace
     refused = {
         "--target": arguments.target != "python",
@@ -167,8 +167,8 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _tell_of_no_end(network: CoreNetwork) -> None:
-    """Say that a run without a time limit continues until it is stopped, where that is sure."""
+def _report_endless_run(network: CoreNetwork) -> None:
+    """Report that a run without a time limit continues until it is stopped, if that is certain."""
     from cspdiag.network.checks.endless import never_ends
 
     if network.environments and never_ends(network):
@@ -194,7 +194,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
     if not arguments.quiet:
         progress = Progress(recorder, mode_groups(network))
     standstill = None
-    # Against the clock it goes on.
+    # In real time it continues.
     if not arguments.quiet and not arguments.real_time:
         standstill = Standstill(recorder, network.class_named(network.top).definition)
     watchers = [watcher for watcher in (progress, standstill) if watcher is not None]
@@ -281,5 +281,5 @@ def _simulate_native(
 
 
 def _is_measured(arguments: Namespace) -> bool:
-    """Whether execution times are wanted: traces of runs against the clock have them."""
+    """Whether execution times are wanted: traces of real-time runs contain them."""
     return bool(arguments.real_time and arguments.trace is not None and arguments.trace.suffix == ".json")

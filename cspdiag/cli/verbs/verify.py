@@ -130,13 +130,13 @@ def run(arguments: Namespace) -> int:
 
 
 def _what_matters(arguments: Namespace) -> dict[str, object]:
-    """The options that what is printed depends on."""
+    """The options on which the output depends."""
     settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
     return {**settled, "color": wants_colour(arguments.color, standard_error()), "folder": os.getcwd()}
 
 
 def _ask(arguments: Namespace, read: Reader) -> ProofObligations:
-    """What is to be proved, with the networks that it takes."""
+    """The assertions to prove, with the networks for them."""
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.pipeline import proof_obligations
     from cspdiag.settings import SettingError

@@ -1,3 +1,1 @@
-"""Files that commands write: whole or not at all, never over what was made by hand, and refused before
-the work.
-"""
+"""Files that commands write: completely or not at all, never over files made by hand, and refused before the work."""

@@ -1,5 +1,5 @@
-"""What ``compile`` has left in a folder: for each target a list of the files that it generated, and of
-which program.
+"""What ``compile`` has written into a folder: for each target a list of the generated files, and of which program they
+are.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from cspdiag.base.record import record
 from cspdiag.cli.support.failure import UsageError
 
 MANIFEST = ".cspdiag-manifest"
-"""Begins the name of each list, which ends with its target."""
+"""The beginning of the name of each list, which ends with its target."""
 _PROGRAM = "# program "
 
 
 @record
 class Manifest:
-    """``digests`` are, by path, the SHA-256 of what was generated: several where a generation was broken off.
+    """``digests`` are the SHA-256 of the generated files, by path: several if a generation was interrupted.
 
-    ``program`` is the path of the program's text from the folder, "" where that is not known.
+    ``program`` is the path of the program's text relative to the folder, "" if it is not known.
     """
 
     program: str
@@ -32,12 +32,12 @@ NOTHING = Manifest("", {})
 
 
 def manifest_of(files: Mapping[str, str], program: str) -> Manifest:
-    """What describes generated files, by path."""
+    """The description of generated files, by path."""
     return Manifest(program, {path: frozenset((digest(text.encode()),)) for path, text in files.items()})
 
 
 def digest(data: bytes) -> str:
-    """What is kept of a file, so that changes made by hand are seen."""
+    """The digest of a file, by which changes made by hand are recognized."""
     return sha256(data).hexdigest()
 
 
@@ -55,7 +55,7 @@ def targets_in(folder: str) -> list[str]:
 
 
 def manifest_text(*manifests: Manifest) -> str:
-    """The list that has the files of all; the program is that of the last."""
+    """The list for the files of all manifests; the program is that of the last one."""
     rows = sorted(
         {(path, known) for manifest in manifests for path in manifest.digests for known in manifest.digests[path]}
     )
@@ -65,7 +65,7 @@ def manifest_text(*manifests: Manifest) -> str:
 
 
 def read_manifest(folder: str, target: str, *, force: bool) -> Manifest:
-    """What a list has. Raises UsageError for one that cspdiag has not written; with ``force`` that counts as empty."""
+    """The contents of a list. Raises UsageError if cspdiag has not written it; with ``force`` that counts as empty."""
     place = os.path.join(folder, manifest_name(target))
     if not os.path.lexists(place):
         return NOTHING
@@ -95,6 +95,6 @@ def _parsed(text: str) -> tuple[str, dict[str, set[str]]]:
 
 
 def _is_inside(path: str) -> bool:
-    """Whether a path leads to a file below the folder that it is joined to, links aside."""
+    """Whether a path leads to a file below the folder that it is joined to, apart from links."""
     parts = path.replace("\\", "/").split("/")
     return not os.path.isabs(path) and not os.path.splitdrive(path)[0] and not {"", ".", ".."} & set(parts)

@@ -1,4 +1,4 @@
-"""Writes results: whole or not at all, and never over what was made by hand."""
+"""Writes results: completely or not at all, and never over files made by hand."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
 
 @contextmanager
 def _staging(folder: str) -> Iterator[str]:
-    """A new folder beside ``folder``, which is removed in the end. An OSError speaks of the file in ``folder`` that was
+    """A new folder next to ``folder``, which is removed at the end. An OSError names the file in ``folder`` that was
     meant.
     """
     staging = _new_staging(folder)
@@ -90,7 +90,7 @@ def _staging(folder: str) -> Iterator[str]:
 
 
 def _new_staging(folder: str) -> str:
-    """A new folder beside ``folder``; nobody can have put another, or a link, in its place."""
+    """A new folder next to ``folder``, which no other process can have replaced, even by a link."""
     from secrets import token_hex
 
     staging = f"{folder}.{token_hex(8)}.tmp"
@@ -111,7 +111,7 @@ def _refuse_links(folder: str, paths: Iterable[str]) -> None:
 
 
 def _refuse_obstacles(folder: str, paths: Iterable[str]) -> None:
-    """Nothing is written where only a part could be: a folder has the name of a file, or the other way about."""
+    """Refuse to write if only a part could be written: a folder has the name of a file, or the other way round."""
     for path in paths:
         place = os.path.join(folder, path)
         if os.path.isdir(place) and not os.path.islink(place):
@@ -138,7 +138,7 @@ def _remove_tree(folder: str) -> None:
 
 
 def _remove(folder: str, path: str) -> None:
-    """Remove a generated file, what Python keeps of it, and the folders that are empty then."""
+    """Remove a generated file, its compiled form, and folders that become empty."""
     place = os.path.join(folder, path)
     parent, name = os.path.split(place)
     module, is_module = name.removesuffix(".py"), name.endswith(".py")
@@ -181,7 +181,7 @@ def _refuse_changes(folder: str, generated: Manifest, recorded: Manifest) -> Non
 
 def _is_hand_made(place: str, known: frozenset[str]) -> bool:
     if not os.path.isfile(place):
-        # A device or a pipe is not opened: nobody may ever write to it. A link that leads nowhere was made by hand too.
+        # A device or a pipe is not opened: it might never deliver anything. A broken link was made by hand, too.
         return os.path.lexists(place)
     with open(place, "rb") as file:
         return digest(file.read()) not in known

@@ -1,4 +1,4 @@
-"""Whether an output can be written is checked before the work, and reported by the name that the user gave."""
+"""Checks before the work whether an output can be written, and reports it under the name that the user gave."""
 
 from __future__ import annotations
 
@@ -52,8 +52,8 @@ def require_file(option: str, path: str | Path | None, endings: Sequence[str] = 
 
 
 def require_different(named: Mapping[str, str | Path | None]) -> None:
-    """Refuse two names of one file, by what named them: what is written later would replace what is read or written
-    before.
+    """Refuse two names of one file, by the options that gave them: what is written later would replace what is read or
+    written before.
     """
     known: dict[str, str] = {}
     for option, path in named.items():
@@ -65,7 +65,7 @@ def require_different(named: Mapping[str, str | Path | None]) -> None:
 
 
 def _is_no_file(path: str | Path) -> bool:
-    """Whether it is a device or a pipe, which takes one thing after the other."""
+    """Whether it is a device or a pipe, which accepts several outputs one after the other."""
     return os.path.exists(path) and not os.path.isfile(path)
 
 
@@ -83,7 +83,7 @@ def require_folder(option: str, path: str) -> None:
 
 
 def _try_folder(option: str, name: str, folder: str) -> None:
-    """Permissions are not all that decides: a file is made and removed again."""
+    """Try to create and remove a file: permissions alone do not decide."""
     trial = os.path.join(folder, f".cspdiag-{os.getpid()}.tmp")
     try:
         os.close(os.open(trial, os.O_CREAT | os.O_EXCL | os.O_WRONLY))

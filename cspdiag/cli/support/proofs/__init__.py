@@ -1,3 +1,1 @@
-"""What proving takes at a command: a time limit that is kept, a memory of what was proved, and how answers
-are printed.
-"""
+"""Proofs in commands: time limits, a cache of results, and how answers are printed."""

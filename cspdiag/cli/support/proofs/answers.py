@@ -1,4 +1,4 @@
-"""What ``verify`` prints: answers, warnings, and why nothing can be proved, in the requested format."""
+"""The output of ``verify``: answers, warnings, and why nothing can be proved, in the requested format."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
-    """Report why nothing can be proved of a program, as ``check`` reports it."""
+    """Report why nothing can be proved about a program, as ``check`` reports it."""
     colour = wants_colour(arguments.color, standard_error())
     stdout, stderr = rendered_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
     write_out(stdout)
@@ -28,8 +28,8 @@ def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
 def rendered_answers(
     answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace
 ) -> tuple[str, str]:
-    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave
-    warnings to standard error.
+    """The texts for standard output and for standard error. Formats that contain only answers leave warnings to
+    standard error.
     """
     from cspdiag.proofs.answers.findings import diagnostics_of
 

@@ -1,7 +1,7 @@
-"""Remembers what was proved, so that a program that has not changed costs nothing.
+"""Remembers results of proofs, so a program that has not changed costs nothing.
 
-An entry has what was printed, and the digest of every file that was read for it. The version of cspdiag, and the
-installed files themselves, are part of the key.
+An entry has the output, and the digest of every file that was read for it. The version of cspdiag, and the installed
+files themselves, are part of the key.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from cspdiag.base.span import SourceFile
 
 @record
 class Printed:
-    """What a run of ``verify`` said and how it ended."""
+    """The output of a run of ``verify``, and its exit code."""
 
     code: int
     stdout: str
@@ -29,9 +29,7 @@ class Printed:
 
 
 class Cache:
-    """What ``verify`` said with certain options about a file; what cannot be read or written is as if it were not
-    there.
-    """
+    """The output of ``verify`` for a file with certain options; entries that cannot be read or written are ignored."""
 
     def __init__(self, options: str) -> None:
         self._name = f"{sha256(f'{_installed()} {options}'.encode()).hexdigest()}.json"
@@ -44,7 +42,7 @@ class Cache:
         return source
 
     def look(self) -> Printed | None:
-        """What was said about the same files before."""
+        """The output for the same files, if there is one."""
         try:
             entry = json.loads(self._path().read_text(encoding="utf-8"))
             unchanged = all(_digest(read_source(path).text) == digest for path, digest in entry["files"].items())
@@ -53,7 +51,7 @@ class Cache:
             return None
 
     def keep(self, printed: Printed) -> None:
-        """Remember what was said about the files that were read."""
+        """Store the output for the files that were read."""
         entry = {
             "files": self._read,
             "code": printed.code,
@@ -75,7 +73,7 @@ class Cache:
 
 
 def _installed() -> str:
-    """Changes with every change of cspdiag itself, also in a checkout."""
+    """A digest that changes with every change of cspdiag itself, also in a checkout."""
     root = Path(__file__).parents[3]
     files = (
         entry for folder in _CONCERNED for ending in ("py", "csp") for entry in (root / folder).rglob(f"*.{ending}")

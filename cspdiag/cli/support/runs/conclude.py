@@ -1,4 +1,4 @@
-"""What is left of a run: its files, the account of it, and the exit code."""
+"""The results of a run: its files, its summary, and the exit code."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _wanted(arguments: Namespace, result: Run, program: Program | None) -> Itera
 
 
 def _write(wanted: list[tuple[Path, _Writer]]) -> list[Path]:
-    """The paths that cannot be written; one that cannot keeps nothing else from being written."""
+    """Write the files; returns the paths that cannot be written, which do not prevent the others."""
     missing = []
     for path, writer in wanted:
         try:

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 
 def explained_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | None:
-    """A line or two to stand below the summary; None where the run did not end with a missed sample.
+    """One or two lines to print below the summary; None if the run did not end with a missed sample.
 
-    ``diagnostics`` are those of the program: where one of them reports what takes too long between two reads, that is
+    ``diagnostics`` are those of the program: if one of them reports what takes too long between two reads, it is
     repeated.
     """
     from cspdiag.runtime.kernel.exceptions import Timeout

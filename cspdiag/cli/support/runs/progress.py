@@ -1,7 +1,7 @@
 """The line that shows while a program runs: simulated time, speed, and the mode of each part.
 
-On a terminal it is rewritten all the time, unless another job uses it now; into a file or a pipe a new one is
-written once in a while.
+On a terminal it is rewritten continuously, unless another job is using it; in a file or a pipe a new line is written
+from time to time.
 """
 
 from __future__ import annotations
@@ -35,9 +35,7 @@ class Running(Protocol):
 
 
 def is_in_foreground() -> bool:
-    """Whether this process is one of those that the terminal of standard error is for now: a shell has not put it into
-    the background.
-    """
+    """Whether this process is in the foreground of the terminal of standard error."""
     try:
         return os.tcgetpgrp(standard_error().fileno()) == os.getpgrp()
     except (OSError, AttributeError):
@@ -46,7 +44,7 @@ def is_in_foreground() -> bool:
 
 
 def _columns() -> int:
-    """Of the terminal: a longer line would continue in the next one, and be repeated below itself."""
+    """The width of the terminal: a longer line would continue on the next one, and be repeated below itself."""
     try:
         return os.get_terminal_size(standard_error().fileno()).columns or 80
     except OSError:
@@ -54,10 +52,10 @@ def _columns() -> int:
 
 
 class Progress:
-    """Writes the line to standard error from a thread of its own, so that the run pays nothing for it.
+    """Writes the line to standard error from a thread of its own, so the run is not slowed down.
 
-    ``interval`` is in seconds. Used as a context manager around the run; ``attach`` is to be called when the network is
-    there.
+    ``interval`` is in seconds. Used as a context manager around the run; ``attach`` must be called when the network
+    exists.
     """
 
     def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup], interval: float | None = None) -> None:
@@ -110,7 +108,7 @@ class Progress:
         return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}"
 
     def _mode(self, group: ModeGroup, running: set[str]) -> str:
-        """Which processes of a group run now."""
+        """The processes of a group that are running."""
         present = "+".join(name for path, name in group.modes.items() if path in running)
         return present or ("not begun" if self._begun.isdisjoint(group.modes) else "ended")
 

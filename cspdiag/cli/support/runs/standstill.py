@@ -1,4 +1,4 @@
-"""One line on standard error where simulated time stands still while a program runs."""
+"""One line on standard error if simulated time stands still while a program runs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Visited(Protocol):
-    """A program that runs, and knows which process is at work."""
+    """A program that runs, and knows its running process."""
 
     @property
     def now(self) -> int:
@@ -26,13 +26,13 @@ class Visited(Protocol):
         ...
 
     def at_work(self) -> list[str]:
-        """Processes that were found at work, each with its place."""
+        """Processes that were found running, each with its place."""
         ...
 
 
 PATIENCE = 3.0
 _LOOKS = 20
-"""How often to look which process runs: between two steps none does, and several may take turns."""
+"""The number of looks: between two steps no process runs, and several may alternate."""
 _BETWEEN_LOOKS = 0.005
 _MOST_PLACES = 3
 _MOST_NAMES = 4
@@ -51,7 +51,7 @@ class InThread:
         return self._network.now
 
     def at_work(self) -> list[str]:
-        """Processes that are found at work during a tenth of a second, each with its line."""
+        """Processes that are found running during a tenth of a second, each with its line."""
         found: dict[str, None] = {}
         for _ in range(_LOOKS):
             if at_work := whereabouts(self._scheduler, only_processes=True):
@@ -63,11 +63,10 @@ class InThread:
 
 
 class Standstill:
-    """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing
-    for it.
+    """Observes the time of a run in virtual time from a thread of its own, so the run is not slowed down.
 
-    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the
-    outermost process. Reports once that the instant is the same at two looks, ``patience`` seconds apart.
+    Used as a context manager around the run; ``attach`` must be called when the network exists. ``top`` is the
+    outermost process. Reports once if the instant is the same at two looks, ``patience`` seconds apart.
     """
 
     def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:
@@ -100,16 +99,16 @@ class Standstill:
         while not self._ended.wait(self._patience):
             now = self._network.now
             if now == before:
-                # A line of progress may stand there.
+                # A line of progress may be there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
                 put(f"{clear}{self.line(now, self._network.at_work()[:_MOST_PLACES])}\n")
                 return
             before = now
 
     def line(self, now: int, places: list[str]) -> str:
-        """The message at an instant in nanoseconds; ``places`` are those of the processes that were at work."""
+        """The message at an instant in nanoseconds; ``places`` are those of the running processes."""
         prefix = f"{self._top}."
-        # A copy in one step: the scheduler's thread goes on meanwhile.
+        # A copy in one step, because the scheduler's thread continues meanwhile.
         names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]
         more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
         running = f", with {', '.join(names[:_MOST_NAMES])}{more} running" if names else ""
