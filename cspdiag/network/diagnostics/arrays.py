@@ -32,13 +32,13 @@ class IndexOutOfRange(Diagnostic):
 @record
 class IndexMissing(Diagnostic):
     code = "E0504"
-    title = "element of an array wanted"
+    title = "element of an array needed"
 
     name: str
 
     @property
     def message(self) -> str:
-        return f"`{self.name}` is an array, and one element of it is wanted here"
+        return f"`{self.name}` is an array, and one element of it is needed here"
 
     @property
     def help(self) -> str | None:

@@ -20,7 +20,7 @@ class ChannelOneSided(Diagnostic):
     def message(self) -> str:
         if self.used is None:
             return f"the channel `{self.channel}` is never used"
-        return f"the channel `{self.channel}` has only one side: nobody is there to take or give what passes"
+        return f"the channel `{self.channel}` has only one side: no process reads or writes it on the other"
 
     @property
     def labels(self) -> tuple[Label, ...]:

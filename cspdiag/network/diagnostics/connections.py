@@ -108,7 +108,7 @@ class PortToPort(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"there is no process between the ports `{self.source}` and `{self.sink}`: nobody would carry the values"
+        return f"there is no process between the ports `{self.source}` and `{self.sink}` to pass the values on"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -144,7 +144,7 @@ class PortEndsInLabel(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"nobody carries the values of the port `{self.port}` into `{self.label_name}`"
+        return f"no process carries the values of the port `{self.port}` into `{self.label_name}`"
 
     @property
     def help(self) -> str | None:

@@ -9,7 +9,7 @@ from cspdiag.base.record import record
 @record
 class VariableUnused(Diagnostic):
     code = "W0511"
-    title = "variable, channel or label that nobody uses"
+    title = "variable, channel or label that is never used"
     severity = "warning"
     help = "remove it"
 
@@ -17,7 +17,7 @@ class VariableUnused(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"nobody uses `{self.name}`"
+        return f"`{self.name}` is never used"
 
 
 @record

@@ -180,7 +180,7 @@ class ReleaseNotDistinguished(Diagnostic):
     @property
     def message(self) -> str:
         return (
-            f"`{self.port}` comes when it becomes true and when it becomes false, and nobody looks at "
+            f"`{self.port}` comes when it becomes true and when it becomes false, and nothing tests "
             f"`{self.variable}` to distinguish the two"
         )
 
