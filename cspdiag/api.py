@@ -13,10 +13,13 @@ from cspdiag.arguments import (
     definition_to_draw,
     labels_to_hide,
     measured_times,
+    number_of,
+    require_names,
     require_one_of,
     require_seconds,
     require_states,
     settings_of,
+    shown,
     source_of,
     time_limit,
 )
@@ -114,6 +117,7 @@ class LoadedProgram:
     def _build(
         self, top: str | None, environment: str | None, set: Mapping[str, Setting] | None, *, alone: bool
     ) -> CoreNetwork:
+        require_names(top=top, environment=environment)
         built = pipeline.build(
             self.source, read_source, top=top, environment=environment, settings=settings_of(set), alone=alone
         )
@@ -168,9 +172,12 @@ class LoadedProgram:
         """
         from cspdiag.draw.pictures import Pictures, Wish
 
+        require_names(process=process)
         require_one_of("diagram", diagram, ("communication", "composition", "both"))
+        if not isinstance(depth, int):
+            raise TypeError(f"depth is an int, not {type(depth).__name__}")
         if depth < 1:
-            raise ArgumentError(f"depth is at least 1, not {depth!r}")
+            raise ArgumentError(f"depth is at least 1, not {shown(depth)}")
         checked = self._checked
         if checked.readable is None or (checked.report.has_errors and not check):
             raise ProgramError(checked.report.diagnostics)
@@ -186,8 +193,11 @@ class LoadedProgram:
         Raises ArgumentError where it ended otherwise, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
         from cspdiag.draw.deadlock.ring import draw_deadlock
+        from cspdiag.simulate.result import Run
         from cspdiag.verify.deadlock_picture import deadlock_of
 
+        if not isinstance(run, Run):
+            raise TypeError(f"what is drawn is a Run, not {type(run).__name__}")
         if run.outcome.deadlock is None:
             raise ArgumentError(f"the run did not end in a deadlock: {run.outcome.ended}")
         return Drawing(draw_deadlock(deadlock_of(run.outcome.deadlock, run.network), self._checked.program))
@@ -230,7 +240,7 @@ class LoadedProgram:
         chosen = chosen_environment(network, environment)
         if chosen is None:
             raise NoEnvironmentError(f"`{network.top}` has no environment, and so no plant that would close its loops")
-        require_states(chosen, at or {})
+        require_states(chosen, {} if at is None else at)
         return analyse_loops(network, chosen, point=at)
 
     def run(
@@ -263,7 +273,7 @@ class LoadedProgram:
             return self._run_on_reference(environment, process, until, set, target, real_time=real_time)
         _require_level(level)
         if target not in ("python", "c"):
-            raise ArgumentError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
+            raise ArgumentError(f"nothing runs the target {shown(target)}: it is 'python' or 'c'")
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, set, alone=True)
         with file_errors():
@@ -311,18 +321,19 @@ class LoadedProgram:
         from cspdiag.proofs.verdict import Limits
         from cspdiag.verify.confirm import Verifier
 
-        require_seconds("time_limit", time_limit)
+        seconds = require_seconds("time_limit", time_limit)
+        require_names(process=process)
         settings = settings_of(set)
         obligations = pipeline.proof_obligations(self.source, read_source, process=process, settings=settings)
         if obligations.checked.report.has_errors:
             raise ProgramError(obligations.checked.report.diagnostics)
         verifier = Verifier(obligations, read_source, settings=settings)
-        return [verifier.answer(question, Limits(time_limit)) for question in obligations.questions]
+        return [verifier.answer(question, Limits(seconds)) for question in obligations.questions]
 
 
 def _require_level(level: object) -> None:
     if level not in (0, 1):
-        raise ArgumentError(f"there is no level {level!r} of optimization: it is 0 or 1")
+        raise ArgumentError(f"there is no level {shown(level)} of optimization: it is 0 or 1")
 
 
 class Drawing:
@@ -362,7 +373,7 @@ class Drawing:
         suffix = Path(path).suffix.removeprefix(".").lower()
         require_one_of("ending of a picture", suffix, FORMATS)
         require_one_of("scheme", scheme, [each.value for each in Scheme])
-        if not 0.1 <= scale <= 20:
-            raise ArgumentError(f"scale is between 0.1 and 20, not {scale!r}")
+        if not 0.1 <= number_of("scale", scale) <= 20:
+            raise ArgumentError(f"scale is between 0.1 and 20, not {shown(scale)}")
         with file_errors():
             write_whole(Path(path), rendered([self.scene], suffix, scheme, scale))

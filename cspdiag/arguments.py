@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
+from numbers import Integral, Real
 from typing import TYPE_CHECKING
 
 from cspdiag.base import SourceFile
@@ -29,6 +30,7 @@ def source_of(text: str, name: str) -> SourceFile:
     """
     if not isinstance(text, str):
         raise TypeError(f"a program is text, a str, and not {type(text).__name__}: `load` reads a file")
+    require_text("the name of a program", name)
     zero = text.find("\0")
     if zero >= 0:
         raise ArgumentError(f"{name}: not text (a zero byte at offset {zero})")
@@ -39,58 +41,134 @@ def source_of(text: str, name: str) -> SourceFile:
     return SourceFile(name=name, text=with_line_feeds(text.removeprefix("\ufeff")))
 
 
+def shown(value: object) -> str:
+    """A value in a message; of a number with thousands of digits only that."""
+    try:
+        text = repr(value)
+    except ValueError:
+        return "a number of thousands of digits"
+    return text if len(text) <= 60 else f"{text[:50]}..."
+
+
+def require_text(what: str, value: object) -> None:
+    """Raise TypeError for what is no ``str``."""
+    if not isinstance(value, str):
+        raise TypeError(f"{what} is a str, not {type(value).__name__}")
+
+
+def require_names(**names: str | None) -> None:
+    """Raise TypeError for a name that is neither a ``str`` nor left out."""
+    for what, name in names.items():
+        if name is not None:
+            require_text(what, name)
+
+
+def require_mapping(what: str, value: object) -> None:
+    """Raise TypeError for what is no mapping from texts."""
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{what} is a mapping, not {type(value).__name__}")
+    for key in value:
+        require_text(f"a name in {what}", key)
+
+
+def number_of(what: str, value: object) -> float:
+    """A number of Python or numpy as a float; infinite where it is too large. Raises TypeError for anything else."""
+    if not isinstance(value, Real):
+        raise TypeError(f"{what} is a number, not {type(value).__name__}")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if int(math.floor(value)) > 0 else -math.inf
+
+
 def settings_of(values: Mapping[str, Setting] | None) -> dict[str, str]:
-    """Settings as the language writes them: ``True`` is ``true`` there."""
-    return {
-        name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in (values or {}).items()
-    }
+    """Settings as the language writes them: ``True`` is ``true`` there.
+
+    Raises TypeError for names that are no texts, and for values that are neither texts nor numbers; SettingError for
+    numbers that no type holds.
+    """
+    if values is None:
+        return {}
+    require_mapping("set", values)
+    return {name: _setting(name, value) for name, value in values.items()}
+
+
+def _setting(name: str, value: Setting) -> str:
+    from cspdiag.settings import SettingError, WrittenNumber
+
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool) or type(value).__name__ in ("bool", "bool_"):
+        return str(value).lower()
+    number = number_of(f"the value of {name}", value)
+    if isinstance(value, Integral):
+        if not math.isfinite(number):
+            raise SettingError(f"{name}: {shown(value)} is larger than any number of the language")
+        return WrittenNumber(int(value))
+    # A binary32 keeps the few digits it was written with.
+    return WrittenNumber(value if isinstance(value, float) else str(value))
 
 
 def time_limit(until: str | float) -> int:
-    """How long a run lasts at most, in nanoseconds. Raises SettingError."""
-    from cspdiag.settings import parse_time_limit
+    """How long a run lasts at most, in nanoseconds. Raises TypeError for what is neither a text nor a number,
+    SettingError for what is no time.
+    """
+    from cspdiag.settings import SettingError, parse_time_limit
 
     if isinstance(until, str):
         return parse_time_limit(until)
-    return parse_time_limit(f"{until if isinstance(until, bool) else float(until)!r} s")
+    seconds = number_of("until", until)
+    if isinstance(until, bool) or not math.isfinite(seconds):
+        raise SettingError(f"`{shown(until)} s` is not a time: write a number of seconds, or a text such as '20 s'")
+    return parse_time_limit(f"{seconds!r} s")
 
 
 def require_one_of(what: str, value: object, known: Collection[object]) -> None:
     """Raise ArgumentError for a value that there is not."""
     if value not in known:
-        raise ArgumentError(f"unknown {what} {value!r} (there are: {', '.join(map(str, known))})")
+        raise ArgumentError(f"unknown {what} {shown(value)} (there are: {', '.join(map(str, known))})")
 
 
-def require_seconds(what: str, seconds: float) -> None:
-    """Raise ArgumentError for what is no positive time, or longer than a timer of the system can wait."""
-    if not 0 < seconds <= LONGEST_LIMIT:
-        raise ArgumentError(f"{what} is a positive number of seconds up to {LONGEST_LIMIT:g}, not {seconds!r}")
+def require_seconds(what: str, seconds: float) -> float:
+    """The seconds as a float. Raises TypeError for what is no number, ArgumentError for what is no positive time, or
+    longer than a timer of the system can wait.
+    """
+    number = number_of(what, seconds)
+    if not 0 < number <= LONGEST_LIMIT:
+        raise ArgumentError(f"{what} is a positive number of seconds up to {LONGEST_LIMIT:g}, not {shown(seconds)}")
+    return number
 
 
 def measured_times(network: Network, measured: Mapping[str, float] | None) -> dict[str, int]:
-    """Execution times in nanoseconds, from seconds by path. Raises ArgumentError for a path or a time that there is
-    not.
+    """Execution times in nanoseconds, from seconds by path. Raises TypeError for what is no mapping to numbers,
+    ArgumentError for a path or a time that there is not.
     """
     from cspdiag.network.lower.program import suggestion
 
+    if measured is None:
+        return {}
+    require_mapping("measured", measured)
     paths = {instance.path for instance in network.instances}
-    for path, seconds in (measured or {}).items():
+    for path, seconds in measured.items():
         if path not in paths:
             raise ArgumentError(f"measured: `{network.top}` has no law or process `{path}`{suggestion(path, paths)}")
-        if not 0 <= seconds < 1e9:
-            raise ArgumentError(f"measured: the time of `{path}` is a number of seconds, not {seconds!r}")
-    return {path: round(seconds * 1e9) for path, seconds in (measured or {}).items()}
+        if not 0 <= number_of(f"the time of `{path}`", seconds) < 1e9:
+            raise ArgumentError(f"measured: the time of `{path}` is a number of seconds, not {shown(seconds)}")
+    return {path: round(float(seconds) * 1e9) for path, seconds in measured.items()}
 
 
 def require_states(environment: Environment, point: Mapping[str, float]) -> None:
-    """Raise ArgumentError for the name of a state that the plant does not have, and for a value that is not finite."""
+    """Raise TypeError for what is no mapping to numbers, ArgumentError for the name of a state that the plant does not
+    have, and for a value that is not finite.
+    """
+    require_mapping("at", point)
     states = () if environment.system is None else tuple(state.name for state in environment.system.states)
     for name, value in point.items():
         if name not in states:
             known = ", ".join(states) or "none"
             raise ArgumentError(f"at: the plant of `{environment.name}` has no state `{name}` (it has: {known})")
-        if not isinstance(value, int | float) or not math.isfinite(value):
-            raise ArgumentError(f"at: the value of `{name}` is a finite number, not {value!r}")
+        if not math.isfinite(number_of(f"the value of `{name}`", value)):
+            raise ArgumentError(f"at: the value of `{name}` is a finite number, not {shown(value)}")
 
 
 def definition_to_draw(pictures: Pictures, name: str | None) -> Drawn:
@@ -112,7 +190,10 @@ def labels_to_hide(pictures: Pictures, definition: Drawn, labels: bool | Iterabl
 
     if isinstance(labels, bool):
         return ALL_LABELS if labels else NOTHING_HIDDEN
-    hide = hidden([labels] if isinstance(labels, str) else labels)
+    names = [labels] if isinstance(labels, str) else list(labels)
+    for name in names:
+        require_text("a label to hide", name)
+    hide = hidden(names)
     unknown = sorted(hide.names - pictures.labels([definition], depth))
     if unknown:
         raise ArgumentError(f"hide_labels: there is no label `{unknown[0]}` in what is drawn")

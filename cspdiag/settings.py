@@ -21,6 +21,12 @@ class SettingError(CspdiagError, ValueError):
     """A setting names nothing that can be set, or its value does not fit; the message is one line."""
 
 
+class WrittenNumber(str):
+    """A number, not a text, that was given as a value: in the unit of what it sets, a time in seconds."""
+
+    __slots__ = ()
+
+
 @record
 class Overrides:
     """Settings as values: of constants by name or by the path of a field, of parameters by the path of their instance.
@@ -228,8 +234,10 @@ def _has_parts(type_: Type) -> bool:
 
 def _value(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
     from cspdiag.model.constants.values import parse_value
-    from cspdiag.model.types import StructType
+    from cspdiag.model.types import StructType, TimeType
 
+    if isinstance(text, WrittenNumber) and isinstance(type_, TimeType):
+        text = f"{text} s"
     if isinstance(type_, StructType):
         fields = ", ".join(f"{name}.{field}" for field, _ in type_.fields)
         advice = (

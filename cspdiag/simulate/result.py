@@ -71,6 +71,8 @@ class Run(RunData):
         return self._signal(name).time
 
     def _signal(self, name: str) -> Signal:
+        if not isinstance(name, str):
+            raise TypeError(f"the name of a signal is a str, not {type(name).__name__}")
         try:
             return self.signals[name]
         except KeyError:

@@ -8,12 +8,23 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 
+def require_name_of_file(path: str | os.PathLike[str]) -> None:
+    """Raise OSError for a name with a character that no file system takes."""
+    try:
+        if b"\0" not in os.fsencode(path):
+            return
+    except UnicodeEncodeError:
+        pass
+    raise OSError(errno.EINVAL, "no file has a name like this", ascii(os.fspath(path)))
+
+
 def write_whole(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file whole or not at all.
 
     A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it
     is. Raises OSError as the file system does, with the name that was given, and for a pipe from which nobody reads.
     """
+    require_name_of_file(path)
     if os.path.exists(path) and not os.path.isfile(path):
         _write_through(path, data)
     else:
