@@ -78,7 +78,8 @@ def number_of(what: str, value: object) -> float:
     try:
         return float(value)
     except OverflowError:
-        return math.inf if int(math.floor(value)) > 0 else -math.inf
+        # Only an int or a fraction is too large.
+        return math.inf if float(value // abs(value)) > 0 else -math.inf
 
 
 def settings_of(values: Mapping[str, Setting] | None) -> dict[str, str]:
