@@ -10,6 +10,7 @@ from cspdiag.base.record import replaced
 from cspdiag.model.types import BoolType, IntType, TimeType, Type
 from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, Value
 from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.ranges import needs_check
 
 COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
 """The operators as functions of two values."""
@@ -63,6 +64,14 @@ def truth_of(comparison: BinaryOperation) -> tuple[Expression, bool] | None:
         return None
     is_truth = isinstance(other.type, BoolType)
     return (comparison.left, bool(other.value) == (comparison.operator == "==")) if is_truth else None
+
+
+def range_check(expression: Expression) -> str | None:
+    """The name of the function of a runtime that checks the result of an operation on whole numbers; None where it
+    surely fits.
+    """
+    is_whole = isinstance(expression.type, IntType | TimeType)
+    return integer_name(expression.type) if is_whole and needs_check(expression) else None
 
 
 def integer_name(type_: Type) -> str:

@@ -1,8 +1,4 @@
-"""C expressions as trees that know their precedence; parentheses stand where C, its compilers or a reader wants them.
-
-The convention is that of the kernel: what ``&&`` and ``||`` join and the condition of ``?:`` stand in parentheses, as
-MISRA C has it (rule 12.1), if they have operators with two operands; sums and products need none.
-"""
+"""C expressions as trees that know their precedence; parentheses stand where C, compilers or readers want them."""
 
 from __future__ import annotations
 
@@ -23,6 +19,7 @@ from cspdiag.codegen.shared.document import (
     joined,
     listed,
 )
+from cspdiag.codegen.shared.parentheses import Operands, Parentheses
 from cspdiag.codegen.shared.trees import Counted, nodes
 
 COMMA, ASSIGNMENT, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(11)
@@ -262,6 +259,22 @@ class Aggregate(Code):
         return Group((before, Nest(STEP, (SOFT, items)), SOFT, "}"))
 
 
+_PARENTHESES: Parentheses[Code] = Parentheses(
+    Parenthesized,
+    {
+        OR: Operands(UNARY, UNARY),
+        AND: Operands(UNARY, UNARY),
+        EQUALITY: Operands(SUM, SUM, chain=False),
+        RELATION: Operands(SUM, SUM, chain=False),
+        SUM: Operands(SUM, PRODUCT),
+        PRODUCT: Operands(PRODUCT, UNARY),
+    },
+)
+"""The convention is that of the kernel: what ``&&`` and ``||`` join and the condition of ``?:`` stand in parentheses,
+as MISRA C has it (rule 12.1), if they have operators with two operands; sums and products need none.
+"""
+
+
 def assigned(head: Document, value: Document, preferred: Document | None = None) -> Document:
     """``head value``: on one line, else all of the value on the next, else broken inside the value, in a ``preferred``
     way if there is one that fits.
@@ -289,7 +302,7 @@ def unsigned(value: int) -> Count:
 
 def at_least(item: Code, precedence: int) -> Code:
     """``item``, in parentheses if its operator is looser than ``precedence``."""
-    return item if item.precedence >= precedence else Parenthesized(item)
+    return _PARENTHESES.at_least(item, precedence)
 
 
 def call(function: str, *arguments: Code | str) -> Call:
@@ -353,14 +366,7 @@ def negated(condition: Code) -> Code:
 
 def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
     """An operator that groups to the left."""
-    if precedence in (AND, OR):
-        same = isinstance(left, Chain) and left.precedence == precedence
-        first = left if same else at_least(left, UNARY)
-        second = at_least(right, UNARY)
-    elif precedence in (EQUALITY, RELATION):
-        first, second = at_least(left, SUM), at_least(right, SUM)
-    else:
-        first, second = at_least(left, precedence), at_least(right, precedence + 1)
+    first, second = _PARENTHESES.operands(precedence, left, right)
     if isinstance(first, Chain) and first.precedence == precedence:
         return Chain(precedence, first.first, (*first.rest, (operator, second)))
     return Chain(precedence, first, ((operator, second),))

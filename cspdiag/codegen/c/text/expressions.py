@@ -36,7 +36,14 @@ from cspdiag.codegen.c.text.operands import (
     traps,
     widened,
 )
-from cspdiag.codegen.shared.operations import COMPARISONS, integer_name, known_comparison, opposite, truth_of
+from cspdiag.codegen.shared.operations import (
+    COMPARISONS,
+    integer_name,
+    known_comparison,
+    opposite,
+    range_check,
+    truth_of,
+)
 from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -192,9 +199,9 @@ class Printer(Evaluator):
         """The result of an operation that was made in a wider type, checked where it may not fit."""
         if is_word(expression.type):
             return code
-        assert isinstance(expression.type, IntType)
-        if needs_check(expression):
-            return call(f"csp_{integer_name(expression.type)}", code)
+        checked = range_check(expression)
+        if checked is not None:
+            return call(f"csp_{checked}", code)
         return cast(self.types.type_name(expression.type), code)
 
     def _is_int(self, expression: Expression) -> bool:

@@ -18,7 +18,6 @@ from cspdiag.codegen.python.text.code import (
     Code,
     Conditional,
     Name,
-    Parenthesized,
     at_least,
     call,
     infix,
@@ -28,7 +27,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.types import field_names, literal
-from cspdiag.codegen.shared.operations import integer_name, known_comparison, opposite, truth_of
+from cspdiag.codegen.shared.operations import integer_name, known_comparison, opposite, range_check, truth_of
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -59,7 +58,6 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 from cspdiag.network.ir.faults import index_fits
-from cspdiag.network.ir.ranges import needs_check
 
 _PRECEDENCE = {
     "+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "and": AND, "or": OR,
@@ -161,20 +159,13 @@ class Printer:
                 return call(self.imports.runtime("remainder"), left, right)
             case "/" if whole:
                 return self._checked(expression, call(self.imports.runtime("quotient"), left, right))
-        if operator == "or":  # `and` binds tighter, but readers should not need to know
-            left, right = (Parenthesized(code) if code.precedence == AND else code for code in (left, right))
         return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
 
     def _checked(self, expression: Expression, code: Code) -> Code:
         """``code``, with a check of the range of its type where it may be exceeded."""
-        match expression.type:
-            case RealType(bits=32):
-                return call(self.imports.runtime("float32"), code)
-            case IntType() if needs_check(expression):
-                return call(self.imports.runtime(integer_name(expression.type)), code)
-            case TimeType() if needs_check(expression):
-                return call(self.imports.runtime("int64"), code)
-        return code
+        is_single = isinstance(expression.type, RealType) and expression.type.bits == 32
+        checked = "float32" if is_single else range_check(expression)
+        return code if checked is None else call(self.imports.runtime(checked), code)
 
     def _function(self, expression: FunctionCall) -> Code:
         function = expression.function
@@ -194,10 +185,8 @@ class Printer:
     def _conversion(self, type_: Type, operand: Expression) -> Code:
         code = self.print(operand)
         match type_:
-            case IntType():
+            case IntType() | TimeType():
                 return call(self.imports.runtime(integer_name(type_)), code)
-            case TimeType():
-                return call(self.imports.runtime("int64"), code)
             case RealType(bits=32):
                 return call(self.imports.runtime("float32"), code)
             case RealType():

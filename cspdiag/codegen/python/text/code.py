@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import ClassVar, Literal, TypeAlias, cast
 
 from cspdiag.base.record import record
+from cspdiag.codegen.shared.parentheses import Operands, Parentheses
 from cspdiag.codegen.shared.trees import Closed, Counted, nodes
 
 (
@@ -296,6 +297,20 @@ Code: TypeAlias = (
     | Named
 )
 
+_PARENTHESES: Parentheses[Code] = Parentheses(
+    Parenthesized,
+    {
+        OR: Operands(NOT, NOT),  # `and` binds tighter, but readers should not need to know
+        AND: Operands(AND, NOT),
+        COMPARISON: Operands(BITS_OR, BITS_OR, chain=False),
+        BITS_OR: Operands(BITS_OR, BITS_AND),
+        BITS_AND: Operands(BITS_AND, SHIFT),
+        SHIFT: Operands(SHIFT, SUM),
+        SUM: Operands(SUM, PRODUCT),
+        PRODUCT: Operands(PRODUCT, SIGN),
+    },
+)
+
 SELF = Name("self")
 NONE = Constant("None")
 TRUE = Constant("True")
@@ -367,17 +382,15 @@ def minus(item: Code) -> Code:
 
 def at_least(code: Code, precedence: int) -> Code:
     """``code``, in parentheses if it binds more loosely than ``precedence``."""
-    return code if code.precedence >= precedence else Parenthesized(code)
+    return _PARENTHESES.at_least(code, precedence)
 
 
 def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
     """``left operator right`` for an operator that groups to the left; comparisons do not chain."""
-    right = at_least(right, precedence + 1)
-    if precedence == COMPARISON:
-        return Chain(precedence, at_least(left, precedence + 1), ((operator, right),))
-    if isinstance(left, Chain) and left.level == precedence:
-        return Chain(precedence, left.first, (*left.rest, (operator, right)))
-    return Chain(precedence, at_least(left, precedence), ((operator, right),))
+    first, second = _PARENTHESES.operands(precedence, left, right)
+    if isinstance(first, Chain) and first.level == precedence:
+        return Chain(precedence, first.first, (*first.rest, (operator, second)))
+    return Chain(precedence, first, ((operator, second),))
 
 
 def infix_all(operator: str, precedence: int, operands: Sequence[Code]) -> Code:
