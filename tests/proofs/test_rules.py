@@ -76,7 +76,7 @@ def test_philosophers_of_one_hand_are_left_to_others() -> None:
 def test_who_always_goes_on_is_named() -> None:
     verdict = ruled(known.beside_a_loop(known.philosophers(3)), together=True)
     assert isinstance(verdict, Proved)
-    assert verdict.reason == "`loop asker`, `loop answerer` can always go on"
+    assert verdict.reason == "`loop asker`, `loop answerer` can always continue"
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -1,4 +1,4 @@
-"""Compositions of the network as text, an action a line."""
+"""Compositions of the network as text, one action on each line."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from cspdiag.network.ir import actions as ir
 
 
 def end_text(end: ir.End) -> str:
-    """``request[3]``, and ``feedback end 1`` for a reading end after the first."""
+    """The text of an end: ``request[3]``, or ``feedback end 1`` for a reading end after the first."""
     name = end.port if isinstance(end, ir.PortEnd) else end.channel
     index = f"[{end.index}]" if isinstance(end, ir.PortEnd) and end.index is not None else ""
     return f"{name}{index}" + (f" end {end.end}" if end.end else "")
 
 
 def target_text(target: ir.Target) -> str:
-    """``buffer[first]``."""
+    """The text of an assigned variable or element: ``buffer[first]``."""
     return target.channel + "".join(f"[{expression_text(index)}]" for index in target.indexes)
 
 
 def action_lines(action: ir.Action) -> Iterator[str]:
-    """The action, with what is inside it indented below."""
+    """The lines of an action, with the actions inside it indented."""
     match action:
         case ir.RunInstance():
             yield f"run {action.instance}"

@@ -1,4 +1,4 @@
-"""Delays and time-outs in words, and what such words say."""
+"""Writes delays and time-outs in words, and recognizes such words."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.network.ir.expressions import FunctionCall
 
 
 def delay_text(delay: WaitStep | AfterEvent) -> str:
-    """``wait 5 ms``, or of a guard ``after 5 ms`` and ``at 5 ms``."""
+    """The text of a delay, ``wait 5 ms``, or of a guard, ``after 5 ms`` or ``at 5 ms``."""
     match delay:
         case AfterEvent(duration=FunctionCall(function="until", arguments=(instant, _))):
             return f"at {expression_text(instant)}"
@@ -23,11 +23,13 @@ def delay_text(delay: WaitStep | AfterEvent) -> str:
 
 
 def until_instant(words: str) -> str:
-    """The part of such words that is of the delay, where it lasts until an instant: ``at t + 5 ms``; or nothing."""
+    """The part of such words for a delay until an instant: ``at t + 5 ms``; empty for other delays."""
     delay = words.rpartition(": ")[2]
     return delay if delay.startswith(("at ", "wait until ")) else ""
 
 
 def is_of_time_out(words: str) -> bool:
-    """Whether words of an event, with the process in front or not, are those of a guard: ``Top.law: after 5 ms``."""
+    """Whether the words of an event, with or without the name of the process before them, are those of a guard:
+    ``Top.law: after 5 ms``.
+    """
     return words.rpartition(": ")[2].startswith(("after ", "at "))

@@ -59,7 +59,7 @@ def expression_text(expression: Expression) -> str:
 
 
 def _text(expression: Expression) -> tuple[str, int]:
-    """The text and how tightly its outermost operator binds."""
+    """The text of an expression, and how tightly its outermost operator binds."""
     match expression:
         case LiteralValue():
             text = expression.name or value_text(expression.value, expression.type)
@@ -114,7 +114,7 @@ def _struct(expression: StructValue) -> str:
 
 
 def _chain(expression: BinaryOperation) -> str:
-    """A chain of operators may be thousands long: go down its left side by a loop."""
+    """The text of a chain of operators, which may be thousands long: its left side is followed without recursion."""
     operations = [expression]
     while isinstance(operations[-1].left, BinaryOperation):
         operations.append(operations[-1].left)

@@ -36,7 +36,7 @@ from cspdiag.network.ir.network import (
 
 
 def dump(network: Network) -> str:
-    """The listing: vocabulary, classes with what they own and do, external ports, environments, instances, nets."""
+    """The listing of a network: vocabulary, classes, external ports, environments, instances, nets."""
     return "\n".join(_lines(network)) + "\n"
 
 

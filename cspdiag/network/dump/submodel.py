@@ -12,7 +12,7 @@ from cspdiag.network.ir.network import LocalChannel, Medium, Port, ProcessClass,
 
 
 def external_text(external: ExternalBody) -> str:
-    """``python "plant.py:Joint"``."""
+    """The text of an external body: ``python "plant.py:Joint"``."""
     return f'{external.language} "{external.target}"'
 
 
@@ -23,15 +23,15 @@ def doc_lines(doc: str | None) -> Iterator[str]:
 
 
 def port_text(port: Port) -> str:
-    """``in feedback : double<rad> @ T``."""
+    """The text of a port: ``in feedback : double<rad> @ T``."""
     size = "" if port.size is None else f"[{port.size}]"
     period = "" if port.period is None else f" @ {expression_text(port.period)}"
     return f"{port.direction} {port.name}{size} : {port.type}{period}{_media(port.media)}"
 
 
 def _media(media: tuple[Medium, ...]) -> str:
-    """`` via sync, reads guarded``: what a port of a specialized class is connected to; for an array once if all are
-    alike.
+    """The text of what a port of a specialized class is connected to, `` via sync, reads guarded``; for an array once
+    if all are alike.
     """
     if not media:
         return ""
@@ -40,7 +40,7 @@ def _media(media: tuple[Medium, ...]) -> str:
 
 
 def guards_text(place: Medium | LocalChannel) -> str:
-    """Which sides of a channel alternatives guard."""
+    """The sides of a channel that alternatives guard."""
     return (", reads guarded" if place.guarded_reads else "") + (", writes guarded" if place.guarded_writes else "")
 
 
@@ -53,7 +53,7 @@ def submodel_body(law: SubmodelClass) -> Iterator[str]:
 
 
 def memory_lines(owner: SubmodelClass | ProcessClass) -> Iterator[str]:
-    """Constants and states."""
+    """The constants and states of a control law."""
     for constant in owner.constants:
         yield f"constant {_equation(constant)}"
     for state in owner.states:
@@ -62,7 +62,7 @@ def memory_lines(owner: SubmodelClass | ProcessClass) -> Iterator[str]:
 
 
 def law_lines(law: SubmodelClass | RunLaw) -> Iterator[str]:
-    """What one run computes."""
+    """The equations and next values of a control law."""
     for equation in law.equations:
         yield _equation(equation)
     for name, value in law.next_values:

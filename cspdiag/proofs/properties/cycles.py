@@ -179,7 +179,7 @@ def _among_all_states(system: System, part: System, limits: Limits) -> Endless |
     return _shortest_cycle(search, part, left, limits)
 
 
-def _nothing(words: Words, goes_on: Flags) -> None:
+def _nothing(words: Words, can_step: Flags) -> None:
     """The condition of a search that is to reach all states."""
 
 

@@ -186,22 +186,22 @@ class _Violations:
         self._deadlocks = Deadlocks(packing)
         self._steps = packing.steps
 
-    def __call__(self, states: Words, goes_on: Flags) -> Flags | None:
+    def __call__(self, states: Words, can_step: Flags) -> Flags | None:
         """Which states violate the specification, if any does."""
         node = self._watcher.of(states)
         hits: Flags = node == len(self._nodes)
         wrong_end = np.array([END not in known.after for known in self._nodes] + [False])
-        still = np.flatnonzero(~goes_on & ~hits)
+        still = np.flatnonzero(~can_step & ~hits)
         if len(still):
             few = [word[still] for word in states]
             stuck = self._deadlocks(few, np.zeros(len(still), np.bool_))
             ended = still if stuck is None else still[~stuck]
             hits[ended] |= wrong_end[node[ended]]
         if self._failures:
-            self._refusals(states, goes_on, hits)
+            self._refusals(states, can_step, hits)
         return hits if hits.any() else None
 
-    def _refusals(self, states: Words, goes_on: Flags, hits: Flags) -> None:
+    def _refusals(self, states: Words, can_step: Flags, hits: Flags) -> None:
         """Marks in ``hits`` the stable states that offer none of the acceptances of the specification."""
         stable = np.flatnonzero(~hits)
         for step in self._steps:
@@ -215,7 +215,7 @@ class _Violations:
                     enabled = step.enabled(few)
                     offered[label] = offered[label] | enabled if label in offered else enabled
         node = self._watcher.of(few)
-        ended = ~goes_on[stable]
+        ended = ~can_step[stable]
         if ended.any():
             stuck = self._deadlocks([word[ended] for word in few], np.zeros(int(ended.sum()), np.bool_))
             if stuck is not None:

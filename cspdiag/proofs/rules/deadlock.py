@@ -85,7 +85,7 @@ def _order_in_words(question: StuckQuestion) -> str:
     ):
         processes = [at for at in question.waiting.order if structure.shapes[at].process]
         if question.together and processes:
-            return f"{_names(question, processes)} can always go on"
+            return f"{_names(question, processes)} can always continue"
         return "no process waits in a circle with others"
     if not order:
         return "no process ever waits for another"

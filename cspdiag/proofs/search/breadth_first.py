@@ -81,8 +81,8 @@ def explore(packing: Packing, limits: Limits, seen: Condition) -> Exploration:
         for start in range(first, last, CHUNK):
             limits.check(search.table.bytes)
             here = [word.copy() for word in search.table.states(start, min(start + CHUNK, last))]
-            goes_on = _take_steps(packing, search.table, here, limits)
-            hits = seen(here, goes_on)
+            can_step = _take_steps(packing, search.table, here, limits)
+            hits = seen(here, can_step)
             if hits is not None:
                 search.found = start + int(np.flatnonzero(hits)[0])
                 return search
@@ -97,9 +97,9 @@ def count(system: System, limits: Limits) -> tuple[int, int]:
     condition = Deadlocks(packing)
     deadlocks = 0
 
-    def counting(words: Words, goes_on: Flags) -> None:
+    def counting(words: Words, can_step: Flags) -> None:
         nonlocal deadlocks
-        hits = condition(words, goes_on)
+        hits = condition(words, can_step)
         deadlocks += 0 if hits is None else int(np.count_nonzero(hits))
 
     search = explore(packing, limits, counting)
@@ -108,7 +108,7 @@ def count(system: System, limits: Limits) -> tuple[int, int]:
 
 def _take_steps(packing: Packing, table: StateTable, here: Words, limits: Limits) -> Flags:
     """Adds the states after every step from ``here`` to the table. Returns which of those have a step."""
-    goes_on = np.zeros(len(here[0]), np.bool_)
+    can_step = np.zeros(len(here[0]), np.bool_)
     after: list[Words] = []
     pending = 0
     for step in packing.steps:
@@ -116,13 +116,13 @@ def _take_steps(packing: Packing, table: StateTable, here: Words, limits: Limits
         enabled = step.enabled(here)
         at = np.flatnonzero(enabled)
         if len(at):
-            goes_on |= enabled
+            can_step |= enabled
             after.append(step.after(here, at))
             pending += len(at) * packing.words * 8
             limits.check(table.bytes + pending)
     if after:
         table.add([np.concatenate(parts) for parts in zip(*after, strict=True)])
-    return goes_on
+    return can_step
 
 
 def trace_to(search: Exploration, number: int) -> tuple[Move, ...]:

@@ -104,14 +104,14 @@ class ClosedSets:
             return possible
         can = set(possible)
         best = possible
-        goes_on: set[int] = set()
+        can_step: set[int] = set()
         for component in strong_components(possible, interfering):
-            if any(other in goes_on for event in component for other in interfering(event)):
-                goes_on.update(component)
+            if any(other in can_step for event in component for other in interfering(event)):
+                can_step.update(component)
                 continue
             events = [event for event in reversed(component) if event in can]
             if events:
-                goes_on.update(component)
+                can_step.update(component)
                 if len(events) < len(best):
                     best = events
         return best

@@ -23,16 +23,16 @@ class Deadlocks:
             if component.process
         ]
 
-    def __call__(self, words: Words, goes_on: Flags) -> Flags | None:
+    def __call__(self, words: Words, can_step: Flags) -> Flags | None:
         """Which states are deadlocks; None if none is."""
-        still = np.flatnonzero(~goes_on)
+        still = np.flatnonzero(~can_step)
         if not len(still):
             return None
         few = [word[still] for word in words]
         unended = np.zeros(len(still), np.bool_)
         for field, table in self._unended:
             unended |= table.take(field.of(few))
-        hits = np.zeros(len(goes_on), np.bool_)
+        hits = np.zeros(len(can_step), np.bool_)
         hits[still[unended]] = True
         return hits if unended.any() else None
 
@@ -75,9 +75,9 @@ class Knots:
                 ]
             )
 
-    def __call__(self, words: Words, goes_on: Flags) -> Flags | None:
+    def __call__(self, words: Words, can_step: Flags) -> Flags | None:
         """Which states contain a knot; None if none does."""
-        left = np.arange(len(goes_on))
+        left = np.arange(len(can_step))
         states = [field.of(words) for field in self._fields]
         stuck = [table.take(local) for table, local in zip(self._may_be_stuck, states, strict=True)]
         while True:
@@ -88,7 +88,7 @@ class Knots:
             states = [local[kept] for local in states]
             stuck = [flags[kept] for flags in stuck]
             if not self._release(states, stuck):
-                hits = np.zeros(len(goes_on), np.bool_)
+                hits = np.zeros(len(can_step), np.bool_)
                 hits[left] = True
                 return hits
 

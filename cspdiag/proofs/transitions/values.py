@@ -214,7 +214,7 @@ class _Evaluation:
             return arithmetic.operate(expression.operator, left, right, expression.type)
         except arithmetic.OutOfRangeError:
             if isinstance(expression.type, RealType):
-                return UNKNOWN  # Within an expression an infinity goes on.
+                return UNKNOWN  # Within an expression an infinity is a value.
             raise
 
 

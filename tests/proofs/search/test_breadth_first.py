@@ -94,9 +94,9 @@ def test_states_of_more_than_one_word_are_told_apart() -> None:
     assert packing.words == 2
     sizes: list[int] = []
 
-    def until_the_fourth_layer(words: Words, goes_on: Flags) -> Flags | None:
-        sizes.append(len(goes_on))
-        return goes_on if len(sizes) == 4 else None
+    def until_the_fourth_layer(words: Words, can_step: Flags) -> Flags | None:
+        sizes.append(len(can_step))
+        return can_step if len(sizes) == 4 else None
 
     explore(packing, Limits(), until_the_fourth_layer)
     assert sizes == [1, comb(34, 1), comb(34, 2), comb(34, 3) + 34], (
