@@ -14,6 +14,7 @@ from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
 from cspdiag.base.sources import read_source
 from tests.support.counting import calls
+from tests.support.nested import nested
 
 MOST = 2.6
 """How much more may be done for twice the size: n log n, with room for what does not grow at all."""
@@ -111,3 +112,12 @@ def test_reading_ends_of_laws_that_run_at_many_places() -> None:
 
     lowering(8)
     assert lowering(400) <= MOST * lowering(200)
+
+
+def test_alternatives_inside_each_other() -> None:
+    def checking(levels: int) -> int:
+        source = SourceFile(name="nested.csp", text=nested("ready alternative", levels))
+        return calls(partial(pipeline.check, source, read_source))
+
+    checking(6)
+    assert checking(16) <= MOST * checking(8)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 from typing import assert_never
 
 from cspdiag.model.sampling import Sampling
@@ -170,11 +170,18 @@ class MayWait:
         """Whether an alternative may wait. One with a branch ``skip -> P`` may take it forever; with other guards that
         are always ready, the other branches are taken in turn.
         """
-        skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]
-        if any(branch.condition is None and not self.action(placed, branch.body) for branch in skips):
+        branches = choice.branches
+
+        @cache
+        def waits(position: int) -> bool:
+            # Once for each branch: alternatives inside each other would double the work with each level.
+            return self.action(placed, branches[position].body)
+
+        free = [position for position, branch in enumerate(branches) if branch.condition is None]
+        if any(isinstance(branches[position].event, SkipEvent) and not waits(position) for position in free):
             return False
-        if any(branch.condition is None and self._is_ready(placed, branch.event) for branch in choice.branches):
-            return any(self.action(placed, branch.body) for branch in choice.branches)
+        if any(self._is_ready(placed, branches[position].event) for position in free):
+            return any(map(waits, range(len(branches))))
         return True
 
     def _interrupt(self, placed: Placed, interrupt: InterruptOn[CoreAction]) -> bool:
