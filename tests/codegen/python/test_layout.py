@@ -6,6 +6,8 @@ import random
 import subprocess
 import sys
 
+import pytest
+
 from cspdiag.codegen.python.text.code import (
     COMPARISON,
     NOT,
@@ -30,8 +32,8 @@ from cspdiag.codegen.python.text.code import (
     own,
     tuple_of,
 )
-from cspdiag.codegen.python.text.layout import LINE_LENGTH
-from cspdiag.codegen.python.text.statements import PASS, Statement, Unpack, assign, if_, lines, return_, run
+from cspdiag.codegen.python.text.layout import LINE_LENGTH, comment_line
+from cspdiag.codegen.python.text.statements import PASS, Statement, Unpack, assign, if_, lines, nonlocal_, return_, run
 
 NAMES = (
     *map(Name, ("x", "pan_angle", "joystick_horizontal", "k1_pan_motor_speed", "h")),
@@ -115,3 +117,20 @@ def test_breaks_where_the_formatter_does() -> None:
     ][2:]
     text = "\n".join(written) + "\n"
     assert reformatted(text) == text
+
+
+@pytest.mark.parametrize("columns", [0, 80, 96, 97, 200])
+def test_a_comment_stands_where_its_statement_does(columns: int) -> None:
+    indent = " " * columns
+    line = comment_line(indent, "position.csp:12  " + "limit(position) ; " * 20)
+    assert line.startswith(f"{indent}# position.csp:12  limit(position)")
+    assert line.endswith("...")
+
+
+@pytest.mark.parametrize("columns", [12, 300])
+def test_a_declaration_that_can_have_no_parentheses_is_several(columns: int) -> None:
+    names = [f"variable_{number}" for number in range(30)]
+    rows = lines(nonlocal_(names), " " * columns)
+    assert [name for row in rows for name in row.strip().removeprefix("nonlocal ").split(", ")] == names
+    assert all(row.startswith(" " * columns + "nonlocal ") for row in rows)
+    assert all(len(row) <= max(LINE_LENGTH, columns + 20 + len("variable_29")) for row in rows)

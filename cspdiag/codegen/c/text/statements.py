@@ -13,6 +13,9 @@ from cspdiag.codegen.c.text.literals import in_comment
 from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
 from cspdiag.codegen.shared.trees import nodes
 
+_LEAST_REMARK = 40
+"""The columns that a comment has, however deep it stands."""
+
 
 @record
 class Remark:
@@ -328,5 +331,5 @@ def _broken(document: Document, depth: int) -> list[str]:
 
 
 def _remark(text: str, indent: str) -> list[str]:
-    width = LINE_LENGTH - len(indent) - 6
+    width = max(LINE_LENGTH - len(indent) - 6, _LEAST_REMARK)
     return comment(textwrap.wrap(" ".join(text.split()), width, break_long_words=False) or [""], indent)

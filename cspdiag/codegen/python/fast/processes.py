@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 
 from cspdiag.base.record import replaced
@@ -26,7 +26,6 @@ from cspdiag.codegen.python.text.code import (
     TRUE,
     Code,
     Constant,
-    Items,
     Name,
     Prefix,
     WholeNumber,
@@ -36,11 +35,11 @@ from cspdiag.codegen.python.text.code import (
     tuple_of,
 )
 from cspdiag.codegen.python.text.imports import Imports, member_order
-from cspdiag.codegen.python.text.layout import LINE_LENGTH
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import (
     RAISE,
     YIELD,
@@ -48,7 +47,6 @@ from cspdiag.codegen.python.text.statements import (
     Block,
     Declare,
     Function,
-    Plain,
     Statement,
     Statements,
     assign,
@@ -56,6 +54,7 @@ from cspdiag.codegen.python.text.statements import (
     bound_in,
     if_,
     lines,
+    nonlocal_,
     run,
     try_,
 )
@@ -78,8 +77,6 @@ from cspdiag.network.ir.network import (
 from cspdiag.network.ir.walk import parts
 
 _EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
-_DECLARED = LINE_LENGTH - 12
-"""The room for a declaration in a function inside a method."""
 
 
 def process_module(
@@ -100,22 +97,6 @@ def has_levels(network: Network) -> bool:
     """Whether the program has prioritized parallels."""
     bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]
     return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
-
-
-def _nonlocal(names: Sequence[str]) -> Iterator[Statement]:
-    """Declarations of variables of the enclosing function, with as many on a line as fit."""
-    row: list[str] = []
-    for name in names:
-        if row and len(f"nonlocal {', '.join([*row, name])}") > _DECLARED:
-            yield _declared(row)
-            row = []
-        row.append(name)
-    if row:
-        yield _declared(row)
-
-
-def _declared(names: Sequence[str]) -> Statement:
-    return Plain("nonlocal", Items("", tuple(map(Name, names))))
 
 
 class _ProcessWriter(ConstructorWriter):
@@ -170,13 +151,14 @@ class _ProcessWriter(ConstructorWriter):
         facts = {"kind": Constant(quoted(process.definition)), "source": Constant(quoted(self.place))}
         facts |= {"checked": TRUE} if self.checked else {}
         facts |= {"tracked": TRUE} if self.tracked else {}
+        bodies = methods((constructor, steps), self.imports)
         attributes += ["", *lines([assign(fact, value) for fact, value in facts.items()], "    ")]
         return ClassModule(
             f"The process {process.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(process, self.place, "process"), "    "),
-            [attributes, *(lines([function], "    ") for function in (constructor, steps))],
+            [attributes, *bodies],
         )
 
     # The code
@@ -193,7 +175,7 @@ class _ProcessWriter(ConstructorWriter):
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
         code: Statements = (*self._of_run(), *bound, *self.composition.prologue, *states, *declared, *memories)
         for function in self.composition.functions:
-            inner = (*_nonlocal(self._set_in(function.body)), *function.body)
+            inner = (*nonlocal_(self._set_in(function.body)), *function.body)
             code += (replaced(function, body=self._generator(inner)),)
         failed = (run(own("fail").called(me, error)), RAISE)
         code += (

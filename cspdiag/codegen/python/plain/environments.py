@@ -29,6 +29,7 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.names import Names, PackageNames
+from cspdiag.codegen.python.text.splitting import methods
 from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, if_, lines, run
 from cspdiag.codegen.python.text.types import annotation, duration, literal
 from cspdiag.codegen.shared.equations import (
@@ -115,6 +116,7 @@ class EnvironmentWriter:
             assign("on_miss", Constant(quoted(environment.on_miss))),
         ]
         constants = lines(self._constants(), "")
+        bodies = methods(functions, self.imports)
         return EnvironmentModule(
             f"The environment {environment.name}.",
             self.imports.lines(),
@@ -122,7 +124,7 @@ class EnvironmentWriter:
             name,
             docstring(f"{doc}\n\nSource: {place}", "    "),
             lines(attributes, "    "),
-            [lines([function], "    ") for function in functions],
+            bodies,
         )
 
     def _assigned(self, target: Code, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:

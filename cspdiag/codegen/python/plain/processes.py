@@ -25,7 +25,8 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule
 from cspdiag.codegen.python.text.names import PackageNames
-from cspdiag.codegen.python.text.statements import Function, Statement, Statements, assign, lines, run
+from cspdiag.codegen.python.text.splitting import methods
+from cspdiag.codegen.python.text.statements import Function, Statement, Statements, assign, run
 from cspdiag.network.checks.unwritten import may_be_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import ParameterValue
@@ -66,13 +67,14 @@ class _ProcessWriter(ConstructorWriter):
         body = self.composition.statements(process.body) if process.body is not None else ()
         functions = [self._constructor(), _coroutine("run", body)]
         functions += [_coroutine(method.name, method.body, method.parameter) for method in self.composition.methods]
+        bodies = methods(functions, self.imports)
         name, base = self.names.classes[process.name], self.imports.runtime("Process")
         return ClassModule(
             f"The process {process.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(process, self.place, "process"), "    "),
-            [lines([function], "    ") for function in functions],
+            bodies,
         )
 
     def _parameter(self, name: str) -> Code:

@@ -25,7 +25,8 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import docstring, quoted
 from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
 from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
-from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, lines, return_, run, unpack
+from cspdiag.codegen.python.text.splitting import methods
+from cspdiag.codegen.python.text.statements import Assign, Function, Statement, assign, return_, run, unpack
 from cspdiag.codegen.python.text.types import annotation, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
@@ -88,12 +89,13 @@ class _SubmodelWriter:
             printer = self._printer(local=[*self.integration.held, *self._moving()])
             functions.append(self.integration.derivatives(printer, self._annotations()))
         name, base = self.package.classes[self.class_.name], self.imports.runtime("Submodel")
+        bodies = methods(functions, self.imports)
         return ClassModule(
             f"The submodel {self.class_.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(self.class_, self.place, "submodel"), "    "),
-            [lines([function], "    ") for function in functions],
+            bodies,
         )
 
     def _place(self, equation: SubmodelEquation | ExternalCall) -> str:

@@ -38,6 +38,9 @@ LINE_LENGTH = 100
 
 INDENT = " " * 4
 
+_LEAST_COMMENT = 40
+"""The columns that a comment has, however deep it stands."""
+
 
 def statement(before: str, code: Code, after: str = "", indent: str = "", comment: str | None = None) -> list[str]:
     """The lines of ``before code after``, such as ``x = `` or ``if `` ... ``:``.
@@ -55,9 +58,10 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
 
 
 def comment_line(indent: str, comment: str) -> str:
-    """A comment on its own line, truncated if it is too long."""
-    line = f"{indent}# {remark(comment)}".rstrip()
-    return line if len(line) <= LINE_LENGTH else f"{line[: LINE_LENGTH - 3].rstrip()}..."
+    """A comment on its own line, truncated if it is too long; in deep statements it may go past the line length."""
+    text = f"# {remark(comment)}".rstrip()
+    room = max(LINE_LENGTH - len(indent), _LEAST_COMMENT)
+    return indent + (text if len(text) <= room else f"{text[: room - 3].rstrip()}...")
 
 
 def _statement(code: Code) -> Document:

@@ -144,6 +144,12 @@ def return_(*values: Code, comment: str | None = None) -> Plain:
     return Plain("return", values[0] if len(values) == 1 else Items("", values), comment)
 
 
+def nonlocal_(names: Iterable[str]) -> Statements:
+    """``nonlocal a, b``; nothing for no names."""
+    listed = tuple(map(Name, names))
+    return (Plain("nonlocal", Items("", listed)),) if listed else ()
+
+
 def if_(condition: Code, *then: Statement) -> Block:
     """``if condition:``."""
     return Block("if", condition, then)
@@ -199,6 +205,8 @@ def _lines(item: Statement, indent: str) -> list[str]:
     match item:
         case Remark(text=text):
             return [comment_line(indent, text)]
+        case Plain(keyword="nonlocal", code=Items(items=names)):
+            return [f"{indent}{row}" for row in _rows("nonlocal ", names, LINE_LENGTH - len(indent))]
         case Plain(keyword=keyword, code=code):
             blank = " " if keyword and code is not None else ""
             return statement(f"{keyword}{blank}", code or NOTHING, "", indent, item.comment)
@@ -221,6 +229,19 @@ def _lines(item: Statement, indent: str) -> list[str]:
             doc = docstring(item.doc, indent + INDENT) if item.doc is not None else []
             return [*head, *doc, *_body(item.body, indent)]
     assert_never(item)
+
+
+def _rows(keyword: str, names: Sequence[Code], width: int) -> Iterator[str]:
+    """A statement that can have no parentheses: as many names on a line as fit, each line a statement of its own."""
+    row = ""
+    for name in names:
+        longer = f"{row}, {name.flat}" if row else f"{keyword}{name.flat}"
+        if row and len(longer) > width:
+            yield row
+            longer = f"{keyword}{name.flat}"
+        row = longer
+    if row:
+        yield row
 
 
 def _body(body: Statements, indent: str) -> list[str]:
