@@ -10,6 +10,7 @@ from cspdiag.draw.deadlock.ring import Deadlock
 from cspdiag.runtime.kernel.durations import shown
 
 if TYPE_CHECKING:
+    from cspdiag.base import Span
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.proofs.counterexamples.counterexample import Counterexample
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
@@ -20,7 +21,11 @@ def deadlock_of(report: DeadlockReport, network: CoreNetwork) -> Deadlock:
     users = {net.path: (*net.writers, *net.readers) for net in network.nets}
     besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)
     cycle = tuple(_waiting(process, users) for process in report.cycle)
-    return Deadlock(f"deadlock at {shown(report.time)}", network.top, cycle, besides)
+    return Deadlock(f"deadlock at {shown(report.time)}", network.top, cycle, besides, _declared(network))
+
+
+def _declared(network: CoreNetwork | None) -> dict[str, Span]:
+    return {} if network is None else {net.path: net.span for net in network.nets}
 
 
 def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, str]]]) -> StuckProcess:
@@ -29,8 +34,8 @@ def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, st
     return StuckProcess(process.path, process.waits, place, process.channels, tuple(dict.fromkeys(ports)))
 
 
-def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
-    """What is drawn for a counterexample; None if it does not end with processes that wait forever."""
+def deadlock_shown_by(counterexample: Counterexample, network: CoreNetwork | None) -> Deadlock | None:
+    """What is drawn for a counterexample of a network; None if it does not end with processes that wait forever."""
     if not counterexample.waiting:
         return None
     steps = sum(step.shown for step in counterexample.steps)
@@ -48,4 +53,4 @@ def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
     }
     cycle = tuple(waiting[name] for name in counterexample.ring)
     besides = tuple(each for name, each in waiting.items() if name not in counterexample.ring)
-    return Deadlock(title, top, cycle, besides)
+    return Deadlock(title, top, cycle, besides, _declared(network))

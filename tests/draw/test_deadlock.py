@@ -19,7 +19,10 @@ from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.scene.geometry import Point, Rectangle, around
 from cspdiag.draw.scene.scene_geometry import every
 from cspdiag.draw.scene.shapes import Box, Group, Line, Scene, Text
-from cspdiag.pipeline import check
+from cspdiag.pipeline import check, proof_obligations
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
+from cspdiag.verify.deadlock_picture import deadlock_of, deadlock_shown_by
 
 DINING = "models/dining/deadlock.csp"
 CROSSED = """
@@ -185,6 +188,79 @@ def test_the_diagram_is_that_of_the_innermost_process_around(
     assert found is not None
     assert found[0].key == diagram
     assert {key: found[1][key].numbers for key in boxes} == boxes
+
+
+NEIGHBOURS = """
+process Node(id : int) {
+  in  a, b : int
+  out x, y : int
+  communication { var v : int = 0 }
+  composition { mu (x ! id ; y ! id ; a ? v ; b ? v) }
+}
+process Hub {
+  in  r[4] : int
+  out s[4] : int
+  communication { var v : int = 0 }
+  composition { mu (alt i < 4 : r[i] ? v -> s[i] ! v) }
+}
+process Top {
+  communication {
+    node[i < 4] : Node(id = i)
+    hub : Hub
+    for i < 4 {
+      node[i].x -> hub.r[i]
+      hub.s[i] -> node[i].a
+    }
+    for i < 2 {
+      node[2 * i].y -> node[2 * i + 1].b
+      node[2 * i + 1].y -> swap : int buffer 3 -> node[2 * i].b
+    }
+  }
+  composition { (par i < 4 : node[i]) || hub }
+}
+environment Bench for Top { }
+assert Top deadlock free
+"""
+
+
+def test_only_the_relationships_of_the_ring_are_highlighted(tmp_path: Path) -> None:
+    """Where elements of one array are connected by several relationships, the one that is waited for is meant."""
+    ring = {"node[i].x -> hub.r[i]", "hub.s[i] -> node[i].a", "node[2 * i].y -> node[2 * i + 1].b"}
+    path = tmp_path / "neighbours.csp"
+    path.write_text(NEIGHBOURS, encoding="utf-8")
+    obligations = proof_obligations(read_source(str(path)), read_source)
+    (answer,) = (Verifier(obligations, read_source).answer(each, Limits(60)) for each in obligations.questions)
+    assert answer.counterexample is not None
+    run = load(str(path)).run()
+    assert run.outcome.deadlock is not None
+    proved = deadlock_shown_by(answer.counterexample, obligations.network("Top"))
+    assert proved is not None
+    for deadlock in (proved, deadlock_of(run.outcome.deadlock, run.network)):
+        assert {each.path for each in deadlock.cycle} >= {"Top.hub"}
+        found = surroundings(obligations.checked.program, "Top", deadlock.cycle, deadlock.declared)
+        assert found is not None
+        assert {arrow.key for arrow in found[0].arrows if arrow.key in found[1]} == ring
+
+
+def test_numbers_distinguish_ends_where_no_relationship_declares_the_channel() -> None:
+    text = """
+    process Node { in a : int  out x : int  communication { var v : int = 0 }  composition { mu (a ? v ; x ! v) } }
+    process Top { in e[2] : int  out f[2] : int
+      communication {
+        node[2] : Node
+        e[0] -> node[1].a
+        e[1] -> node[0].a
+        for i < 2 { node[i].x -> f[i] }
+      }
+      composition { par i < 2 : node[i] }
+    }
+    """
+    program = check(SourceFile(name="numbers.csp", text=text), read_source).program
+    assert program is not None
+    waiting = [StuckProcess("Top.node[1]", "to read Top.e[0]", None, ("Top.e[0]",))]
+    found = surroundings(program, "Top", waiting)
+    assert found is not None
+    assert {arrow.key for arrow in found[0].arrows if arrow.key in found[1]} == {"e[0] -> node[1].a"}
 
 
 @pytest.mark.parametrize("paths", [["Elsewhere.x"], ["Top.nobody.x", "Top.nobody.y"], []])

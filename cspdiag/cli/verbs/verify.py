@@ -193,7 +193,8 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], obligations: ProofObl
     if arguments.draw is None:
         return
     found = (answer.counterexample for answer in answers if answer.counterexample is not None)
-    deadlock = next(filter(None, map(deadlock_shown_by, found)), None)
+    drawn = (deadlock_shown_by(each, obligations.network(each.process)) for each in found)
+    deadlock = next(filter(None, drawn), None)
     if deadlock is None:
         say(f"cspdiag: no processes wait forever, so {on_one_line(arguments.draw)} was not written")
     else:

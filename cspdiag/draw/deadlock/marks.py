@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import takewhile
 from typing import ClassVar
 
 from cspdiag.base import Span
-from cspdiag.base.record import record
+from cspdiag.base.record import EMPTY, record
 from cspdiag.draw.elements.communication import communication_diagram
-from cspdiag.draw.elements.diagram import CommunicationDiagram
+from cspdiag.draw.elements.diagram import Arrow, CommunicationDiagram
 from cspdiag.draw.elements.facts import Facts
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.model.program import Program
@@ -48,17 +48,18 @@ def shortened(text: str, top: str) -> str:
 
 
 def surroundings(
-    program: Program, top: str, waiting: Sequence[StuckProcess]
+    program: Program, top: str, waiting: Sequence[StuckProcess], declared: Mapping[str, Span] = EMPTY
 ) -> tuple[CommunicationDiagram, dict[str, Mark]] | None:
     """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None
-    where there is none.
+    where there is none. ``declared`` has the places in the text at which channels are declared, by their full names:
+    of relationships that begin at elements of one array it says which is meant.
     """
     prefix = _common([tuple(each.path.split(".")) for each in waiting])
     definition = definition_at(program, prefix) if prefix and prefix[0] == top else None
     if definition is None or definition.communication is None:
         return None
     diagram = communication_diagram(program, Facts(program), definition)
-    return diagram, _marks(diagram, ".".join(prefix), waiting)
+    return diagram, _marks(diagram, ".".join(prefix), waiting, declared)
 
 
 def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
@@ -80,7 +81,9 @@ def definition_at(program: Program, path: Sequence[str]) -> ast.ProcessDefinitio
     return definition if isinstance(definition, ast.ProcessDefinition) else None
 
 
-def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[StuckProcess]) -> dict[str, Mark]:
+def _marks(
+    diagram: CommunicationDiagram, prefix: str, waiting: Sequence[StuckProcess], declared: Mapping[str, Span]
+) -> dict[str, Mark]:
     numbers: dict[str, list[int]] = {}
     notes: dict[str, list[str]] = {}
     channels: dict[str, list[str]] = {}
@@ -91,22 +94,59 @@ def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[StuckPr
         notes.setdefault(box, []).append(note)
         for channel in each.channels:
             if channel.startswith(f"{prefix}."):
-                channels.setdefault(_INDEX.sub("", channel.removeprefix(f"{prefix}.")), []).append(note)
+                channels.setdefault(channel, []).append(note)
     keys = {element.key for element in diagram.elements()}
     marks = {
         key: Mark("highlighted", tuple(found) if len(found) <= MOST_NUMBERS else (), "\n".join(notes[key]))
         for key, found in numbers.items()
         if key in keys
     }
+    names = {channel: channel.removeprefix(f"{prefix}.") for channel in channels}
+    declaring = {channel: _declaring(diagram, declared.get(channel)) for channel in channels}
     for arrow in diagram.arrows:
-        ends = (*arrow.sources, *arrow.sinks)
-        names = {arrow.label, *(_INDEX.sub("", str(end)).replace("..", ".") for end in ends)}
-        found = [note for name, notes in channels.items() if name in names for note in notes]
+        found = [
+            note
+            for channel, told in channels.items()
+            if declaring[channel] in (arrow.key, None) and _carries(arrow, names[channel])
+            for note in told
+        ]
         if found:
             mark = Mark("highlighted", (), "\n".join(found))
             marks[arrow.key] = mark
-            marks |= {f"{end.element}.{end.port}": mark for end in ends if end.port is not None}
+            marks |= {
+                f"{end.element}.{end.port}": mark for end in (*arrow.sources, *arrow.sinks) if end.port is not None
+            }
     for vertex in diagram.vertices:
-        if vertex.key in channels and vertex.key not in marks:
-            marks[vertex.key] = Mark("highlighted", (), "\n".join(channels[vertex.key]))
+        found = [
+            note for channel, told in channels.items() if _INDEX.sub("", names[channel]) == vertex.key for note in told
+        ]
+        if found and vertex.key not in marks:
+            marks[vertex.key] = Mark("highlighted", (), "\n".join(found))
     return marks
+
+
+def _declaring(diagram: CommunicationDiagram, place: Span | None) -> str | None:
+    """The key of the relationship that declares a channel at some place; None where something else does, such as a
+    port.
+    """
+    if place is None:
+        return None
+    for arrow in diagram.arrows:
+        around = arrow.spans[0]
+        is_inside = around.file == place.file and around.start <= place.start and place.end <= around.end
+        if is_inside and not arrow.by_composition:
+            return arrow.key
+    return None
+
+
+def _carries(arrow: Arrow, channel: str) -> bool:
+    """Whether a channel may be that of an arrow: by its label, or by an end whose numbers are no others."""
+    return any(_may_be(str(name), channel) for name in (arrow.label, *arrow.sources, *arrow.sinks) if name is not None)
+
+
+def _may_be(written: str, channel: str) -> bool:
+    """Whether ``node[2 * i].y`` may be ``node[0].y``: a label is written without its indexes."""
+    if _INDEX.sub("", written) != _INDEX.sub("", channel):
+        return False
+    pairs = zip(_INDEX.findall(written), _INDEX.findall(channel), strict=False)
+    return all(one == other for one, other in pairs if one[1:-1].isdecimal())

@@ -4,10 +4,11 @@ around them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
-from cspdiag.base.record import record
+from cspdiag.base import Span
+from cspdiag.base.record import EMPTY, record
 from cspdiag.draw.annotations import NOTE_SIZE, badge, heading, wrapped
 from cspdiag.draw.communication.diagram import draw_communication
 from cspdiag.draw.composition.diagram import draw_composition
@@ -36,7 +37,7 @@ _PLACE_SIZE = 11.0
 @record
 class Deadlock:
     """Which processes wait when nothing continues. ``cycle``: each waits for the next and the last for the first; it
-    may be empty. ``besides``: what else waits.
+    may be empty. ``besides``: what else waits. ``declared``: where the channels are declared, by their full names.
     ``title`` says what happened and when (``deadlock at 10 ms``), ``top`` is the name of the outermost process.
     """
 
@@ -44,6 +45,7 @@ class Deadlock:
     top: str
     cycle: tuple[StuckProcess, ...]
     besides: tuple[StuckProcess, ...] = ()
+    declared: Mapping[str, Span] = EMPTY
 
 
 def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
@@ -56,7 +58,7 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
     ring = draw_ring(deadlock)
     if program is None:
         return ring
-    around = surroundings(program, deadlock.top, deadlock.cycle or deadlock.besides)
+    around = surroundings(program, deadlock.top, deadlock.cycle or deadlock.besides, deadlock.declared)
     if around is None:
         return ring
     scenes = [ring, draw_communication(around[0], marks=around[1])]
