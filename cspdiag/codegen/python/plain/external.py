@@ -6,7 +6,6 @@ import ast
 import posixpath
 import re
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 
 from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
@@ -98,9 +97,8 @@ def external_call(
     return unpack([Name(names[local]) for _, local, _ in call.outputs], evaluated)
 
 
-@lru_cache(maxsize=1)
 def bodies(network: Network) -> tuple[ExternalBody, ...]:
-    """All bodies in Python that a network names, each once; cached because several parts of a package need them."""
+    """All bodies in Python that a network names, each once."""
     return tuple(dict.fromkeys(external_bodies(network.classes, network.environments)))
 
 
