@@ -112,8 +112,6 @@ def run(arguments: Namespace) -> int:
         raise UsageError(str(problem)) from None
     if built.network is None:
         return UNSUCCESSFUL
-    if until is None and not arguments.quiet:
-        _report_endless_run(built.network)
     from cspdiag.cli.support.runs.conclude import conclude
     from cspdiag.runtime.kernel.signals import name_of_signal
     from cspdiag.runtime.kernel.stopping import HandlerFailed, Stopped, stopping
@@ -167,16 +165,8 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
-def _report_endless_run(network: CoreNetwork) -> None:
-    """Report that a run without a time limit continues until it is stopped, if that is certain."""
-    from cspdiag.network.checks.endless import never_ends
-
-    if network.environments and never_ends(network):
-        name = network.class_named(network.top).definition
-        say(f"cspdiag: {name} never ends by itself: Ctrl-C ends the run, --for 20s would end it at 20 s")
-
-
 def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> Run:
+    from cspdiag.cli.support.runs.endless import EndlessRun
     from cspdiag.cli.support.runs.progress import Progress
     from cspdiag.cli.support.runs.standstill import Standstill
     from cspdiag.codegen import target_errors
@@ -187,8 +177,12 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
 
     outputs = (arguments.record, arguments.trace, arguments.plot)
     recorder = Recorder(communications=any(path is not None for path in outputs))
+    endless = EndlessRun(network) if until is None and not arguments.quiet else None
     if arguments.level == "reference":
-        return _simulate_on_reference(arguments, network, until, recorder)
+        with endless or nullcontext():
+            if endless is not None:
+                endless.attach()
+            return _simulate_on_reference(arguments, network, until, recorder)
     simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
     progress = None
     if not arguments.quiet:
@@ -197,14 +191,14 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
     # In real time it continues.
     if not arguments.quiet and not arguments.real_time:
         standstill = Standstill(recorder, network.class_named(network.top).definition)
-    watchers = [watcher for watcher in (progress, standstill) if watcher is not None]
+    watchers = [watcher for watcher in (progress, standstill, endless) if watcher is not None]
 
     def attach(running: Visited) -> None:
         for watcher in watchers:
             watcher.attach(running)
 
     try:
-        with progress or nullcontext(), standstill or nullcontext():
+        with progress or nullcontext(), standstill or nullcontext(), endless or nullcontext():
             return simulate(arguments, network, until, recorder, attach)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None

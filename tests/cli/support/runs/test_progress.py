@@ -11,11 +11,11 @@ from cspdiag import pipeline
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 from cspdiag.cli.main import main
+from cspdiag.cli.support.runs.endless import EndlessRun
 from cspdiag.cli.support.runs.progress import Progress
 from cspdiag.network.checks.endless import never_ends
 from cspdiag.simulate.record.modes import ModeGroup
 from cspdiag.simulate.record.recorder import Recorder
-from tests.cli.support.files.test_written import PROGRAM
 
 
 class Somewhere:
@@ -47,12 +47,32 @@ def test_what_has_not_begun_is_told_from_what_has_ended() -> None:
     assert progress.line().endswith("align: ended  servo: ended  home: home")
 
 
-def test_a_run_without_an_end_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+ENDLESS = "process Main {\n  composition { mu wait 1 ms }\n}\nenvironment E for Main {}\n"
+STUCK = "process Main {\n  composition { stop }\n}\nenvironment E for Main {}\n"
+
+
+@pytest.mark.parametrize(("text", "is_said"), [(ENDLESS, True), (STUCK, True), (ENDLESS.replace("mu ", ""), False)])
+def test_a_run_that_goes_on_and_has_no_end_says_so(
+    text: str, is_said: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    network = pipeline.build(SourceFile(name="main.csp", text=text), read_source).network
+    assert network is not None
+    with EndlessRun(network, patience=0) as run:
+        run.attach()
+        if run.thread.ident is not None:
+            run.thread.join()
+    assert ("Main never ends by itself: Ctrl-C ends the run" in capsys.readouterr().err) == is_said
+
+
+def test_a_run_that_ends_soon_does_not_say_that_it_never_ends(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "main.csp"
-    path.write_text(PROGRAM)
-    for options, is_said in (([], True), (["--for", "1ms"], False), (["--quiet"], False)):
-        main(["run", str(path), *options])
-        assert ("Main never ends by itself: Ctrl-C ends the run" in capsys.readouterr().err) == is_said
+    path.write_text(STUCK)
+    assert main(["run", str(path)]) == 1
+    shown = capsys.readouterr().err
+    assert "deadlock at 0 s" in shown
+    assert "never ends" not in shown
 
 
 @pytest.mark.parametrize(
