@@ -169,6 +169,15 @@ def test_a_number_for_a_time_is_in_seconds(seconds: float | str) -> None:
     assert program.run(until="50 ms", set={"T": seconds}).time("x").tolist() == [0.02]
 
 
+@pytest.mark.parametrize("text", ["9223372036854775807 ns", "-9223372036854775808ns", "9007199254740993 ns"])
+def test_a_duration_is_set_exactly(text: str) -> None:
+    shown = cspdiag.parse(
+        "const d : time = 0 ns\nprocess P {\n  out y : time\n  communication {\n    var t : time = d\n  }\n"
+        "  composition { y ! t }\n}\nenvironment E for P {\n  y -> _\n}\n"
+    )
+    assert shown.run(set={"d": text}).communications[0].value == int(text[: -len("ns")])
+
+
 @pytest.mark.parametrize(
     ("setting", "value"),
     [

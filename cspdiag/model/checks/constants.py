@@ -32,7 +32,7 @@ def check_constants(program: Program, report: Report) -> None:
             case ast.Number():
                 _check_number(program, part, report, negative=part in negated)
             case ast.Duration():
-                _check_duration(program, part, report)
+                _check_duration(program, part, report, negative=part in negated)
             case _:  # Any other expression.
                 pass
     _warn_of_faults(program, report)
@@ -115,9 +115,10 @@ def _doubtful_places(program: Program) -> Iterator[Span]:
                     yield from (below.span for below in nodes(inner))
 
 
-def _check_duration(program: Program, duration: ast.Duration, report: Report) -> None:
+def _check_duration(program: Program, duration: ast.Duration, report: Report, *, negative: bool) -> None:
+    """As of an integer, the most negative duration is written as one more than the longest, with a minus before it."""
     is_time = isinstance(program.types.get(duration), TimeType)
-    if is_time and duration.nanoseconds > INT.maximum:
+    if is_time and duration.nanoseconds > INT.maximum + negative:
         report.add(NumberTooLarge(duration.span, type=TIME))
 
 

@@ -14,6 +14,7 @@ from cspdiag.model.diagnostics.constants import ConstantDivision, ConstantOverfl
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Program, Value
 from cspdiag.model.symbols import CONVERSIONS
 from cspdiag.model.types import (
+    INT,
     IntType,
     RealType,
     StructType,
@@ -172,6 +173,9 @@ class _Evaluator:
         if expression.operator == "-" and isinstance(operand, ast.Number):
             return self._number(operand, -1)
         value = self.value(operand)
+        if isinstance(operand, ast.Duration) and isinstance(value, int) and value > INT.maximum + 1:
+            # That it is too long is reported of the duration itself.
+            return None
         if expression.operator == "not":
             return None if value is None else not value
         if not isinstance(value, int | float):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 
 from cspdiag.model.constants.arithmetic import OutOfRangeError, UndefinedError, checked
@@ -20,12 +19,13 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.model.units import conversion_factor, parse_unit
+from cspdiag.syntax.parse.numbers import nanoseconds
 
 _PART = re.compile(r"\.([A-Za-z_][A-Za-z0-9_]*)|\[([0-9]{1,9})\]")
 _QUANTITY = re.compile(r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?:<([^<>]*)>|([A-Za-z%].*))?")
-_NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
-_UNITS_OF_TIME = f"{', '.join(_NANOSECONDS)}, or the period of a frequency in Hz, kHz, MHz"
-_HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+_DURATIONS = ("ns", "us", "ms", "s", "min")
+_FREQUENCIES = ("Hz", "kHz", "MHz")
+_UNITS_OF_TIME = f"{', '.join(_DURATIONS)}, or the period of a frequency in Hz, kHz, MHz"
 
 
 def parse_value(type_: Type, text: str) -> Value:
@@ -138,14 +138,12 @@ def _quantity(text: str, what: str) -> tuple[str, str | None]:
 
 def _time(text: str) -> int:
     number, unit = _quantity(text, "a time, such as 10 ms")
-    value = float(number)
-    if unit in _HERTZ and value > 0:
-        nanoseconds = 1e9 / (value * _HERTZ[unit])
-    elif unit in _NANOSECONDS:
-        nanoseconds = value * _NANOSECONDS[unit]
-    else:
+    if unit is None or (unit not in _DURATIONS and (unit not in _FREQUENCIES or float(number) <= 0)):
         raise ValueError(f"`{text}` is not a time; write it with a unit, such as 10ms (there are {_UNITS_OF_TIME})")
-    return int(_checked(nanoseconds if math.isinf(nanoseconds) else round(nanoseconds), TimeType(), text))
+    duration = nanoseconds(number.lstrip("+-"), unit)
+    if duration is None:
+        raise ValueError(f"`{text}` does not fit {TimeType()}")
+    return int(_checked(-duration if number.startswith("-") else duration, TimeType(), text))
 
 
 def _real(type_: RealType, text: str) -> float:
