@@ -94,11 +94,10 @@ def run(text: str, until: str, *options: str) -> RunOutput | None:
 
 def ending(summary: str) -> str:
     """How a run ended, from the sentence that says so."""
+    raised = re.search(r"ended unsuccessfully at [^:]*: (\w+)", summary)
+    if raised:
+        return raised.group(1)
     for words, name in (("deadlock", "deadlock"), ("time limit", "limit"), ("ended by itself", "terminated")):
         if words in summary:
             return name
-    for name in ("Timeout", "Fault"):
-        if name in summary:
-            return name
-    found = re.search(r"\b(E[0-9])\b", summary)
-    return found.group(1) if found else summary
+    return summary

@@ -200,3 +200,10 @@ def test_programs_that_the_present_instant_ends_are_not_taken_for_endless() -> N
     assert not report.wrong, report.wrong[0][1].wrong
     assert report.counts["now"] == 7
     assert not report.counts["rejected"]
+
+
+def test_how_runs_end_is_read_from_what_is_reported_of_them() -> None:
+    """The first ends with an exception of its own, after a warning; the second with that instead of a fault."""
+    report = hunt("trace", iter([283, 188]))
+    assert not report.wrong, report.wrong[0][1].wrong
+    assert report.counts["now"] == 2
