@@ -125,14 +125,14 @@ def time_limit(until: str | float) -> int:
 
 
 def require_one_of(what: str, value: object, known: Collection[object]) -> None:
-    """Raise ArgumentError for a value that there is not."""
+    """Raises ArgumentError for a value that is not among the known ones."""
     if value not in known:
         raise ArgumentError(f"unknown {what} {shown(value)} (there are: {', '.join(map(str, known))})")
 
 
 def require_seconds(what: str, seconds: float) -> float:
-    """The seconds as a float. Raises TypeError for what is no number, ArgumentError for what is no positive time, or
-    longer than a timer of the system can wait.
+    """The seconds as a float. Raises TypeError for a value that is not a number, ArgumentError for one that is not
+    positive or longer than a timer of the system can wait.
     """
     number = number_of(what, seconds)
     if not 0 < number <= LONGEST_LIMIT:
