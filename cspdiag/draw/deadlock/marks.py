@@ -106,9 +106,9 @@ def _marks(
     for arrow in diagram.arrows:
         found = [
             note
-            for channel, told in channels.items()
+            for channel, notes_on in channels.items()
             if declaring[channel] in (arrow.key, None) and _carries(arrow, names[channel])
-            for note in told
+            for note in notes_on
         ]
         if found:
             mark = Mark("highlighted", (), "\n".join(found))
@@ -118,7 +118,10 @@ def _marks(
             }
     for vertex in diagram.vertices:
         found = [
-            note for channel, told in channels.items() if _INDEX.sub("", names[channel]) == vertex.key for note in told
+            note
+            for channel, notes_on in channels.items()
+            if _INDEX.sub("", names[channel]) == vertex.key
+            for note in notes_on
         ]
         if found and vertex.key not in marks:
             marks[vertex.key] = Mark("highlighted", (), "\n".join(found))

@@ -143,7 +143,7 @@ class _Splitting:
     # Statements
 
     def _shallow(self, compound: Statements, blocks: int, level: int) -> Statements:
-        """A statement with what continues it, inside so many blocks and levels of indentation of the function."""
+        """A statement and what continues it, inside this number of blocks and levels of indentation of a function."""
         return tuple([self._statement(statement, blocks, level) for statement in compound])
 
     def _statement(self, statement: Statement, blocks: int, level: int) -> Statement:
@@ -197,7 +197,7 @@ class _Splitting:
         return self._within(statement, 0, ())
 
     def _within(self, item: T, depth: int, counting: tuple[str, ...]) -> T:
-        """An expression, or a part of one, inside so many brackets and in the loops of these variables."""
+        """An expression, or a part of one, inside this number of brackets and in the loops of these variables."""
         if isinstance(item, tuple):
             return tuple([self._within(part, depth, counting) for part in item])  # type: ignore[return-value]
         if not is_record(item):
@@ -234,7 +234,7 @@ def _compounds(statements: Statements) -> Iterator[Statements]:
 
 
 def _is_too_deep(compound: Statements, blocks: int, level: int) -> bool:
-    """Whether a statement inside so many blocks and levels of indentation has to be a function of its own."""
+    """Whether a statement inside this number of blocks and levels of indentation has to be a function of its own."""
     first = compound[0]
     if not isinstance(first, Block | For) or (isinstance(first, Block) and first.keyword == "case"):
         return False
@@ -296,7 +296,7 @@ def _is_value(item: object) -> bool:
 
 
 def _opening_brackets(statement: Statement) -> int:
-    """How many brackets an expression of a statement has at most: seldom so many that it matters how they nest."""
+    """The largest number of brackets in an expression of a statement: seldom enough that their nesting matters."""
     match statement:
         case Plain(code=value) | Block(code=value) | For(items=value) | Assign(value=value) | Unpack(value=value):
             text = "" if value is None else value.flat
