@@ -9,12 +9,33 @@ from cspdiag.analyses.timing.report.render_text import time
 from cspdiag.analyses.timing.result import TimingReport
 from cspdiag.analyses.timing.task import ONCE, Task
 from cspdiag.analyses.timing.tasks.schedule import Schedule, simulate
+from cspdiag.base.record import record, replaced
 
-_LEAST_WIDTH, _LARGEST_WIDTH, _ROW, _TOP, _MARGIN = 900, 4000, 34, 58, 24
+_LEAST_WIDTH, _LEAST_CHART, _LARGEST_CHART = 900, 700, 3900
+_ROW, _TOP, _MARGIN = 34, 58, 24
 _SPACE = 16
-"""Between two releases of the most frequent task, in pixels, unless the picture becomes too wide."""
-_COLOURS = ("#1b6ca8", "#d1721c", "#3a8f4d", "#8e5aa8", "#b5443c", "#5b7083", "#a38a1f", "#2a9d9d")
+"""Between two releases of the most frequent task that can be drawn, in pixels, unless the picture becomes too wide."""
+_ARROW, _STROKE = 8.0, 3.0
+"""The distances of releases that still show each as an arrow, and as a stroke."""
+_LEAST_BAR = 1.6
+"""The width of what takes next to no time; bars that are closer than this are one."""
+_EDGED = 4.0
+"""Narrower bars have no edge, of which there would be little left."""
+_COLOURS = ("#1b6ca8", "#d1721c", "#3a8f4d", "#8e5aa8", "#4b4f97", "#5b7083", "#a38a1f", "#2a9d9d")
+_LATE = "#c00000"
 _LARGEST_NUMBER_OF_BARS = 4000
+_LONGEST_NAME = 48
+
+
+@record
+class _Bar:
+    """Steps of one task that are drawn as one: their number, and the release of the first."""
+
+    start: int
+    end: int
+    release: int
+    is_late: bool
+    steps: int = 1
 
 
 def gantt_svg(report: TimingReport) -> str:
@@ -31,54 +52,81 @@ def gantt_svg(report: TimingReport) -> str:
     if steps > _LARGEST_NUMBER_OF_BARS:
         limit = max(task.period for task in tasks)
     schedule = simulate(tasks, limit=limit)
-    left = _MARGIN + max(len(_name(task)) for task in tasks) * 7.2 + 14
+    left = _MARGIN + round(max(_text_width(_shown_name(task), 12) for task in tasks)) + 14
+    releases = [schedule.length // task.period for task in tasks]
+    most = max((count for count in releases if count * _STROKE <= _LARGEST_CHART), default=0)
+    chart = min(max(_LEAST_CHART, _SPACE * most), _LARGEST_CHART)
+    title = _title(report, schedule)
+    width = max(_LEAST_WIDTH, left + chart + _MARGIN, 2 * _MARGIN + round(_text_width(title, 14)))
     height = _TOP + len(tasks) * _ROW + 44
-    releases = schedule.length // min(task.period for task in tasks)
-    width = min(max(_LEAST_WIDTH, round(left) + _MARGIN + _SPACE * releases), _LARGEST_WIDTH)
-    return _document(width, height, list(_chart(report, tasks, schedule, left, width)))
+    return _document(width, height, list(_chart(title, tasks, schedule, left, width)))
 
 
-def _chart(report: TimingReport, tasks: Sequence[Task], schedule: Schedule, left: float, width: int) -> Iterator[str]:
+def _title(report: TimingReport, schedule: Schedule) -> str:
+    what = "one hyperperiod" if schedule.is_whole else f"the first {time(schedule.length)} of a hyperperiod"
+    return f"{report.process}: {what} of {time(schedule.hyperperiod)}, every step at its longest"
+
+
+def _chart(title: str, tasks: Sequence[Task], schedule: Schedule, left: int, width: int) -> Iterator[str]:
     right = width - _MARGIN
     scale = (right - left) / schedule.length
     bottom = _TOP + len(tasks) * _ROW
-    what = "one hyperperiod" if schedule.is_whole else f"the first {time(schedule.length)} of a hyperperiod"
-    yield (
-        f'<text x="{_MARGIN}" y="26" class="title">{escape(report.process)}: {what} of {time(schedule.hyperperiod)}, '
-        "every step at its longest</text>"
-    )
-    for instant in _ticks(schedule.length, max(10, width // 90)):
+    yield f'<text x="{_MARGIN}" y="26" class="title">{escape(title)}</text>'
+    for instant in _ticks(schedule.length, max(7, (right - left) // 90)):
         x = left + instant * scale
         yield f'<line x1="{x:.2f}" y1="{_TOP - 8}" x2="{x:.2f}" y2="{bottom}" class="grid"/>'
         yield f'<text x="{x:.2f}" y="{bottom + 18}" class="tick">{time(instant)}</text>'
+    notes = ["arrows: releases; within a priority level first come, first served"]
     for row, task in enumerate(tasks):
         y = _TOP + row * _ROW
-        yield f'<text x="{_MARGIN}" y="{y + 19}" class="name">{escape(_name(task))}</text>'
+        yield f'<text x="{_MARGIN}" y="{y + 19}" class="name">{_titled(_shown_name(task), _name(task))}</text>'
         yield f'<line x1="{left}" y1="{y + 26}" x2="{right}" y2="{y + 26}" class="base"/>'
-        for k in range(schedule.length // task.period + 1):
-            x = left + k * task.period * scale
-            yield f'<path d="M{x:.2f} {y + 26} v-24 m-3 5 l3 -5 l3 5" class="release"/>'
-    is_late = False
+        if task.period * scale < _STROKE:
+            notes.append("grey bands: releases that are too many to be drawn")
+            yield f'<rect x="{left}" y="{y + 26}" width="{right - left}" height="3" class="many"/>'
+        else:
+            yield from _releases(task, schedule.length, left, y + 26, scale)
+        for bar in sorted(_bars(schedule, row, task, scale), key=lambda bar: bar.is_late):
+            if bar.is_late:
+                notes.append("red and taller: ends after the next release")
+            yield _drawn(bar, task, _COLOURS[row % len(_COLOURS)], left, y, scale)
+    yield f'<text x="{_MARGIN}" y="{bottom + 38}" class="note">{"; ".join(dict.fromkeys(notes))}</text>'
+
+
+def _releases(task: Task, length: int, left: int, base: int, scale: float) -> Iterator[str]:
+    head = " m-3 5 l3 -5 l3 5" if task.period * scale >= _ARROW else ""
+    for k in range(length // task.period + 1):
+        yield f'<path d="M{left + k * task.period * scale:.2f} {base} v-24{head}" class="release"/>'
+
+
+def _bars(schedule: Schedule, row: int, task: Task, scale: float) -> list[_Bar]:
+    """What a task runs, where steps that could not be distinguished are one."""
+    bars: list[_Bar] = []
     for part in schedule.slices:
-        if part.start >= schedule.length:
+        if part.task != row or part.start >= schedule.length:
             continue
-        task = tasks[part.task]
-        late = part.is_last and part.end - part.release > task.deadline
-        is_late |= late
-        length = max(0.6, (min(part.end, schedule.length) - part.start) * scale)
-        colour = "#c00000" if late else _COLOURS[part.task % len(_COLOURS)]
-        tip = (
-            f"{_name(task)}: {time(part.start)} to {time(part.end)}, released at "
-            f"{time(part.release)}{', late' if late else ''}"
-        )
-        yield (
-            f'<rect x="{left + part.start * scale:.2f}" y="{_TOP + part.task * _ROW + 8}" width="{length:.2f}" '
-            f'height="18" fill="{colour}">'
-            f"<title>{escape(tip)}</title></rect>"
-        )
-    note = "arrows: releases; within a priority level first come, first served"
-    note += "; red: ends after the next release" if is_late else ""
-    yield f'<text x="{_MARGIN}" y="{bottom + 38}" class="note">{note}</text>'
+        is_late = part.is_last and part.end - part.release > task.deadline
+        bar = _Bar(part.start, min(part.end, schedule.length), part.release, is_late)
+        last = bars[-1] if bars else None
+        is_near = last is not None and (bar.start - last.start) * scale < _LEAST_BAR
+        if last is not None and is_near and last.is_late == is_late:
+            bars[-1] = replaced(last, end=bar.end, steps=last.steps + 1)
+        else:
+            bars.append(bar)
+    return bars
+
+
+def _drawn(bar: _Bar, task: Task, colour: str, left: int, y: int, scale: float) -> str:
+    tip = f"{_name(task)}: {time(bar.start)} to {time(bar.end)}, released at {time(bar.release)}"
+    tip += f" and later, {bar.steps} steps" if bar.steps > 1 else ""
+    tip += ", late" if bar.is_late else ""
+    length = (bar.end - bar.start) * scale
+    edge = ' class="edged"' if length >= _EDGED else ""
+    top, height = (y + 2, 24) if bar.is_late else (y + 8, 18)
+    return (
+        f'<rect x="{left + bar.start * scale:.2f}" y="{top}" width="{max(_LEAST_BAR, length):.2f}" height="{height}" '
+        f'fill="{_LATE if bar.is_late else colour}"{edge}><title>{escape(tip)}</title></rect>'
+    )
 
 
 def _ticks(length: int, most: int) -> Iterator[int]:
@@ -94,11 +142,29 @@ def _name(task: Task) -> str:
     return f"{path} @ {time(task.period)}"
 
 
+def _shown_name(task: Task) -> str:
+    """The name, cut in the middle where it would take the room of the chart."""
+    name = _name(task)
+    if len(name) <= _LONGEST_NAME:
+        return name
+    half = _LONGEST_NAME // 2
+    return f"{name[: half - 1]}…{name[-half:]}"
+
+
+def _titled(shown: str, whole: str) -> str:
+    return escape(shown) if shown == whole else f"{escape(shown)}<title>{escape(whole)}</title>"
+
+
+def _text_width(text: str, size: float) -> float:
+    """At least what a text takes in the typefaces that viewers use."""
+    return size * sum(0.98 if letter in "mwMW@%…" else 0.78 if letter.isupper() else 0.6 for letter in text)
+
+
 def _document(width: int, height: int, parts: list[str]) -> str:
     style = (
         "text{font-family:sans-serif;fill:#222}.title{font-size:14px;font-weight:600}.name{font-size:12px}"
         ".tick{font-size:11px;text-anchor:middle}.note{font-size:11px;fill:#666}.grid{stroke:#ddd}.base{stroke:#888}"
-        ".release{fill:none;stroke:#888}rect{stroke:white;stroke-width:.5}"
+        ".release{fill:none;stroke:#888}.many{fill:#888}.edged{stroke:white;stroke-width:.5}"
     )
     head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}">'
     return (
