@@ -35,9 +35,14 @@ from cspdiag.network.relations import Relations
 from cspdiag.network.shapes import Overrides, Shape, attached_key
 from cspdiag.network.submodels.classes import LawUse, needs_sample
 from cspdiag.syntax import ast
+from cspdiag.syntax.diagnostics.structure import NestedTooDeeply
 
 LARGEST_PROGRAM = 1_000_000
 """Programs with more instances are refused."""
+
+DEEPEST_PROCESSES = 100
+"""Levels of processes inside each other: Python imports at most some 190 modules inside each other, C some 200 headers.
+"""
 
 
 class Analysis:
@@ -55,6 +60,7 @@ class Analysis:
         self.flows: dict[Shape, Flow] = {}
         self._agreement = Agreement()
         self._sizes: dict[Shape, int] = {}
+        self._depths: dict[Shape, int] = {}
         self._roots: list[tuple[Shape, Surroundings]] = []
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
         self._root_values: list[tuple[Shape, Surroundings, Mapping[str, Value]]] = []
@@ -94,6 +100,7 @@ class Analysis:
         """Runs all passes; returns the outermost processes in their contexts."""
         for shape in self.inside_out():
             self._count(shape)
+            self._measure(shape)
             self._infer(shape)
         self._report_periods()
         raised = RaisedExceptions(self.program, self.report)
@@ -168,6 +175,17 @@ class Analysis:
 
     def _rank(self, shape: Shape) -> int:
         return self._ranks.get(shape.definition, 0)
+
+    def _measure(self, shape: Shape) -> None:
+        """Measures how deep processes are inside each other; too deep is reported for the innermost process from which
+        on they are.
+        """
+        depth = 1 + max([self._depths.get(instance.shape, 0) for instance in shape.instances.values()], default=0)
+        if depth > DEEPEST_PROCESSES:
+            span, name = shape.definition.name.span, shape.name
+            self.report.add(NestedTooDeeply(span=span, limit=DEEPEST_PROCESSES, process=name))
+            depth = 0
+        self._depths[shape] = depth
 
     def _count(self, shape: Shape) -> None:
         """Counts the instances in a process at all levels; too many are reported for the innermost process that has too

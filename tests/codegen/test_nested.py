@@ -78,3 +78,10 @@ def test_c_compiles(form: str, tmp_path: Path) -> None:
 def test_c_runs(name: str) -> None:
     verdict = judge(TARGETS[name], network("mixed", 60), None, LIMIT, wanted=reference("mixed", 60))
     assert verdict.result == "equal", verdict.details
+
+
+def test_processes_inside_each_other_have_a_limit() -> None:
+    text = nested("instances", deepest("instances") + 1)
+    found = pipeline.check(SourceFile(name="nested.csp", text=text), read).report.diagnostics
+    errors = [each for each in found if each.code.startswith("E")]
+    assert [(each.code, each.span.text) for each in errors] == [("E0103", "P100")]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from cspdiag.network.analyse import DEEPEST_PROCESSES
+
 _INNERMOST = "(o ! n ; n := n + 1)"
 
 _WRAPPED: Mapping[str, str] = {
@@ -106,6 +108,8 @@ def deepest(form: str) -> int:
     """The levels of a form that programs are tried with: about as many as ``check`` accepts, or fewer where each level
     is a process or a branch, which take time.
     """
-    if form in ("interrupt", "parallel") or form.startswith("instances"):
+    if form in ("interrupt", "parallel"):
         return 60
+    if form.startswith("instances"):
+        return DEEPEST_PROCESSES - 1
     return _DEEPEST.get(form, 190)

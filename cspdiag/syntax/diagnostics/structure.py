@@ -31,13 +31,22 @@ class UnexpectedText(Diagnostic):
 class NestedTooDeeply(Diagnostic):
     code = "E0103"
     title = "nested too deeply"
-    help = "give parts of it names: `let` or `const` for expressions, processes for compositions"
 
     limit: int
+    process: str | None = None
+    """The first that is too deep inside others."""
 
     @property
     def message(self) -> str:
-        return f"this is nested deeper than {self.limit} levels"
+        if self.process is None:
+            return f"this is nested deeper than {self.limit} levels"
+        return f"the process `{self.process}` has processes inside each other deeper than {self.limit} levels"
+
+    @property
+    def help(self) -> str | None:
+        if self.process is None:
+            return "give parts of it names: `let` or `const` for expressions, processes for compositions"
+        return "let processes contain several others, not one another"
 
 
 @record
