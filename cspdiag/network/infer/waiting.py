@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 from typing import assert_never
 
 from cspdiag.model.sampling import Sampling
+from cspdiag.model.types import IntType, TimeType
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.flow import waiting
 from cspdiag.network.infer.contexts import Placed, port_facts
@@ -35,8 +36,9 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir.expressions import Expression, FunctionCall, ParameterValue, Value
-from cspdiag.network.ir.ranges import ExpressionInput, Range, of_instances, value_range
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import BinaryOperation, Expression, FunctionCall, ParameterValue, Value
+from cspdiag.network.ir.ranges import ExpressionInput, Range, needs_check, of_instances, value_range
 from cspdiag.network.ir.walk import all_actions, mentions_variable
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_SAMPLING, InstanceShape, Key, attached_key
@@ -83,8 +85,8 @@ def known_duration(placed: Placed, expression: Expression) -> int:
 
 
 def is_over_at_once(placed: Placed, duration: Expression) -> bool:
-    """Whether a delay takes no time in any instance, because its duration is zero or negative. A negative constant has
-    been refused already.
+    """Whether a delay takes no time in any instance, because its duration is zero or negative and computing it cannot
+    fault. A negative constant has been refused already.
     """
 
     def known(name: ExpressionInput) -> Range | None:
@@ -94,7 +96,21 @@ def is_over_at_once(placed: Placed, duration: Expression) -> bool:
     if isinstance(constant, int):
         return constant == 0
     found = constant_in(placed, duration)
-    return found <= 0 if isinstance(found, int) else value_range(duration, known)[1] <= 0
+    if isinstance(found, int):
+        return found <= 0
+    is_faultless = not any(_may_fault(part, known) for part in walk(duration))
+    return is_faultless and value_range(duration, known)[1] <= 0
+
+
+def _may_fault(part: Expression, known: Callable[[ExpressionInput], Range | None]) -> bool:
+    """Whether an operation on whole numbers or times may overflow or divide by zero."""
+    if not isinstance(part.type, IntType | TimeType):
+        return False
+    if isinstance(part, BinaryOperation) and part.operator in {"/", "%"}:
+        low, high = value_range(part.right, known)
+        if low <= 0 <= high:
+            return True
+    return needs_check(part, known)
 
 
 def is_one_instant(duration: Expression) -> bool:
