@@ -148,11 +148,15 @@ class LoadedProgram:
         the target cannot express, and FileError for a module of the program that cannot be read.
         """
         from cspdiag.codegen import TARGETS
+        from cspdiag.codegen.python.valid import require_valid
 
         require_one_of("target", target, TARGETS)
         _require_level(level)
         with file_errors():
-            return pipeline.generate(self.network, read_source, target, level)
+            files = pipeline.generate(self.network, read_source, target, level)
+        if target == "python":
+            require_valid(files)
+        return files
 
     def draw(
         self,

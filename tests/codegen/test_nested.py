@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+import cspdiag
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
+from cspdiag.cli.main import main
 from cspdiag.codegen.python.text import splitting
 from cspdiag.network.ir.network import Network
 from cspdiag.semantics.trace import Execution
@@ -85,3 +87,19 @@ def test_processes_inside_each_other_have_a_limit() -> None:
     found = pipeline.check(SourceFile(name="nested.csp", text=text), read).report.diagnostics
     errors = [each for each in found if each.code.startswith("E")]
     assert [(each.code, each.span.text) for each in errors] == [("E0103", "P100")]
+
+
+@pytest.mark.parametrize("form", ["mu", "product"])
+def test_no_package_is_written_that_is_not_python(
+    form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A mistake of the generator, made here by allowing what Python does not, is found before anything is written."""
+    for limit in ("MOST_BLOCKS", "MOST_LEVELS", "MOST_BRACKETS"):
+        monkeypatch.setattr(splitting, limit, 1000)
+    program = tmp_path / "nested.csp"
+    program.write_text(nested(form, 190), encoding="utf-8")
+    assert main(["compile", str(program), "-O1", "-o", str(tmp_path / "build")]) != 0
+    assert "internal error" in capsys.readouterr().err
+    assert not (tmp_path / "build").exists()
+    with pytest.raises(SyntaxError):
+        cspdiag.load(program).compile(level=1)

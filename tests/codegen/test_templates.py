@@ -141,6 +141,16 @@ def test_a_mistake_is_told_with_its_line(
     assert not out.exists()
 
 
+def test_templates_that_make_no_python_write_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    own, out = tmp_path / "own", tmp_path / "out"
+    own.mkdir()
+    (own / "class.py.j2").write_text("import\n", encoding="utf-8")
+    assert main(["compile", CASCADE, "--templates", str(own), "-o", str(out)]) == 1
+    said = capsys.readouterr().err
+    assert ".py:1: with these templates it is not Python: " in said
+    assert not out.exists()
+
+
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [

@@ -130,6 +130,7 @@ def _generate(arguments: Namespace) -> int:
     from cspdiag.cli.support.files.manifest import read_manifest
     from cspdiag.cli.support.files.output import write_package
     from cspdiag.cli.support.templates import read_templates
+    from cspdiag.codegen.python.valid import require_valid
     from cspdiag.network.lower.program import is_taken_by_python
 
     if arguments.target not in TARGETS:
@@ -144,6 +145,8 @@ def _generate(arguments: Namespace) -> int:
         raise UsageError(f"{folder} is in the way: it is not a folder")
     try:
         files = generate(network, read_source, arguments.target, arguments.level, templates=templates)
+        if arguments.target == "python":
+            require_valid(files, templates)
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
     program = "" if arguments.file == "-" else os.path.relpath(arguments.file, folder)
