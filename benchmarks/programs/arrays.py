@@ -29,6 +29,7 @@ STEPS = {
     "python": ("compile", "--force"),
     "python-O1": ("compile", "--force", "-O1"),
     "c": ("compile", "--force", "--target", "c"),
+    "c-O1": ("compile", "--force", "--target", "c", "-O1"),
     "verify": ("verify", "--no-cache"),
 }
 COUNTS = (10, 100, 1_000, 10_000, 100_000)
