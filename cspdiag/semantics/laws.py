@@ -124,5 +124,5 @@ class Law:
 
 def _finite(x: float) -> float:
     if not math.isfinite(x):
-        raise FaultError("infinite or no number")
+        raise FaultError("a real value is infinite or no number")
     return x

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, assert_never
 
 from cspdiag.model.types import (
+    INT,
     ArrayType,
     BoolType,
     EnumType,
@@ -88,7 +89,7 @@ def value_of(
 def within(index: int, array: tuple[Any, ...]) -> int:
     """The index of an element, checked. Raises FaultError if it is out of range. «Faults»"""
     if not 0 <= index < len(array):
-        raise FaultError(f"index {index} of an array of {len(array)}")
+        raise FaultError(f"index {index} is outside 0 .. {len(array) - 1}")
     return index
 
 
@@ -106,8 +107,14 @@ def fitting(kind: Type, value: Any) -> Any:
         case _:
             assert_never(kind)
     if not low <= value <= high:
-        raise FaultError(f"{value} is no value of {kind}")
+        raise _outside(value, kind, low, high)
     return value
+
+
+def _outside(value: float, kind: Type, low: int, high: int) -> FaultError:
+    # A time is a whole number of nanoseconds.
+    name = "int" if isinstance(kind, TimeType) else str(kind)
+    return FaultError(f"{value} is outside {name} ({low} .. {high})")
 
 
 def _binary32(value: float) -> float:
@@ -121,8 +128,11 @@ def _converted(kind: Type, value: Any) -> Any:
     if isinstance(kind, RealType):
         return fitting(kind, value)
     if isinstance(value, float) and not math.isfinite(value):
-        raise FaultError("not a number")
-    return fitting(kind, math.trunc(value))
+        raise FaultError(f"{value} is not in {kind}")
+    whole = math.trunc(value)
+    if isinstance(kind, IntType) and not kind.minimum <= whole <= kind.maximum:
+        raise _outside(value, kind, kind.minimum, kind.maximum)
+    return fitting(kind, whole)
 
 
 def _binary(operator: str, left: Any, right: Any) -> Any:
@@ -165,10 +175,10 @@ def _divided(operator: str, left: Any, right: Any) -> Any:
 def _power(base: Any, exponent: Any) -> Any:
     if isinstance(base, int):
         if exponent < 0:
-            raise FaultError("negative power of a whole number")
+            raise FaultError(f"negative exponent {exponent} of an integer")
         if abs(base) > 1 and exponent > 63:
-            raise FaultError("a power beyond 64 bits")
-        return int(base ** min(exponent, 64 + exponent % 2))
+            raise FaultError(f"{base} ^ {exponent} is outside int")
+        return fitting(INT, base ** min(exponent, 64 + exponent % 2))
     try:
         return math.pow(base, exponent)
     except OverflowError:
@@ -197,7 +207,7 @@ def _function(function: str, arguments: list[Any]) -> Any:
             return type(x)((x > 0) - (x < 0))
         case "finite", [x]:
             if not math.isfinite(x):
-                raise FaultError("infinite or no number")
+                raise FaultError("a real value is infinite or no number")
             return x
         case "until", [instant, now]:
             return max(instant - now, 0)

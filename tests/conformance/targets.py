@@ -19,7 +19,8 @@ from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
-from cspdiag.simulate.run.execute import simulate
+from cspdiag.simulate.run import reference
+from cspdiag.simulate.run.execute import chosen_environment, simulate
 from tests.conformance.sources import read
 from tests.conformance.states import ObservedRun
 
@@ -183,8 +184,7 @@ READABLE = GeneratedPython(0)
 class Meaning:
     """What the language says.
 
-    Of bodies in other languages it says nothing, nor in which words a failure is reported: both are asked of the
-    readable code.
+    Of bodies in other languages it says nothing: the readable code is asked instead.
     """
 
     name: str = "reference"
@@ -200,10 +200,10 @@ class Meaning:
         if semantics.has_bodies_of_other_languages(network, environment):
             return READABLE.run(network, environment, until)
         done = semantics.execute(network, environment, until)
-        if done.ending.error is None:
-            return done
-        words = READABLE.run(network, environment, until).ending.message
-        return done._replace(ending=done.ending._replace(message=words))
+        chosen = chosen_environment(network, environment)
+        error = reference.outcome_of(done, "" if chosen is None else chosen.name, network).error
+        message = None if error is None else described(error)
+        return done._replace(ending=done.ending._replace(message=message))
 
     def waits(
         self, network: Network, environment: str | None, until: int, communication: int

@@ -165,7 +165,7 @@ process Top {{
     assert done == READABLE.run(network, None, 1_000_001)
 
 
-def test_words_of_failures_are_those_of_the_readable_code() -> None:
+def test_words_of_failures_are_compared_with_those_of_the_meaning() -> None:
     text = PAIR.replace("n := n + 1", "n := n / (n - 0.5)")
     network = network_of(SourceFile(name="pair.csp", text=text))
     done = REFERENCE.run(network, None, 1_000_001)

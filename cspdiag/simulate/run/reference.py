@@ -6,7 +6,7 @@ from time import perf_counter
 
 from cspdiag.base.errors import CspdiagError
 from cspdiag.network.ir.external import external_bodies
-from cspdiag.network.ir.network import CoreNetwork, Environment
+from cspdiag.network.ir.network import CoreNetwork, Environment, Network
 from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
 from cspdiag.runtime.kernel.stopping import Stopped, stopping
 from cspdiag.runtime.outcome import Ending, Outcome
@@ -52,7 +52,7 @@ def simulate(network: CoreNetwork, *, environment: str | None, until: int | None
     except Stopped as stopped:
         outcome = Outcome("stopped", worlds[0].now if worlds else 0, signal=stopped.signal)
     else:
-        outcome = _outcome(done, name or "", Whereabouts(network))
+        outcome = outcome_of(done, name or "", network)
         if outcome.ended == "deadlock":
             assert worlds[0].main is not None
             waiting = Whereabouts(network).waiting(worlds[0].main)
@@ -69,8 +69,9 @@ def _refuse_other_languages(network: CoreNetwork, environment: Environment | Non
         )
 
 
-def _outcome(done: Execution, environment: str, places: Whereabouts) -> Outcome:
-    outcome = Outcome(_ENDINGS[done.ending.ended], done.ending.time, _error(done, environment, places))
+def outcome_of(done: Execution, environment: str, network: Network) -> Outcome:
+    """How a run ended, with what it failed of as the exception that the runtime raises."""
+    outcome = Outcome(_ENDINGS[done.ending.ended], done.ending.time, _error(done, environment, Whereabouts(network)))
     outcome.missed = dict(done.missed)
     return outcome
 

@@ -1,0 +1,73 @@
+"""What a fault says is the same wherever the program runs, on the meaning of the language, too."""
+
+from __future__ import annotations
+
+import pytest
+
+import cspdiag
+from cspdiag.simulate.native.build import CompilerError, find_compiler
+
+FAULTS = {
+    "narrow + narrow": "200 is outside int8 (-128 .. 127)",
+    "-low": "128 is outside int8 (-128 .. 127)",
+    "int8(x)": "200.75 is outside int8 (-128 .. 127)",
+    "int8(n)": "3000000000 is outside int8 (-128 .. 127)",
+    "uint8(-n)": "-3000000000 is outside uint8 (0 .. 255)",
+    "int(x / tiny)": "is outside int (-9223372036854775808 .. 9223372036854775807)",
+    "n * n * n": "27000000000000000000000000000 is outside int (-9223372036854775808 .. 9223372036854775807)",
+    "n ^ 3": "27000000000000000000000000000 is outside int (-9223372036854775808 .. 9223372036854775807)",
+    "n ^ 64": "3000000000 ^ 64 is outside int",
+    "n ^ (zero - 1)": "negative exponent -1 of an integer",
+    "n / zero": "division by zero",
+    "n % zero": "division by zero",
+    "table[n]": "index 3000000000 is outside 0 .. 1",
+    "int(sqrt(-x))": "a real value is infinite or no number",
+    "int(x / double(zero))": "division by zero",
+}
+PROGRAM = """process Main {
+  out y : int
+
+  communication {
+    var narrow : int8 = 100
+    var low    : int8 = -128
+    var n      : int = 3000000000
+    var zero   : int = 0
+    var x      : double = 200.75
+    var tiny   : double = 1e-30
+    var table  : int[2] = [1, 2]
+  }
+
+  composition {
+    narrow := narrow ; low := low ; n := n ; zero := zero ; x := x ; tiny := tiny ; table[0] := 1 ;
+    y ! int(%s)
+  }
+}
+
+environment Bench for Main {
+  y -> _
+}
+"""
+
+
+def text_of(expression: str, **how: object) -> str:
+    run = cspdiag.parse(PROGRAM % expression, "case.csp").run(**how)  # type: ignore[arg-type]
+    assert run.outcome.error is not None
+    return run.summary().splitlines()[0]
+
+
+@pytest.mark.parametrize(("expression", "said"), FAULTS.items(), ids=FAULTS)
+def test_a_fault_says_the_same_in_python_and_on_the_meaning_of_the_language(expression: str, said: str) -> None:
+    texts = {text_of(expression, level=level) for level in (0, 1, "reference")}
+    assert len(texts) == 1
+    (text,) = texts
+    assert said in text
+    assert text.endswith("in Main (case.csp:16)")
+
+
+@pytest.mark.parametrize("expression", ["narrow + narrow", "int8(x)", "n ^ 64", "table[n]"])
+def test_a_fault_says_the_same_in_c(expression: str) -> None:
+    try:
+        find_compiler()
+    except CompilerError as problem:
+        pytest.skip(str(problem))
+    assert text_of(expression, target="c") == text_of(expression, level="reference")
