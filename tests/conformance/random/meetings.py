@@ -327,9 +327,32 @@ def _outside(draw: Random, leaves: Sequence[Leaf], external: Mapping[str, tuple[
     return relations
 
 
+DEEP = (
+    "({0} := 0 ; (mu ({{}} ; {0} := {0} + 1) until {0} >= 1))",
+    "({0} := 0 ; (while {0} < 1 do ({{}} ; {0} := {0} + 1)))",
+    "({{}} catch Jammed -> ({0} := -1))",
+    "(if {0} < 100 then {{}} else skip)",
+    "(group{0}: {{}})",
+    "(seq each{0} < 1 : {{}})",
+    "({{}} interrupt after 2 s -> ({0} := -2))",
+    "((skip -> {{}}) []> (after 1 ms -> ({0} := -3)))",
+)
+"""Forms around a composition that runs once inside them; each has a counter of its own."""
+
+
+def _deep(draw: Random, leaf: Leaf, inner: Node) -> Node:
+    """A composition deeper inside others than Python nests in one function."""
+    for _ in range(draw.randint(15, 60)):
+        counter = leaf.fresh("deep")
+        leaf.variables[counter] = ("int", "0")
+        inner = Node(draw.choice(DEEP).format(counter), (inner,))
+    return inner
+
+
 def meetings(seed: int) -> Program:
     """The program of a seed."""
     draw, external = Random(seed), _external(seed)
+    deep = Random(f"deep {seed}")
     leaves = [Leaf(f"Leaf{i}") for i in range(draw.randint(2, 4))]
     relations = [*_connected(draw, leaves), *_outside(draw, leaves, external)]
     bodies = []
@@ -339,7 +362,8 @@ def meetings(seed: int) -> Program:
         part = Part(draw, leaf, list(leaf.ports))
         inner = Node("", tuple(step(part, draw.choice([1, 2, 3, 3])) for _ in range(draw.randint(1, 3))), " ; ")
         rounds = f"(mu ({{}} ; {counter} := {counter} + 1) until {counter} >= {draw.randint(2, 4)})"
-        bodies.append(Node(rounds, (inner,)))
+        body = Node(rounds, (inner,))
+        bodies.append(_deep(deep, leaf, body) if deep.random() < 0.03 else body)
     operator = draw.choice([" || ", " || ", " ||> "])
     top = Node("", tuple(Node(f"leaf{i}") for i in draw.sample(range(len(leaves)), len(leaves))), operator)
     ports = [f"  {way} {name} : {kind}{period}" for name, (way, kind, period) in external.items()]
