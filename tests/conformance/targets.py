@@ -179,12 +179,15 @@ def execution(run: Run) -> Execution:
 
 READABLE = GeneratedPython(0)
 
+_PLACE = ", in "
+"""Between what a failure says and where it was."""
+
 
 @dataclass(frozen=True)
 class Meaning:
     """What the language says.
 
-    Of bodies in other languages it says nothing: the readable code is asked instead.
+    Of bodies in other languages it says nothing, nor in which line a failure is: both are asked of the readable code.
     """
 
     name: str = "reference"
@@ -202,7 +205,12 @@ class Meaning:
         done = semantics.execute(network, environment, until)
         chosen = chosen_environment(network, environment)
         error = reference.outcome_of(done, "" if chosen is None else chosen.name, network).error
-        message = None if error is None else described(error)
+        if error is None:
+            return done
+        message = described(error)
+        placed = READABLE.run(network, environment, until).ending.message
+        if placed is not None and placed.partition(_PLACE)[0] == message.partition(_PLACE)[0]:
+            message = placed
         return done._replace(ending=done.ending._replace(message=message))
 
     def waits(
