@@ -9,7 +9,7 @@ from random import Random
 from tests.oracle.explore import explore
 from tests.oracle.judged import Judgement, verify
 from tests.oracle.programs.closed import closed
-from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants
+from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants, with_knot
 from tests.oracle.programs.pairs import pair
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import process, text
@@ -105,7 +105,8 @@ def program_of(seed: int, *, inputs: bool) -> Program:
         return closed(seed, inputs=inputs)
     rng = Random(f"instants {seed}")
     base = single_steps(rng) if rng.random() < 0.6 else closed(seed, inputs=inputs, without=frozenset({"law"}))
-    return tidy(with_instants(base, rng))
+    made = tidy(with_instants(base, rng))
+    return with_knot(made) if Random(f"knot {seed}").random() < 0.1 else made
 
 
 def _counted_apart(outcome: Outcome) -> Outcome:

@@ -100,6 +100,21 @@ def with_instants(program: Program, rng: Random, changes: int | None = None) -> 
     return made.program
 
 
+def with_knot(program: Program) -> Program:
+    """The program beside two processes that wait for each other: only what ends all others ends those."""
+    owner = len(branches(program))
+    names = ("left", "right")
+    variables = [Variable(f"got{at}", INT, 0, owner + at) for at in (0, 1)]
+    knot = [Seq((Read(names[at], Target(variables[at].name, INT)), Write(names[1 - at], _whole(3)))) for at in (0, 1)]
+    prioritized = isinstance(program.body, Par) and program.body.prioritized
+    return replace(
+        program,
+        body=Par((*branches(program), *knot), prioritized),
+        channels=(*program.channels, *(Channel(name, INT, "sync") for name in names)),
+        variables=(*program.variables, *variables),
+    )
+
+
 def _whole(value: int) -> Lit:
     return Lit(value, INT)
 

@@ -8,7 +8,7 @@ from tests.oracle.compare import program_of
 from tests.oracle.hunt import hunt
 from tests.oracle.machine.horizon import BEYOND, Horizon, horizon
 from tests.oracle.page_run import page_run
-from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants
+from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants, with_knot
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import expression
 from tests.oracle.programs.tree import (
@@ -193,6 +193,13 @@ def test_one_program_in_six_asks_for_the_time_in_many_ways() -> None:
     assert any(channel.type == TIME for program in programs for channel in program.channels)
     bounded = [horizon(program).bounded for program in programs]
     assert sum(bounded) > 0.9 * len(bounded)
+
+
+def test_only_what_ends_all_others_ends_a_knot() -> None:
+    raises = Mu(Seq((STEP, If(LATE, Raise("Late")))))
+    assert page_run(with_knot(made(raises)), 20 * MS).time == 4 * MS
+    assert decide(with_knot(made(raises)), "terminates").holds is True
+    assert decide(with_knot(made(Catch(raises, "Late", Skip()))), "terminates").holds is False
 
 
 def test_programs_that_the_present_instant_ends_are_not_taken_for_endless() -> None:
