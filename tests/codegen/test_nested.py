@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 from functools import lru_cache
 from pathlib import Path
 
@@ -60,6 +61,19 @@ def test_parts_do_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for seed in range(4):
         for random in (meetings, known):
             assert not difference(str(random(seed)), [name]), f"{random.__name__} {seed}"
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_the_linter_is_content(level: int, tmp_path: Path) -> None:
+    for form in ("mu", "handler", "mixed", "maximum"):
+        files = pipeline.generate(network(form, 60), read, "python", level)
+        folder = tmp_path / form
+        folder.mkdir()
+        for path in ("pyproject.toml", "nested/nested.py"):
+            (folder / Path(path).name).write_text(files[path], encoding="utf-8")
+    ruff = [sys.executable, "-m", "ruff", "check", "--no-cache", "."]
+    done = subprocess.run(ruff, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.parametrize("form", FORMS)

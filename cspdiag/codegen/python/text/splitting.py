@@ -68,8 +68,8 @@ _CONTINUING = ("elif", "else", "except", "finally")
 
 _NAMES: Mapping[str, str] = {"while": "_loop", "try": "_attempt", "with": "_attempt"}
 
-_DOC = "The statements go on here, because Python limits how deep those of one function are nested."
-_VALUE_DOC = "A part of an expression, because Python limits how deep it is nested."
+_DOC = "Go on: Python limits how deep the statements of one function are nested."
+_VALUE_DOC = "Compute a part of an expression: Python limits how deep it is nested."
 
 
 def methods(functions: Iterable[Function], imports: Imports) -> list[list[str]]:
