@@ -150,18 +150,20 @@ class Verifier:
             if answer.outcome != "refuted" or answer.counterexample is None:
                 continue
             found = answer.counterexample
-            if found.failure == "knot" and self._may_fault(question.process):
-                continue  # What others go on to compute may end the program, and the knot with it.
+            if found.failure == "knot" and self._may_fail(question.process):
+                continue  # What others go on to do may end the program, and the knot with it.
             without_end = replaced(found, failure="no termination") if claim == "livelock free" else found
             return replaced(answer, question=question, counterexample=without_end)
         return None
 
-    def _may_fault(self, process: str) -> bool:
+    def _may_fail(self, process: str) -> bool:
+        """Whether some computation may end in a fault, or a sample may be missed."""
         from cspdiag.proofs.transitions.classes.faults import Faults
 
         network = self._obligations.network(process)
         assert network is not None, "asked for a process with errors"
-        return Faults(network).of_network()
+        has_samples = any(port.direction == "in" and port.sampling is not None for port in network.external_ports)
+        return has_samples or Faults(network).of_network()
 
     def _answer_by_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.verify import spin
