@@ -176,12 +176,14 @@ class Interrupt(Request):
         return (2, self.began)
 
     def begin(self) -> None:
-        """The body enters the ready queue, then the guard begins to wait in parallel with it. «Interrupt» 1"""
+        """The body enters the ready queue, then the guard begins to wait in parallel with it. «Interrupt» 1 and 2"""
         self.guard.task, self.guard.world, self.guard.began = self.task, self.world, self.began
         self.guard.interrupt = self
         self.body = self.world.start(self.body_steps, self.task.priority, self)
         self.world.make_ready(self.body)
         self.guard.park()
+        if self.can_continue():
+            self.trigger()
 
     @property
     def completed(self) -> bool:
