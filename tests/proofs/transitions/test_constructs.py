@@ -374,10 +374,10 @@ def test_alternative_with_many_open_conditions_stays_small() -> None:
 
 def test_deep_hierarchies_are_followed() -> None:
     text = "process P0 { out c : int composition { c ! 1 ; wait 1 ms } }\n"
-    for depth in range(1, 150):
+    for depth in range(1, 100):
         inner = f"communication {{ p : P{depth - 1} p.c -> c }} composition {{ p || wait 1 ms }}"
         text += f"process P{depth} {{ out c : int {inner} }}\n"
-    assert len(system_of(text, "P149").components) == 1 + 2 * 149
+    assert len(system_of(text, "P99").components) == 1 + 2 * 99
 
 
 def test_branches_have_names_of_their_own() -> None:
