@@ -42,7 +42,11 @@ def ended_by_alarm(limits: Limits) -> Iterator[None]:
             else:
                 is_cut_off = False
             finally:
-                alarm.stop()
+                while not alarm.is_stopped:
+                    try:  # noqa: SIM105 - to enter a context could be cut off, too.
+                        alarm.stop()
+                    except LimitError:
+                        pass
             if alarm.has_rung:
                 gc.collect()
         finally:
@@ -56,6 +60,7 @@ class _Alarm:
 
     def __init__(self, limits: Limits) -> None:
         self.has_rung = False
+        self.is_stopped = False
         self._limits = limits
         self._interrupted = threading.get_ident()
         self._over = threading.Event()
@@ -70,13 +75,15 @@ class _Alarm:
             threading.Thread(target=self._wait, name="time limit", daemon=True).start()
 
     def stop(self) -> None:
-        """Ring no more."""
-        while not self._over.is_set():
-            try:
-                with self._ringing:
-                    self._over.set()
-                    _raise_in(self._interrupted, None)
-            except LimitError:  # It rang just now.
+        """Ring no more; is cut off itself where it rings just now, or has rung before."""
+        with self._ringing:
+            self._over.set()
+        self.is_stopped = True
+        if self.has_rung:
+            # An error may still be on its way. A last one takes its place and is awaited: to withdraw it would leave
+            # the interpreter (3.11, 3.12) looking for it for ever, which hangs the process as soon as it is traced.
+            _raise_in(self._interrupted, LimitError)
+            while True:
                 pass
 
     def restore(self) -> None:
@@ -102,12 +109,11 @@ class _Alarm:
         return True
 
 
-def _raise_in(thread: int, error: type[LimitError] | None) -> None:
-    """Have a thread raise an error at its next instruction; None: none that it was to raise and has not yet."""
+def _raise_in(thread: int, error: type[LimitError]) -> None:
+    """Have a thread raise an error at its next instruction, instead of one that it was to raise and has not yet."""
     import ctypes
 
-    raised = None if error is None else ctypes.py_object(error)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), raised)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(error))
 
 
 def _ending_runs(error: LimitError) -> type[LimitError]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import subprocess
 import sys
 import threading
 import time
@@ -156,6 +157,31 @@ def test_afterwards_no_alarm_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     while time.monotonic() < end:
         pass
     assert (sys.unraisablehook, list(warnings.filters)) == (hook, filters)
+
+
+@pytest.mark.parametrize("rings", [False, True])
+def test_a_program_can_be_traced_afterwards(rings: bool) -> None:
+    """Debuggers and the coverage of tests trace; a hang of the interpreter itself is only seen from outside."""
+    script = f"""
+import sys
+from cspdiag.proofs.verdict import LimitError, Limits
+from cspdiag.verify.alarm import ended_by_alarm
+
+def traced(frame, event, argument):
+    return traced
+
+try:
+    with ended_by_alarm(Limits(seconds=0.0 if {rings} else 10.0)):
+        while {rings}:
+            pass
+except LimitError:
+    print("rung")
+sys.settrace(traced)
+(lambda: None)()
+sys.settrace(None)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout == ("rung\n" if rings else "")
 
 
 def test_it_rings_in_the_thread_that_asks() -> None:
