@@ -81,7 +81,7 @@ class _Alarm:
         self.is_stopped = True
         if self.has_rung:
             # An error may still be on its way. A last one takes its place and is awaited: to withdraw it would leave
-            # the interpreter (3.11, 3.12) looking for it for ever, which hangs the process as soon as it is traced.
+            # the interpreter (3.11, 3.12) looking for it without end, which hangs the process as soon as it is traced.
             _raise_in(self._interrupted, LimitError)
             while True:
                 pass

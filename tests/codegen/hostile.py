@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 TEXTS = {
     "python": 'Nice. """ + str(__import__("os").system("touch executed")) + """ End',
     "raw": "'''; __import__('os').system('touch executed'); '''",
@@ -47,7 +49,7 @@ def program(text: str, string: str = "plain") -> str:
     """A program with a doc comment of ``text`` at everything that may have one, comments inside of what is copied, and
     strings in its arguments.
     """
-    doc = "\n".join(f"/// {line}" for line in text.split("\n"))
+    doc = "\n".join(f"/// {line}" for line in re.split(r"[\r\n]", text))
     inside = "" if "*/" in text else f" /* {text} */"
     return _PROGRAM.replace("///", doc).replace("/*inside*/", inside).replace("a string", string.replace('"', "'"))
 

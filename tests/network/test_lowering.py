@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from cspdiag.network.analyse import DEEPEST_PROCESSES
 from cspdiag.network.dump.network import dump
 from cspdiag.network.ir.expressions import FunctionCall, LiteralValue, ParameterValue
 from cspdiag.network.lower.program import SelectionError
@@ -241,14 +242,14 @@ def test_there_may_be_nothing_to_compile() -> None:
         network("process Main(n: int) { out y : int  composition { y ! n } }")
 
 
-def test_a_deep_hierarchy_is_no_recursion() -> None:
+def test_the_deepest_hierarchy_is_followed() -> None:
     text = "process P0 { in a : int  communication { var v : int }  composition { a ? v } }\n"
-    for level in range(1, 600):
+    for level in range(1, DEEPEST_PROCESSES):
         text += (
             f"process P{level} {{ in a : int  communication {{ x : P{level - 1}  a -> x.a }}"
             "  composition { mu (a -> x) } }\n"
         )
-    assert len(network(text).instances) == 600
+    assert len(network(text).instances) == DEEPEST_PROCESSES
 
 
 def test_a_capacity_asked_for_inside_an_instance_is_that_of_the_channel_outside() -> None:

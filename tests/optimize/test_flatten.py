@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cspdiag.network.analyse import DEEPEST_PROCESSES
 from cspdiag.network.ir.actions import PortEnd, ProcessScope, RunInstance
 from cspdiag.network.ir.expressions import ParameterValue
 from cspdiag.network.ir.network import Network, ProcessClass
@@ -143,14 +144,15 @@ process Main { in u : int @ 1 ms  communication { r : Twice  u -> r.u  var x : i
 
 
 def test_compositions_get_no_deeper_than_those_of_a_text() -> None:
-    levels = 2 * DEEPEST
+    levels, inside = DEEPEST_PROCESSES - 2, "if n == 0 then " * 4
     text = "".join(
-        f"process P{level} {{ out y : int  communication {{ p : P{level + 1}  p.y -> y }}  composition {{ p }} }}\n"
+        f"process P{level} {{ out y : int  communication {{ p : P{level + 1}  var n : int = 0  p.y -> y }}"
+        f"  composition {{ {inside} p {'else skip ' * 4} }} }}\n"
         for level in range(levels)
     )
     network = flattened(text + f"process P{levels} {{ out y : int  composition {{ y ! 1 }} }}\n")
-    deepest = [len(path) for entry in network.classes for path in scopes_below(entry)]
-    assert DEEPEST // 4 < max(deepest) <= DEEPEST
+    deepest = max(len(path) for entry in network.classes for path in scopes_below(entry))
+    assert DEEPEST // 10 < deepest <= DEEPEST // 4
     assert len(network.classes) < 10
 
 

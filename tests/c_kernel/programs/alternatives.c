@@ -8,8 +8,8 @@ static csp_guard fair_guards[2], prioritized_guards[2], timed_guards[3], writing
 static csp_timer timers[2];
 static int64_t offered = 99;
 static const char *const names[] = {"left", "right", "meeting"};
-static const csp_branches writers[] = {{sizeof(script), sizeof(script), 3U, 0U}};
-static const csp_branches alternating[] = {{4U * sizeof(script), sizeof(script), 2U, 0U}};
+static const csp_branches writers[] = {{sizeof(script), sizeof(script), 3U, 0U, 0U}};
+static const csp_branches alternating[] = {{4U * sizeof(script), sizeof(script), 2U, 0U, 0U}};
 
 static const script_list top = {
     {.action = PARALLEL, .branches = writers, .branch_runs = 1U},

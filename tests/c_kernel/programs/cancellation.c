@@ -10,8 +10,8 @@ static csp_alternative choice;
 static csp_guard guards[2];
 static csp_timer timer;
 static const char *const names[] = {"never", "work", "two0", "two1", "any"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 7U, 0U}};
-static const csp_branches below[] = {{sizeof(script), sizeof(script), 1U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 7U, 0U, 0U}};
+static const csp_branches below[] = {{sizeof(script), sizeof(script), 1U, 0U, 0U}};
 
 static const script_list top = {
     {.action = TRY, .exception = ALARM, .jump = 2U},

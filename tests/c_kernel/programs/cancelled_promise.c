@@ -9,7 +9,7 @@ static csp_channel alarm;
 static csp_alternative reading;
 static csp_guard reading_guards[1];
 static const char *const names[] = {"promised", "alarm"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 4U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 4U, 0U, 0U}};
 
 static const script_list top = {
     {.action = TRY, .exception = ALARM, .jump = 2U},

@@ -9,7 +9,7 @@ static csp_alternative writing;
 static csp_guard writing_guards[1];
 static int64_t offered = 42;
 static const char *const names[] = {"stop", "own", "later", "memory"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 3U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 3U, 0U, 0U}};
 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 static const script_list guarded = {

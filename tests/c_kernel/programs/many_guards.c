@@ -11,7 +11,7 @@ static csp_word words[2U * CSP_WORDS(GUARDS)];
 static const char *names[GUARDS];
 static char texts[GUARDS][8];
 static script_list writing[GUARDS];
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), GUARDS + 1U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), GUARDS + 1U, 0U, 0U}};
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 
 /* What script_step_function would do for a list of GUARDS ways on: chooses until it has heard all that are enabled. */
@@ -45,12 +45,12 @@ static csp_party *chooser_step(csp_party *party)
 }
 
 static const csp_place places[] = {
-    {CSP_AT_NOTHING, false, 3U, 0U, "test.csp:1", NULL},
-    {CSP_AT_STOP, false, 3U, 0U, "test.csp:1", NULL},
-    {CSP_AT_STOP, false, 3U, 0U, "test.csp:1", NULL},
-    {CSP_AT_NOTHING, false, 3U, 0U, "test.csp:1", NULL},
+    {CSP_AT_NOTHING, false, 3U, 0U, 0U, "test.csp:1", NULL},
+    {CSP_AT_STOP, false, 3U, 0U, 0U, "test.csp:1", NULL},
+    {CSP_AT_STOP, false, 3U, 0U, 0U, "test.csp:1", NULL},
+    {CSP_AT_NOTHING, false, 3U, 0U, 0U, "test.csp:1", NULL},
 };
-static const csp_class chooser_class = {chooser_step, places, "chooser", "test.csp:1", 0U};
+static const csp_class chooser_class = {chooser_step, places, "chooser", "test.csp:1", 0U, 0U};
 
 int main(void)
 {

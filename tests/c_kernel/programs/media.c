@@ -12,7 +12,7 @@ static csp_guard publishing_guards[2];
 static csp_timer timer;
 static int64_t published = 70;
 static const char *const names[] = {"buffer", "overwriting", "news", "any"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 7U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 7U, 0U, 0U}};
 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 static const script_list fills = {

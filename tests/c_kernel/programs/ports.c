@@ -14,7 +14,7 @@ static int64_t plant;
 static bool pressed;
 static const int64_t safe = -1;
 static const char *const names[] = {"fast", "slow", "button", "drive"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 3U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 3U, 0U, 0U}};
 
 static bool sample(void *device, void *value)
 {

@@ -5,7 +5,7 @@ static script scripts[4];
 static csp_channel channel;
 static const char *const names[] = {"channel"};
 static const csp_branches branches[] = {
-    {sizeof(script), 0U, 1U, 0U}, {2U * sizeof(script), 0U, 1U, 1U}, {3U * sizeof(script), 0U, 1U, 2U}};
+    {sizeof(script), 0U, 1U, 0U, 0U}, {2U * sizeof(script), 0U, 1U, 1U, 0U}, {3U * sizeof(script), 0U, 1U, 2U, 0U}};
 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 3U}};
 static const script_list urgent = {

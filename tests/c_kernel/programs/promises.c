@@ -7,7 +7,7 @@ static csp_alternative writing, reading;
 static csp_guard writing_guards[1], reading_guards[1];
 static int64_t offered = 5;
 static const char *const names[] = {"channel"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 2U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 2U, 0U, 0U}};
 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 static const script_list patient = {

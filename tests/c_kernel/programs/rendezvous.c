@@ -4,7 +4,7 @@
 static script scripts[3];
 static csp_channel channel;
 static const char *const names[] = {"numbers"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 2U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 2U, 0U, 0U}};
 
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 static const script_list writer = {

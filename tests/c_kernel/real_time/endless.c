@@ -12,7 +12,7 @@ static csp_event_input button;
 static int64_t drive_value, button_value, brought_value;
 static const int64_t safe = -1;
 static const char *const names[] = {"drive", "button"};
-static const csp_branches branches[] = {{sizeof(script), sizeof(script), 2U, 0U}};
+static const csp_branches branches[] = {{sizeof(script), sizeof(script), 2U, 0U, 0U}};
 
 static void press(int number)
 {
