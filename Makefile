@@ -40,7 +40,7 @@ check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, sizes of folders
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python distribution/room_sizes.py
+	$(BIN)/python distribution/folder_sizes.py
 	$(BIN)/python distribution/silent_defaults.py
 	$(BIN)/cspdiag explain --markdown | cmp - docs/diagnostics.md
 	PYTHONPATH=. $(BIN)/python distribution/layer_picture.py --check

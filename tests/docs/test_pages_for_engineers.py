@@ -114,14 +114,14 @@ def test_the_index_has_every_decision_once() -> None:
     assert [name for name, title in titles.items() if f"- [{title}]({name})\n" not in index] == []
 
 
-def test_every_layer_is_a_room() -> None:
+def test_the_table_of_folders_has_every_layer() -> None:
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
         "contracts"
     ]
     (order,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
     layers = {part.strip(" ()") for level in order for part in level.split("|")}
-    rooms = re.findall(r"^\| `cspdiag/(\w+)(?:/|\.py)` \|", ARCHITECTURE.read_text(encoding="utf-8"), re.MULTILINE)
-    assert sorted(rooms) == sorted(layers)
+    folders = re.findall(r"^\| `cspdiag/(\w+)(?:/|\.py)` \|", ARCHITECTURE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(folders) == sorted(layers)
 
 
 class Interrupted(Process):
