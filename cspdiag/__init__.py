@@ -1,7 +1,7 @@
 """cspdiag: communication and composition diagrams in text, checked and turned into control software that runs.
 
-``load`` gives a program, ``parse`` that of a text; ``check`` and ``compile`` are short cuts. Importing this package
-loads nothing else: classes come when they are named.
+``load`` reads a program from a file, ``parse`` from a text; ``check`` and ``compile`` are shortcuts. Importing this
+package loads nothing else: classes are imported on first use.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ _HOMES = {
     "UnknownSignalError": "simulate.result",
     "VerificationError": "verify.systems",
 }
-"""The modules of the classes that are imported when they are named."""
+"""The modules of the classes that are imported on first use."""
 
 
 def __getattr__(name: str) -> object:
@@ -100,9 +100,8 @@ def __dir__() -> list[str]:
 
 
 def load(path: str | PathLike[str]) -> LoadedProgram:
-    """The program in a file (``-`` is standard input); nothing of it is checked yet.
-
-    Raises FileError, an OSError, for a file that cannot be read or is not text.
+    """The program in a file (``-`` is standard input); it is not checked yet. Raises FileError, an OSError, for a file
+    that cannot be read or is not text.
     """
     from cspdiag.api import load
 
@@ -110,10 +109,10 @@ def load(path: str | PathLike[str]) -> LoadedProgram:
 
 
 def parse(text: str, name: str = "program.csp") -> LoadedProgram:
-    """The program that a text is; nothing of it is checked yet. ``name`` is what messages call it, and imports are
-    relative to its folder.
+    """The program in a text; it is not checked yet. ``name`` is what messages call it, and imports are relative to its
+    folder.
 
-    Raises TypeError for what is no ``str``, ArgumentError for one with zero bytes or halves of characters.
+    Raises TypeError if it is not a ``str``, ArgumentError if it contains zero bytes or unpaired surrogates.
     """
     from cspdiag.api import parse
 

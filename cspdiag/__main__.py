@@ -7,7 +7,7 @@ import sys
 
 
 def main() -> int:
-    """Carry out the command line of this process; the exit code.
+    """Run the command line of this process and return the exit code.
 
     Ctrl-C ends it without a traceback, also before it has been loaded.
     """
@@ -18,7 +18,7 @@ def main() -> int:
     except KeyboardInterrupt:
         code = 130
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        # While the interpreter shuts down nobody would catch the exception.
+        # While the interpreter shuts down nothing would catch the exception.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     return code
 

@@ -1,4 +1,4 @@
-"""The use from Python: a program that was loaded, without files in between."""
+"""The Python interface: a loaded program, and everything that can be done with it without intermediate files."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 class ProgramError(CspdiagError):
-    """The program has errors; the text shows them all, ``diagnostics`` has them as objects."""
+    """The program has errors; the message shows them all, ``diagnostics`` has them as objects."""
 
     def __init__(self, diagnostics: list[Diagnostic]) -> None:
         from cspdiag.base.render.text import render
@@ -58,15 +58,15 @@ def load(path: str | os.PathLike[str]) -> LoadedProgram:
 
 
 def parse(text: str, name: str) -> LoadedProgram:
-    """The program that a text is; ``name`` is what messages call it, and imports are relative to its folder.
+    """The program in a text; ``name`` is what messages call it, and imports are relative to its folder.
 
-    Raises TypeError for what is no ``str``, ArgumentError for one with zero bytes or halves of characters.
+    Raises TypeError if it is not a ``str``, ArgumentError if it contains zero bytes or unpaired surrogates.
     """
     return LoadedProgram(source_of(text, name))
 
 
 class LoadedProgram:
-    """A program, as text; everything about it is worked out when it is needed."""
+    """The text of a program; everything about it is computed on demand."""
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
@@ -75,7 +75,7 @@ class LoadedProgram:
         return f"LoadedProgram({self.source.name!r})"
 
     def _repr_html_(self) -> str | None:
-        """The diagrams of all processes and environments, the outermost process unfolded, or what is wrong; None where
+        """The diagrams of all processes and environments, the outermost process unfolded, or its errors; None if
         nothing can be drawn.
         """
         from cspdiag.draw.book.notebook import notebook
@@ -92,12 +92,12 @@ class LoadedProgram:
         return pipeline.check(self.source, read_source)
 
     def check(self) -> list[Diagnostic]:
-        """Everything that is wrong, warnings included, by file and place; empty when all is well."""
+        """All errors and warnings, by file and place; empty if there are none."""
         return self._checked.report.diagnostics
 
     @cached_property
     def network(self) -> CoreNetwork:
-        """The network of the outermost process. Raises what ``build`` raises."""
+        """The network of the outermost process. Raises the same exceptions as ``build``."""
         return self.build()
 
     def build(
@@ -109,8 +109,8 @@ class LoadedProgram:
     ) -> CoreNetwork:
         """The network of the process ``top`` for an environment, with constants and parameters set.
 
-        Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``SelectionError`` where there is
-        no such process or environment, or no process at all.
+        Raises ProgramError, ``SettingError`` for a setting that matches nothing, and ``SelectionError`` if there is no
+        such process or environment, or no process at all.
         """
         return self._build(top, environment, set, alone=False)
 
@@ -142,10 +142,9 @@ class LoadedProgram:
         return network_graph(self.build(top=top, environment=environment, set=set))
 
     def compile(self, target: str = "python", *, level: int = 0) -> dict[str, str]:
-        """The generated package: texts by path; ``level`` is 1 for fast code.
-
-        Raises what ``build`` raises, ArgumentError for an unknown target or level, ``TargetError`` for a program that
-        the target cannot express, and FileError for a module of the program that cannot be read.
+        """The generated package: texts by path; ``level`` is 1 for fast code. Raises the exceptions of ``build``,
+        ArgumentError for an unknown target or level, ``TargetError`` for a program that the target cannot express, and
+        FileError for a module of the program that cannot be read.
         """
         from cspdiag.codegen import TARGETS
         from cspdiag.codegen.python.valid import require_valid
@@ -169,10 +168,10 @@ class LoadedProgram:
     ) -> Drawing:
         """The diagrams of a process or an environment, by default of the outermost process, as a notebook shows them.
 
-        ``hide_labels`` hides all labels, or those named, or sorts of them (``"types"``); ``depth`` 2 shows the inside
+        ``hide_labels`` hides all labels, or those named, or all of one sort (``"types"``); ``depth`` 2 shows the inside
         of instances. With ``check`` a program with errors is drawn as far as it can be read, with its errors and
-        warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError where there is nothing
-        of that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
+        warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError if there is nothing of
+        that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
         from cspdiag.draw.pictures import Pictures, Wish
 
@@ -191,10 +190,9 @@ class LoadedProgram:
         return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
 
     def draw_deadlock(self, run: Run) -> Drawing:
-        """Who waits for whom in a run of this program that ended in a deadlock, as ``cspdiag run --draw-deadlock``
-        draws it.
-
-        Raises ArgumentError where it ended otherwise, and ``MissingToolError`` without ``cspdiag[draw]``.
+        """A picture of which process waits for which in a run of this program that ended in a deadlock, as drawn by
+        ``cspdiag run --draw-deadlock``. Raises ArgumentError if the run ended otherwise, and ``MissingToolError``
+        without ``cspdiag[draw]``.
         """
         from cspdiag.draw.deadlock.ring import draw_deadlock
         from cspdiag.simulate.result import Run
@@ -215,8 +213,8 @@ class LoadedProgram:
     ) -> TimingReport:
         """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` shows them.
 
-        ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what
-        ``build`` raises, and ArgumentError for a path that there is not, or a negative time.
+        ``measured`` has execution times of laws in seconds by path, which replace stated ones. Raises the exceptions of
+        ``build``, and ArgumentError for an unknown path or a negative time.
         """
         from cspdiag.analyses.timing.report.timing import timing_report
 
@@ -233,9 +231,9 @@ class LoadedProgram:
         """Stability and margins of the loops through the plant of an environment (the first one by default), as
         ``cspdiag margins`` shows them.
 
-        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises,
-        ``NoEnvironmentError``, ArgumentError for a state that the plant does not have, and ``NotLinearError`` where it
-        cannot be looked into.
+        ``at`` has values of states of the plant at the operating point. Raises the exceptions of ``build``,
+        ``NoEnvironmentError``, ArgumentError for a state that the plant does not have, and ``NotLinearError`` if a loop
+        cannot be linearized.
         """
         from cspdiag.analyses.margins.loops import analyse_loops
         from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
@@ -263,12 +261,11 @@ class LoadedProgram:
 
         ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native
         program; with ``level=0`` the readable code runs instead of the fast one. The results are the same. With
-        ``level="reference"`` the program runs on the meaning of the language, slowly, which shares nothing with the
-        code.
+        ``level="reference"`` the reference semantics runs the program, which is slow and shares nothing with the
+        generated code.
 
-        Raises what ``build`` raises, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and
-        ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for a level or target that there is
-        not.
+        Raises the exceptions of ``build``, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and
+        ``TargetError``, for the reference ``NoMeaningError``, and ArgumentError for an unknown level or target.
         """
         from cspdiag.simulate.native import run as native
         from cspdiag.simulate.run import execute
@@ -316,11 +313,10 @@ class LoadedProgram:
         set: Mapping[str, Setting] | None = None,
         time_limit: float = 60.0,
     ) -> list[Answer]:
-        """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
-
-        Where nothing is asserted, freedom from deadlock and from livelock is checked. ``time_limit`` is in seconds, for
-        each. Raises what ``build`` raises, ``VerificationError`` where nothing can be answered, and ArgumentError for a
-        time limit that is no time.
+        """The answers to the assertions of the file, or those about ``process``, in text order; see ``Answer``. If
+        there are none, freedom from deadlock and from livelock is checked. ``time_limit`` is in seconds, for each.
+        Raises the exceptions of ``build``, ``VerificationError`` if nothing can be answered, and ArgumentError for an
+        invalid time limit.
         """
         from cspdiag.proofs.verdict import Limits
         from cspdiag.verify.confirm import Verifier
@@ -364,9 +360,9 @@ class Drawing:
         return render_svg(self.scene, Scheme(scheme))
 
     def save(self, path: str | os.PathLike[str], *, scheme: str = "auto", scale: float = 2.0) -> None:
-        """Write a file whose name ends in ``.svg``, ``.png`` (``scale`` dots a pixel) or ``.pdf``.
+        """Write a file whose name ends in ``.svg``, ``.png`` (``scale`` dots per pixel) or ``.pdf``.
 
-        Raises ArgumentError for another ending, scheme or scale, FileError where it cannot be written.
+        Raises ArgumentError for another ending, scheme or scale, FileError if it cannot be written.
         """
         from pathlib import Path
 

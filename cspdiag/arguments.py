@@ -1,4 +1,6 @@
-"""What callers from Python hand over, looked at before anything is done with it: a wrong value is refused in words."""
+"""Checks and converts the arguments of the Python interface before they are used; the message for a wrong value says
+what is expected.
+"""
 
 from __future__ import annotations
 
@@ -18,15 +20,15 @@ if TYPE_CHECKING:
     from cspdiag.network.ir.network import Environment, Network
 
 LONGEST_LIMIT = 1e6
-"""Seconds: longer than that no timer of a system needs to wait."""
+"""In seconds: no timer of the system needs to wait longer."""
 
 Setting = str | int | float
 """A value as ``cspdiag run --set`` takes it (``"10 ms"``), or a plain number."""
 
 
 def source_of(text: str, name: str) -> SourceFile:
-    """A text as if it had been read from a file. Raises TypeError for what is no text, ArgumentError for what no file
-    can hold.
+    """A text as if it had been read from a file. Raises TypeError if it is not a text, ArgumentError for a text that no
+    file can hold.
     """
     if not isinstance(text, str):
         raise TypeError(f"a program is text, a str, and not {type(text).__name__}: `load` reads a file")
@@ -42,7 +44,7 @@ def source_of(text: str, name: str) -> SourceFile:
 
 
 def shown(value: object) -> str:
-    """A value in a message; of a number with thousands of digits only that."""
+    """A value as a message shows it; a number with thousands of digits is only described."""
     try:
         text = repr(value)
     except ValueError:
@@ -51,20 +53,20 @@ def shown(value: object) -> str:
 
 
 def require_text(what: str, value: object) -> None:
-    """Raise TypeError for what is no ``str``."""
+    """Raise TypeError for a value that is not a ``str``."""
     if not isinstance(value, str):
         raise TypeError(f"{what} is a str, not {type(value).__name__}")
 
 
 def require_names(**names: str | None) -> None:
-    """Raise TypeError for a name that is neither a ``str`` nor left out."""
+    """Raise TypeError for a name that is neither a ``str`` nor None."""
     for what, name in names.items():
         if name is not None:
             require_text(what, name)
 
 
 def require_mapping(what: str, value: object) -> None:
-    """Raise TypeError for what is no mapping from texts."""
+    """Raise TypeError for a value that is not a mapping with text keys."""
     if not isinstance(value, Mapping):
         raise TypeError(f"{what} is a mapping, not {type(value).__name__}")
     for key in value:
@@ -72,7 +74,7 @@ def require_mapping(what: str, value: object) -> None:
 
 
 def number_of(what: str, value: object) -> float:
-    """A number of Python or numpy as a float; infinite where it is too large. Raises TypeError for anything else."""
+    """A number of Python or numpy as a float; infinite if it is too large. Raises TypeError for anything else."""
     if not isinstance(value, Real):
         raise TypeError(f"{what} is a number, not {type(value).__name__}")
     try:
@@ -85,8 +87,8 @@ def number_of(what: str, value: object) -> float:
 def settings_of(values: Mapping[str, Setting] | None) -> dict[str, str]:
     """Settings as the language writes them: ``True`` is ``true`` there.
 
-    Raises TypeError for names that are no texts, and for values that are neither texts nor numbers; SettingError for
-    numbers that no type holds.
+    Raises TypeError for names that are not texts, and for values that are neither texts nor numbers; SettingError for
+    numbers that fit no type.
     """
     if values is None:
         return {}
@@ -111,8 +113,8 @@ def _setting(name: str, value: Setting) -> str:
 
 
 def time_limit(until: str | float) -> int:
-    """How long a run lasts at most, in nanoseconds. Raises TypeError for what is neither a text nor a number,
-    SettingError for what is no time.
+    """How long a run lasts at most, in nanoseconds. Raises TypeError for a value that is neither a text nor a number,
+    SettingError for one that is not a time.
     """
     from cspdiag.settings import SettingError, parse_time_limit
 
@@ -125,7 +127,7 @@ def time_limit(until: str | float) -> int:
 
 
 def require_one_of(what: str, value: object, known: Collection[object]) -> None:
-    """Raises ArgumentError for a value that is not among the known ones."""
+    """Raise ArgumentError for a value that is not among the known ones."""
     if value not in known:
         raise ArgumentError(f"unknown {what} {shown(value)} (there are: {', '.join(map(str, known))})")
 
@@ -141,8 +143,8 @@ def require_seconds(what: str, seconds: float) -> float:
 
 
 def measured_times(network: Network, measured: Mapping[str, float] | None) -> dict[str, int]:
-    """Execution times in nanoseconds, from seconds by path. Raises TypeError for what is no mapping to numbers,
-    ArgumentError for a path or a time that there is not.
+    """Execution times in nanoseconds, from seconds by path. Raises TypeError for a value that is not a mapping to
+    numbers, ArgumentError for an unknown path or an impossible time.
     """
     from cspdiag.network.lower.program import suggestion
 
@@ -159,8 +161,8 @@ def measured_times(network: Network, measured: Mapping[str, float] | None) -> di
 
 
 def require_states(environment: Environment, point: Mapping[str, float]) -> None:
-    """Raise TypeError for what is no mapping to numbers, ArgumentError for the name of a state that the plant does not
-    have, and for a value that is not finite.
+    """Raise TypeError for a value that is not a mapping to numbers, ArgumentError for the name of a state that the
+    plant does not have, and for a value that is not finite.
     """
     require_mapping("at", point)
     states = () if environment.system is None else tuple(state.name for state in environment.system.states)

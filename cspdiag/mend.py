@@ -15,15 +15,15 @@ from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 
 _MOST_ROUNDS = 100
-"""More than are needed: one mend seldom brings to light what another can mend."""
+"""More than are needed: a mend seldom reveals another diagnostic that can be mended."""
 
 _UNREADABLE = "E01"
-"""The family of what keeps a text from being read as a whole, so that most checks wait."""
+"""The family of errors that keep a text from being read as a whole, so most checks are skipped."""
 
 
 @record
 class MendedFile:
-    """A file whose text has changed, and how many mends there were."""
+    """A file whose text has changed, and the number of its mends."""
 
     before: SourceFile
     text: str
@@ -32,16 +32,15 @@ class MendedFile:
 
 @record
 class Mended:
-    """The files that have changed, and what is wrong after that, of which nothing has a mend."""
+    """The files that have changed, and the diagnostics that are left, none of which has a mend."""
 
     files: tuple[MendedFile, ...]
     left: tuple[Diagnostic, ...]
 
 
 class _Files:
-    """Files as they were read and as they are by now, by what ``identity`` takes a name for.
-
-    A file that has two names is one.
+    """Files as they were read and as they are now, by the identity of their names: a file that has two names is one
+    file.
     """
 
     def __init__(self, read: Reader, identity: Callable[[str], str]) -> None:
@@ -61,7 +60,7 @@ class _Files:
         return SourceFile(name=name, text=self.texts[key])
 
     def key(self, source: SourceFile) -> str | None:
-        """None for what was not read from a file, such as a bundled library."""
+        """None for a text that was not read from a file, such as a bundled library."""
         key = self._identity(source.name)
         return key if self.texts.get(key) is source.text else None
 
@@ -72,12 +71,12 @@ class _Files:
             keys = [self.key(edit.span.source) for edit in diagnostic.edits]
             places = [(edit.span.start, edit.span.end) for edit in diagnostic.edits]
             if None not in keys:
-                # A file that is read by two names has everything twice.
+                # A file that is read under two names has each diagnostic twice.
                 chosen.setdefault((diagnostic.code, *keys, *places), diagnostic)
         return apart(chosen.values())
 
     def apply(self, changes: Sequence[Diagnostic]) -> None:
-        """Change the texts in which these were found."""
+        """Change the texts in which these diagnostics were found."""
         edits: dict[str, list[Edit]] = {}
         for edit in (edit for diagnostic in changes for edit in diagnostic.edits):
             key = self.key(edit.span.source)
@@ -89,8 +88,8 @@ class _Files:
 def mend(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], str]) -> Mended:
     """Mend programs and the files that they import; bundled libraries stay as they are.
 
-    ``identity`` gives two names of one file the same key. A mend after which more is wrong than before is taken back:
-    something else was meant. A file that was in the one style is in it afterwards.
+    ``identity`` gives two names of one file the same key. A mend that leads to more errors than before is taken back:
+    something else was meant. A file that was formatted before is formatted afterwards.
     """
     files = _Files(read, identity)
     for source in sources:
@@ -126,7 +125,7 @@ def mend(sources: Sequence[SourceFile], read: Reader, identity: Callable[[str], 
 
 
 def _is_worse(after: Sequence[Diagnostic], before: Sequence[Diagnostic]) -> bool:
-    """Whether there are more errors; while a text cannot be read whole, errors of that kind are counted only."""
+    """Whether there are more errors; while a text cannot be read as a whole, only errors of that kind are counted."""
     prefix = _UNREADABLE if any(each.code.startswith(_UNREADABLE) for each in before) else "E"
     return sum(each.code.startswith(prefix) for each in after) > sum(each.code.startswith(prefix) for each in before)
 
@@ -140,7 +139,7 @@ def _check(sources: Sequence[SourceFile], files: _Files) -> list[Diagnostic]:
 
 
 def _in_style(before: SourceFile, text: str) -> str:
-    """The text after mends, formatted if that before them was, or if formatting changes mended lines only."""
+    """The text after mends, formatted if it was formatted before, or if formatting changes only mended lines."""
     formatted = _formatted(text)
     if formatted is None or _formatted(before.text) == before.text:
         return text if formatted is None else formatted

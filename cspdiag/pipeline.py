@@ -1,6 +1,6 @@
 """The whole compiler on one page: parse → imports → resolve → check → network check → lower → generate.
 
-Every step is a pure function of its own layer, reports what it finds and goes on. Layers are imported when they are
+Every step is a pure function of its own layer, reports what it finds and continues. Layers are imported when they are
 reached, so that ``cspdiag check`` starts without the generator and what it needs.
 """
 
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from cspdiag.syntax.ast import SourceTree
 
 Reader = Callable[[str], SourceFile]
-"""Reads an imported file; raises OSError where it cannot."""
+"""Reads an imported file; raises OSError if it cannot."""
 
 
 @node
 class Checked:
-    """A program after all checks; ``program`` is None where it could not be understood as a whole.
+    """A program after all checks; ``program`` is None if it could not be understood as a whole.
 
     ``readable`` has the definitions that could be read, if any: enough for a picture, not always for code.
     """
@@ -41,14 +41,14 @@ class Checked:
     report: Report
     readable: Program | None = None
     analysis: Analysis | None = None
-    """What the checks have found out that lowering needs too."""
+    """Results of the checks that lowering needs too."""
     network: CoreNetwork | None = None
-    """That of the outermost process beside all its environments, where an analysis has needed it."""
+    """The network of the outermost process with all its environments, if an analysis has needed it."""
 
 
 @node
 class Built:
-    """A program on its way to code, with its settings as values; ``network`` is None where errors, in
+    """A program about to be compiled, with its settings as values; ``network`` is None if errors, in
     ``checked.report``, prevent it.
     """
 
@@ -59,8 +59,8 @@ class Built:
 
 @node
 class ProofObligations:
-    """A program and what is to be proved of it; ``networks`` are those of its processes, by name, as far as they were
-    lowered.
+    """A program and what is to be proved of it; ``networks`` has the networks of its processes, by name, as far as they
+    were lowered.
     """
 
     checked: Checked
@@ -69,7 +69,7 @@ class ProofObligations:
     parameters: Mapping[str, Value]
 
     def network(self, process: str) -> CoreNetwork | None:
-        """The network of a process as the outermost one; None where that reports an error."""
+        """The network of a process as the outermost one; None if lowering it reports an error."""
         if process not in self.networks:
             is_specification = process in {question.specification for question in self.questions}
             is_asked = process in {question.process for question in self.questions}
@@ -87,9 +87,9 @@ class ProofObligations:
 
 @room_to_recurse()
 def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None = None) -> Checked:
-    """Find everything that is wrong with a program and the files it imports.
+    """Find all errors in a program and the files it imports.
 
-    ``overrides`` replaces the values of constants by name. Raises nothing because of what the program says.
+    ``overrides`` replaces the values of constants by name. No program makes it raise an exception.
     """
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.diagnostics.imports import ImportFailure
@@ -113,7 +113,7 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
 
 @room_to_recurse()
 def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[Label, ...] = ()) -> Checked:
-    """A program without errors with other values of its constants; its text is not read again.
+    """A program without errors, checked with other values of its constants; its text is not read again.
 
     Errors show the ``suspects``.
     """
@@ -149,11 +149,11 @@ def compile_network(
     surroundings: Surroundings = "environment",
     alone: bool = False,
 ) -> CoreNetwork | None:
-    """Lower a program that has no errors to its network; None where that reports an error.
+    """Lower a program that has no errors to its network; None if that reports an error.
 
-    ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of
-    the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet.
-    ``alone``: other environments are not wanted. Raises ``cspdiag.settings.SettingError`` for an override of an element
+    ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of the
+    text); ``overrides`` replaces parameters of instances by path. ``surroundings`` gives what its ports are connected
+    to. ``alone``: without other environments. Raises ``cspdiag.settings.SettingError`` for an override of an element
     that an array does not have.
     """
     from cspdiag.network.lower.program import lower
@@ -195,9 +195,9 @@ def build(
 ) -> Built:
     """Check a program and lower it, with settings such as ``{"Tsh": "10 ms", "pan.inertia": "2e-3"}``.
 
-    ``alone``: for the chosen environment only, as for a run.
-    Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors, and
-    ``cspdiag.network.lower.program.SelectionError`` where there is no such process or environment to compile.
+    ``alone``: for the chosen environment only, as for a run. Raises ``cspdiag.settings.SettingError`` for a setting
+    that matches nothing in a program without errors, and ``cspdiag.network.lower.program.SelectionError`` if there is
+    no such process or environment to compile.
     """
     from cspdiag.network.lower.program import selection
 
@@ -216,7 +216,7 @@ def _check_with(
     settings: Mapping[str, str] | None,
     roots: Callable[[Program, Analysis], Sequence[Root]],
 ) -> tuple[Checked, Overrides]:
-    """The program with constants set, and the settings as values; ``roots`` finds what is to be compiled."""
+    """The checked program with constants set, and the settings as values; ``roots`` finds what is to be compiled."""
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
     checked = check(main, read)
@@ -234,7 +234,8 @@ def proof_obligations(
 ) -> ProofObligations:
     """Check a program and collect what is to be proved: its assertions, or those about ``process``.
 
-    Where there are none, what is expected of ``process``, or else of the outermost process. Raises as ``build`` does.
+    If there are none, what is expected of ``process``, or else of the outermost process. Raises the same exceptions as
+    ``build``.
     """
     from cspdiag.network.lower.program import selection
     from cspdiag.proofs.answers.question import expected_of, questions_of
@@ -277,12 +278,11 @@ def generate(
     """The files of a target's package, by path relative to its folder.
 
     ``level`` is that of optimization, 0 or 1; at level 0 code reports and keeps everything. ``traced`` code reports to
-    an observer every communication, other code those of external ports only; ``observed`` code also reports when
-    each process starts and ends, and who communicates; ``probed`` code keeps variables that have a unit as objects that
-    can be watched. Hand-written modules that the program names are read relative to the file that names them.
-    ``templates`` take the places of those of the target, by name. Raises KeyError for an unknown target, OSError for a
-    module that cannot be read, TargetError for a program that the target cannot express and for a mistake in one of the
-    templates.
+    an observer every communication, other code those of external ports only; ``observed`` code also reports when each
+    process starts and ends, and who communicates; ``probed`` code keeps variables that have a unit as objects that can
+    be watched. Hand-written modules that the program names are read relative to the file that names them. ``templates``
+    replace those of the target, by name. Raises KeyError for an unknown target, OSError for a module that cannot be
+    read, TargetError for a program that the target cannot express and for a mistake in one of the templates.
     """
     from cspdiag.codegen import TARGETS, external_modules
     from cspdiag.codegen.options import Options

@@ -30,8 +30,7 @@ class WrittenNumber(str):
 @record
 class Overrides:
     """Settings as values: of constants by name or by the path of a field, of parameters by the path of their instance.
-
-    ``places`` are what was set, in the text: an error of a program with settings shows them.
+    ``places`` are where the things that were set are declared: an error in a program with settings shows them.
     """
 
     constants: Mapping[str, Value]
@@ -42,11 +41,13 @@ class Overrides:
 NO_OVERRIDES = Overrides(constants={}, parameters={})
 
 CONSTANT = "const"
-"""Before the name of a constant, ``const.T``, it says that no parameter is meant; no instance can have this name."""
+"""Prefixed to the name of a constant, as in ``const.T``, it excludes parameters; no instance can have this name."""
 
 
 def split_settings(texts: Iterable[str]) -> dict[str, str]:
-    """Values by name from texts ``NAME=VALUE``; SettingError for another text, and for a name with two values."""
+    """Values by name from texts ``NAME=VALUE``; raises SettingError for a text of another form, and for a name with two
+    values.
+    """
     settings: dict[str, str] = {}
     for text in texts:
         name, value = split_setting(text)
@@ -56,7 +57,7 @@ def split_settings(texts: Iterable[str]) -> dict[str, str]:
 
 
 def split_setting(text: str) -> tuple[str, str]:
-    """``NAME=VALUE`` as its two parts; SettingError without them."""
+    """``NAME=VALUE`` as its two parts. Raises SettingError if they are missing."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
         raise SettingError(f"a setting is NAME=VALUE, not {text!r}")
@@ -64,7 +65,7 @@ def split_setting(text: str) -> tuple[str, str]:
 
 
 def parse_duration(text: str) -> int:
-    """``20s``, ``1.5 ms`` in nanoseconds. Raises SettingError."""
+    """A duration such as ``20s`` or ``1.5 ms`` in nanoseconds. Raises SettingError."""
     from cspdiag.model.constants.evaluate import parse_value
     from cspdiag.model.types import TIME
 
@@ -77,7 +78,7 @@ def parse_duration(text: str) -> int:
 
 
 def parse_time_limit(text: str) -> int:
-    """How long a run lasts at most, in nanoseconds. Raises SettingError, also for what lies before its beginning."""
+    """How long a run lasts at most, in nanoseconds. Raises SettingError, also for a negative time."""
     limit = parse_duration(text)
     if limit < 0:
         raise SettingError(f"a run cannot last {text}: write a positive duration, such as 20s or 500ms")
@@ -85,31 +86,33 @@ def parse_time_limit(text: str) -> int:
 
 
 _Place: TypeAlias = "tuple[str | int, ...]"
-"""An owner, what it owns, and the positions of a part in that; the place of the owner is a prefix of a part's."""
+"""An owner, the name of its item, and the positions of a part within that; the place of a whole is a prefix of the
+place of its part.
+"""
 
 
 @record
 class _Target:
-    """What a name can mean: a constant, or a part of one, or a parameter by its path below some roots."""
+    """What a name can mean: a constant, a part of one, or a parameter by its path below some roots."""
 
     path: str
     item: ast.Constant | ast.Parameter
     type: Type
     positions: tuple[int, ...] = ()
-    """Of a part of a constant: where it lies in it."""
+    """Where a part of a constant is within it."""
     roots: tuple[Root, ...] = ()
     is_qualified: bool = False
 
     @property
     def places(self) -> tuple[_Place, ...]:
-        """What is set, however it is written."""
+        """What is set, independent of how it is written."""
         return tuple(
             (owner, self.path if self.roots else self.item.name.text, *self.positions) for owner in self.owners
         )
 
     @property
     def owners(self) -> tuple[str, ...]:
-        """What can stand before the path, so that the name means this and nothing else."""
+        """Prefixes of the path with which the name means this and nothing else."""
         return tuple(root.name.text for root in self.roots) or (CONSTANT,)
 
     @property
@@ -121,12 +124,11 @@ class _Target:
 
 
 def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequence[Root]) -> Overrides:
-    """The settings with their values read by the types of what they set.
-
-    A name is that of a constant, with a path to a field or an element where the constant is a struct or an array; or a
-    parameter of one of the ``roots``, or of an instance below one, by its path. The roots are what is compiled:
-    outermost processes and environments. ``const.T`` is the constant, ``Main.T`` the parameter of the root `Main`,
-    where ``T`` alone could be either. Raises SettingError.
+    """The settings, with values parsed by the types of what they set. A name is that of a constant, with a path to a
+    field or an element where the constant is a struct or an array; or a parameter of one of the ``roots``, or of an
+    instance below one, by its path. The roots are what is compiled: outermost processes and environments. ``const.T``
+    is the constant, ``Main.T`` the parameter of the root `Main`, where ``T`` alone could be either. Raises
+    SettingError.
     """
     from cspdiag.base.diagnostic import Label
     from cspdiag.network.lower.setting_paths import in_root
@@ -150,15 +152,15 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
 
 
 class _Known:
-    """What has been set, by the names that were written."""
+    """What has been set so far, by the names as written."""
 
     def __init__(self) -> None:
         self._set: dict[_Place, str] = {}
         self._around: dict[_Place, str] = {}
-        """What has a part that is set, by the name of one such part."""
+        """Everything that has a part that is set, by the name of one such part."""
 
     def add(self, name: str, target: _Target) -> None:
-        """SettingError for what is set already: itself, a part of it, or what it is a part of."""
+        """Add a target. Raises SettingError if it, a part of it, or something that it is a part of is already set."""
         for place in target.places:
             if place in self._set:
                 raise SettingError(f"{target.path} is set twice: as {self._set[place]} and as {name}")
@@ -177,7 +179,7 @@ def _both_set(part: str, whole: str) -> SettingError:
 
 
 def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
-    """The one thing that a name means; SettingError where it means nothing or several things."""
+    """The one thing that a name means. Raises SettingError if it means nothing or several things."""
     from cspdiag.network.lower.meant_settings import meant_constant, no_parameter_either, unknown_name
     from cspdiag.network.lower.setting_paths import steps_of
 
@@ -212,7 +214,7 @@ def _is_one(found: Sequence[_Target]) -> bool:
 
 
 def _constant(program: Program, name: str) -> tuple[ast.Constant | None, str]:
-    """The constant that a name begins with, if it can mean it or a part of it; and the name without spaces."""
+    """The constant that a name begins with, if the name can mean it or a part of it; and the name without spaces."""
     path = "".join(name.split())
     head = re.split(r"[.\[]", path.removeprefix(f"{CONSTANT}."), maxsplit=1)[0]
     constant = program.definitions.get(head)
@@ -276,7 +278,7 @@ def _part(program: Program, constant: ast.Constant, path: str, name: str) -> tup
 
 
 def _parameters(program: Program, steps: tuple[PathStep, ...], roots: Sequence[Root]) -> list[_Target]:
-    """The parameters that a path can mean: inside each of the roots, or behind the name of one."""
+    """The parameters that a path can mean: inside each of the roots, or after the name of one."""
     from cspdiag.network.lower.setting_paths import parameter_at, paths_inside
 
     found = []

@@ -34,8 +34,8 @@ class Edit:
 class Diagnostic:
     """One thing that is wrong, where, why, and how to correct it.
 
-    A subclass is a ``record`` that sets ``code`` and ``title`` and adds the facts it needs as fields;
-    ``message``, ``help`` and ``labels`` make sentences of them. A sentence without facts is set as ``code`` is.
+    A subclass is a ``record`` that sets ``code`` and ``title`` and adds the facts it needs as fields; ``message``,
+    ``help`` and ``labels`` make sentences of them. A sentence without facts is a class attribute, as ``code`` is.
     """
 
     code: ClassVar[str]

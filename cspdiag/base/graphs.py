@@ -1,6 +1,6 @@
 """Paths, components and cycles of graphs that are given by the successors of each node.
 
-networkx has them as well, but ``check`` has no time to load it, and in the proofs its components take three to seven
+networkx has them as well, but ``check`` cannot afford to load it, and in the proofs its components take three to seven
 times as long as these.
 """
 

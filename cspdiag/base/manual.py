@@ -1,4 +1,4 @@
-"""The manual pages of the diagnostics: Markdown files, one a code, in a folder for each family of codes."""
+"""The manual pages of the diagnostics: Markdown files, one per code, in a folder for each family of codes."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def manual_pages() -> dict[str, ManualPage]:
 
 
 def read_page(text: str) -> ManualPage:
-    """A page from its Markdown. Raises ValueError for what has another form."""
+    """A page from its Markdown. Raises ValueError for a text of another form."""
     form = re.fullmatch(
         r"# (\w+): (.+)\n\n((?s:.+?))\n\n((?s:.+?))\n\n"
         r"Refused:\n\n```csp\n((?s:.+?))```\n\nMended:\n\n```csp\n((?s:.+?))```\n",

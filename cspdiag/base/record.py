@@ -37,7 +37,7 @@ class _Shared:
         return f"{type(self).__name__}({shown})"
 
     def __getstate__(self) -> dict[str, Any]:
-        # The hash of a text differs from one process to the next: it is not handed on.
+        # The hash of a text differs from one process to the next, so it is not pickled.
         return {name: value for name, value in self.__dict__.items() if name != "__record_hash__"}
 
 
@@ -83,7 +83,7 @@ def _equal(self: Any, other: object) -> bool:
 
 
 def _hash(self: Any) -> int:
-    # Kept, because a record may hold a whole program, and is looked up again and again.
+    # Cached, because a record may hold a whole program, and is looked up again and again.
     known: int | None = self.__record_hash__
     if known is None:
         known = self.__dict__["__record_hash__"] = hash(self.__record_values__(self))

@@ -31,7 +31,7 @@ class Speller:
             differ = abs(len(candidate) - len(name))
             allowed = min(min(len(name), len(candidate)) // 3, least - 1)
             if differ == 1 < least and not allowed and _with_single_letters(candidate.lower()) == single:
-                # A letter twice is a slip in the shortest name, too.
+                # A doubled letter is a slip even in the shortest name.
                 best, least = candidate, 1
                 continue
             if candidate == name or allowed < 0 or differ > allowed or len(candidate) < 2:

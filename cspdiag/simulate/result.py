@@ -23,7 +23,7 @@ _PICTURES = (".svg", ".png", ".pdf")
 
 
 class UnknownSignalError(CspdiagError, KeyError):
-    """A run has no signal of that name; the message has the names that there are."""
+    """A run has no signal of that name; the message lists those that exist."""
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -44,8 +44,8 @@ class Run(RunData):
     """
 
     def unread(self, name: str) -> Sequence[bool]:
-        """Whether nobody read a sample of a sampled input before the next one came, for each of them;
-        UnknownSignalError for no signal.
+        """For each sample of a sampled input, whether nobody read it before the next one arrived. Raises
+        UnknownSignalError.
         """
         self._signal(name)
         return super().unread(name)
@@ -63,7 +63,7 @@ class Run(RunData):
         return name in self.signals
 
     def __getitem__(self, name: str) -> numpy.ndarray:
-        """Values of a signal; UnknownSignalError, a KeyError, with the known names if the name is unknown."""
+        """Values of a signal. Raises UnknownSignalError, a KeyError, which lists the known names."""
         return self._signal(name).value
 
     def time(self, name: str) -> numpy.ndarray:
@@ -84,7 +84,7 @@ class Run(RunData):
         return self.communications
 
     def raise_if_unsuccessful(self) -> None:
-        """Raise RunError where the run failed or ended in a deadlock."""
+        """Raise RunError if the run failed or ended in a deadlock."""
         try:
             self.outcome.raise_if_unsuccessful()
         except Exception as problem:
@@ -161,8 +161,8 @@ class Run(RunData):
         """One figure of set-points, measurements, outputs and modes over time; written to ``path`` if given.
 
         Raises MissingPackageError, an ImportError, with the command to install matplotlib if it is missing,
-        ArgumentError for a name of a file that ends otherwise than in .svg, .png or .pdf, and FileError where it cannot
-        be written.
+        ArgumentError for a file name that does not end in .svg, .png or .pdf, and FileError if the file cannot be
+        written.
         """
         from cspdiag.simulate.record.plot.figure import plot
 

@@ -22,7 +22,7 @@ def write_whole(path: str | os.PathLike[str], data: bytes) -> None:
     """Write a file whole or not at all.
 
     A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it
-    is. Raises OSError as the file system does, with the name that was given, and for a pipe from which nobody reads.
+    is. Raises OSError as the file system does, with the name that was given, and for a pipe without a reader.
     """
     require_name_of_file(path)
     if os.path.exists(path) and not os.path.isfile(path):

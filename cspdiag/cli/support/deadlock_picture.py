@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def check_picture(option: str, path: Path) -> None:
-    """Refuse a picture that could not be written before the work instead of after it."""
+    """Refuse a picture that could not be written, before the work instead of after it."""
     from cspdiag.draw.missing import MissingToolError
     from cspdiag.draw.output.formats import FORMATS, rendered
     from cspdiag.draw.scene.shapes import Scene

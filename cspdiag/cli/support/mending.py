@@ -1,6 +1,4 @@
-"""``check --fix`` and ``check --diff``: corrections are shown, or written completely to the files that they
-belong to.
-"""
+"""``check --fix`` and ``check --diff``: shows corrections, or writes them to the files that they belong to."""
 
 from __future__ import annotations
 

@@ -142,7 +142,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _find_file(arguments: Namespace) -> None:
-    """In ``--hide-labels FILE`` the file was meant as one, because a label has no ending."""
+    """In ``--hide-labels FILE`` the argument was meant as the file, because a label has no suffix."""
     if arguments.file is not None:
         return
     hidden = arguments.hide_labels or [""]
@@ -371,7 +371,7 @@ def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> Non
 
 
 def _refuse_link(path: Path) -> None:
-    """A file that the user has named may be a link; one that has its name from the program is not written elsewhere."""
+    """A file that the user has named may be a link; one that is named after a process is not written elsewhere."""
     if path.is_symlink():
         raise UsageError(f"{path} is a symbolic link: remove it, or name the file with -o")
 

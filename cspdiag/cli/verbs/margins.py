@@ -55,7 +55,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Linearize, measure, report; fine where there are loops and all of them are stable."""
+    """Linearize, measure, report; exit code 0 if there are loops and all of them are stable."""
     from cspdiag.analyses.margins.linear import NotLinearError
     from cspdiag.analyses.margins.period import parse_margin
 
@@ -85,7 +85,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_plot(path: Path | None) -> None:
-    """Refuse a picture that could not be made before the work instead of after it."""
+    """Refuse a picture that could not be made, before the work instead of after it."""
     from importlib.util import find_spec
 
     if path is None:
@@ -138,7 +138,7 @@ def _analysed(arguments: Namespace, network: CoreNetwork, environment: Environme
 
 
 def _refuse_loop(part: str, report: LoopReport) -> None:
-    """Raise UsageError for a part of a path that none of the loops has; ``report`` is of all of them."""
+    """Raise UsageError for a part of a path that none of the loops has; ``report`` covers all of them."""
     from cspdiag.network.lower.program import suggestion
 
     laws = (refusal.law.partition(".")[2] for refusal in report.refusals)

@@ -19,7 +19,7 @@ _UNFIT = ("environment", "until", "record", "trace", "plot")
 
 
 def run(arguments: Namespace) -> int:
-    """Report what happens, and whether the trace says the same; exit code 0 if it does."""
+    """Report what happens, and whether that agrees with the trace; exit code 0 if it does."""
     _refuse_others(arguments)
     from cspdiag.codegen import target_errors
     from cspdiag.proofs.verdict import LimitError
@@ -96,7 +96,7 @@ def _report(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]
 
 
 def _other_settings(arguments: Namespace, trace: Trace, result: Replay) -> Iterator[str]:
-    """How the settings differ from those of the trace, if that may be why it cannot be replayed."""
+    """How the settings differ from those of the trace, if that may be the reason why it cannot be replayed."""
     from cspdiag.settings import split_settings
 
     if result.divergence is None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def run_timing(arguments: Namespace) -> int:
-    """Analyse the program, report what was found, draw the schedule; fine where every deadline is proved to be met."""
+    """Analyse the program, report the results, draw the schedule; exit code 0 if every deadline is proved to be met."""
     _check_options(arguments)
     measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
     built = _built(arguments)
@@ -40,7 +40,7 @@ def run_timing(arguments: Namespace) -> int:
 
 
 def _check_options(arguments: Namespace) -> None:
-    """Refuse before the work what could not be done after it."""
+    """Refuse, before the work, options that could not be carried out after it."""
     require_file("--gantt", arguments.gantt, (".svg",))
     require_different({"the program": arguments.file, "--wcet-from": arguments.wcet_from, "--gantt": arguments.gantt})
     spin = arguments.engine if arguments.engine != "cspdiag" else None
@@ -123,8 +123,8 @@ def measured_times(path: str) -> list[Measured]:
     """The longest execution times in a trace.
 
     A trace is what ``run --real-time --trace out.json`` writes, or any JSON object with ``executionTimes``: an object
-    from paths to times in seconds, or to objects with ``longest``, and ``what`` was measured. Raises UsageError where
-    there are none, OSError where the file cannot be read.
+    from paths to times in seconds, or to objects with ``longest``, and ``what`` was measured. Raises UsageError if
+    there are none, OSError if the file cannot be read.
     """
     from cspdiag.analyses.timing.tasks.measured import Measured
 

@@ -32,7 +32,7 @@ _PLACE = re.compile(r"/\*.*?([^\s/*(]+\.csp:\d+)")
 
 
 class CompilerError(CspdiagError):
-    """There is no C compiler, or it has refused a file."""
+    """There is no C compiler, or it has rejected a file."""
 
 
 class CompilationTimeoutError(CompilerError):
@@ -107,7 +107,7 @@ class Build:
         return tuple(dict.fromkeys(os.path.dirname(path) for path in self.files))
 
     def executable(self) -> Path:
-        """The program, of which only what is not in the cache is built. Raises CompilerError."""
+        """The path of the program; only what is not in the cache is built. Raises CompilerError."""
         digests = {path: self.digest(path) for path in self.sources}
         target = self.cache / "programs" / _hash([*digests.values(), *self._identity])
         if _touched(target):
@@ -165,9 +165,9 @@ class Build:
         _keep(made, place)
 
     def assembled(self, path: str, *options: tuple[str, ...], patience: int | None = None) -> dict[str, str]:
-        """What the compiler writes for a file that it compiles to assembly, by suffix (``s``, ``su``), with the first
-        options that it knows. Raises CompilerError, also if that takes more than ``patience`` seconds of processor
-        time.
+        """The files that the compiler writes when it compiles a file to assembly, by suffix (``s``, ``su``), with the
+        first options that it accepts. Raises CompilerError, also if that takes more than ``patience`` seconds of
+        processor time.
         """
         with _Scratch(self.cache) as scratch:
             _write(scratch, self.files)
@@ -225,7 +225,7 @@ def explained(said: str, files: Mapping[str, str], scratch: Path | None) -> str:
 
 
 def _source_place(text: str, line: int) -> str | None:
-    """The place in the comment on the line or the nearest above it."""
+    """The source place from the comment on the line, or from the nearest line above that has one."""
     for row in reversed(text.split("\n")[:line]):
         found = _PLACE.search(row)
         if found is not None:
@@ -289,9 +289,7 @@ def _touched(place: Path) -> bool:
 
 
 def _bound(folder: Path) -> None:
-    """Remove what has not been used for the longest time if the cache is too large, and what aborted builds
-    have left.
-    """
+    """Remove the least recently used entries if the cache is too large, and the remains of aborted builds."""
     for left in folder.glob(f"{_BUILDING}*"):
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > _LONGEST_BUILD:

@@ -89,16 +89,14 @@ def _enclosing(path: str) -> str:
 
 
 def _runs(path: str, user: str, begun: Collection[str]) -> bool:
-    """Whether a process is this user of a channel, or runs it as a part of itself, because it never began a process of
-    its own.
-    """
+    """Whether a process is this user of a channel, or runs it inlined, as a part of itself."""
     while user != path and user and user not in begun:
         user = _enclosing(user)
     return user == path
 
 
 def _waits_alike(record: WaitingRecord, other: WaitingRecord) -> bool:
-    """Whether two parallel parts of one process wait for the same: neither reaches the other side meanwhile."""
+    """Whether two parallel parts of one process wait for the same thing: neither reaches the other side meanwhile."""
     return record.path == other.path and _words(record) == _words(other)
 
 

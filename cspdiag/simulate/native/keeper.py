@@ -12,7 +12,7 @@ from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_sign
 from cspdiag.runtime.kernel.stopping import stopping
 
 PATIENCE = 2.0
-"""The seconds that a native program has to end after a signal has arrived or it has reported its end."""
+"""The seconds within which a native program must end after a signal has arrived or it has reported its end."""
 _LOOK = 0.05
 
 
@@ -21,10 +21,9 @@ class KilledError(CspdiagError):
 
 
 class Keeper:
-    """Hands what ends a run on to the native program, which then ends by itself; if it does not in time, it is killed.
-
-    A thread does it: the main one reads what the program reports. ``signal`` is the first signal that came, ``killed``
-    whether the program was.
+    """Forwards signals to the native program, which then ends by itself; if it does not end in time, it is killed. This
+    happens in a thread of its own, because the main one reads what the program reports. ``signal`` is the first signal
+    that arrived, ``killed`` whether the program was killed.
     """
 
     def __init__(self, program: subprocess.Popen[bytes]) -> None:
@@ -37,7 +36,7 @@ class Keeper:
 
     @property
     def account(self) -> KilledError:
-        """The message about a program that was killed."""
+        """The message about the program that was killed."""
         why = "after it had reported its end" if not self.signal else f"after {name_of_signal(self.signal)}"
         return KilledError(f"the native program did not end within {PATIENCE:g} s {why}, and was killed")
 
@@ -51,14 +50,14 @@ class Keeper:
         self._thread.join()
 
     def end_reported(self) -> None:
-        """The program has reported its end: it has nothing left to do."""
+        """Note that the program has reported its end: it has nothing left to do."""
         self._until = time.monotonic() + PATIENCE
 
     def _run(self) -> None:
         while not self._ended.wait(_LOOK):
             if stopping.signal and not self.signal:
                 self.signal = stopping.take()
-                self._program.send_signal(signal.SIGTERM)  # The one that it never ignores.
+                self._program.send_signal(signal.SIGTERM)  # The program never ignores this one.
                 self._until = time.monotonic() + PATIENCE
             if self._until is not None and time.monotonic() > self._until and self._program.poll() is None:
                 self.killed = True

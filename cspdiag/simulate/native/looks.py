@@ -10,8 +10,8 @@ from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 
 class Looks:
-    """Reads lines ``7000000 Ring.cell[3] (ring.csp:12)`` from a pipe: the instant in nanoseconds and, where it is that
-    of the line before, who is at work.
+    """Reads lines ``7000000 Ring.cell[3] (ring.csp:12)`` from a pipe: the instant in nanoseconds and, if it is that of
+    the previous line, which process is running.
 
     Used as a context manager around the run. The program inherits ``descriptor``, which never blocks it; ``started`` is
     called when it has.
@@ -24,7 +24,7 @@ class Looks:
         self._began = time.monotonic()
         self._at_work: dict[str, None] = {}
         self.now = 0
-        """The instant of the last look, in nanoseconds."""
+        """The instant of the last observation, in nanoseconds."""
 
     @property
     def wall_time(self) -> float:
@@ -38,7 +38,7 @@ class Looks:
         return list(self._at_work)
 
     def started(self) -> None:
-        """The program has started; from here on only it can write."""
+        """Note that the program has started; from here on only it can write."""
         os.close(self.descriptor)
         self.descriptor = -1
         self._began = time.monotonic()

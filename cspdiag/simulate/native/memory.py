@@ -15,8 +15,8 @@ from cspdiag.simulate.native.build import Build, CompilerError
 _PROBE = "sizes_probe.c"
 _INDIRECT = "__indirect_call"
 _PATIENCE = 20
-"""Seconds of processor time after which a compiler is stopped: the package is written without the report, and that is
-said.
+"""Seconds of processor time after which a compiler is stopped: the package is written without the report, and a message
+says so.
 """
 
 

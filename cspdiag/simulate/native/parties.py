@@ -45,8 +45,8 @@ class Parties:
             return process
         if len(candidates) == 1:
             return candidates[0]
-        # Of a process and its law it is the law: that communicates in every sample, the process where it begins and
-        # ends.
+        # Of a process and its law it is the law, which communicates in every sample, the process only when it begins
+        # and ends.
         active = [user for user in candidates if self._process_of(user) in self._running]
         return max(active, key=lambda user: user in self._laws, default=process)
 

@@ -40,11 +40,11 @@ class NativeRun:
 
     @property
     def now(self) -> int:
-        """The present instant in nanoseconds, as far as it is known."""
+        """The latest known instant in nanoseconds."""
         return max(self.reader.now, self.looks.now)
 
     def at_work(self) -> list[str]:
-        """The processes that were found at work since this instant has begun, each with its place."""
+        """The processes that were found running since the present instant began, each with its place."""
         return self.looks.at_work
 
 
@@ -69,9 +69,9 @@ def simulate(
     """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the
     clock of a POSIX system.
 
-    With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one
-    where that is possible, and do not report when each starts and ends. ``on_start`` is handed what knows the present
-    instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an exception. Raises
+    With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one where
+    that is possible, and do not report when each starts and ends. ``on_start`` is passed an object whose ``now`` is the
+    present instant. Ctrl-C and what the program raises end the run with an outcome, not with an exception. Raises
     NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
@@ -109,8 +109,8 @@ def _run(
     real_time: bool,
     flattened: bool,
 ) -> Outcome:
-    # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is
-    # reported. Against the clock it reports itself how late it met the instants.
+    # A session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and everything
+    # is reported. Against the clock the program itself reports how late it met the instants.
     errors = None if real_time else subprocess.PIPE
     with (
         stopping,
@@ -149,7 +149,7 @@ def _run(
 
 
 def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, network: CoreNetwork) -> Outcome | None:
-    """How it ended; None if it has not reported that."""
+    """How the run ended; None if the program has not reported that."""
     from cspdiag.runtime import Outcome
 
     reader, end = run.reader, run.reader.end
@@ -157,7 +157,8 @@ def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, ne
         if not keeper.signal:
             return None
         outcome = Outcome("stopped", run.now, wall_time=run.looks.wall_time, signal=keeper.signal)
-        # Otherwise it has come out of a step that hung by itself, with its outputs released and no time to report.
+        # Otherwise the program was stuck in a step and ended by itself, with its outputs released and no time to
+        # report.
         if keeper.killed:
             outcome.release_errors.append(keeper.account)
         return outcome

@@ -43,7 +43,7 @@ class WaitingRecord:
 
 @dataclass
 class EndRecord:
-    """The end of a run: the number of a ``csp_ending``, the time in nanoseconds, and how many seconds it took."""
+    """The end of a run: the number of a ``csp_ending``, the time in nanoseconds, and its duration in seconds."""
 
     ending: int
     time: int
@@ -153,7 +153,7 @@ class StreamReader:
     def _waiting(self) -> None:
         self._bytes(4)
         _, source, place, words = self._text(), self._text(), self._text(), self._text()
-        path = words.partition(" waits ")[0]  # That of the law, where a process runs one.
+        path = words.partition(" waits ")[0]  # The place in the law, if a process runs one.
         (count,) = _LENGTH.unpack(self._bytes(2))
         entries = [(_NUMBER.unpack(self._bytes(4))[0], self._missing_ends()) for _ in range(count)]
         known = [(self._channels[number][0], missing) for number, missing in entries if number in self._channels]

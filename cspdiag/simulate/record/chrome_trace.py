@@ -1,4 +1,4 @@
-"""Chrome trace events: a track a process, flow arrows for rendezvous, counters for signals.
+"""Chrome trace events: a track for each process, flow arrows for rendezvous, counters for signals.
 
 Format: "Trace Event Format" of the Chromium project; shown by Perfetto and ``chrome://tracing``. Times are
 microseconds.

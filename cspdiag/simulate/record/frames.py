@@ -117,7 +117,7 @@ def _columns(channel: _Channel) -> list[Column[object]]:
 
 
 def _held(run: RunData, columns: list[Column[object]]) -> tuple[numpy.ndarray, list[list[Any]]]:
-    """Instants in seconds, and the cells of each column, None where nothing has passed yet."""
+    """Instants in seconds, and the cells of each column, None before the first value."""
     import numpy
 
     times: list[float] = []
@@ -130,7 +130,7 @@ def _held(run: RunData, columns: list[Column[object]]) -> tuple[numpy.ndarray, l
 
 
 def _series(values: list[Any], kind: Type) -> Any:
-    """A column in the type of pandas that has a place for what is not known yet; enum literals by name."""
+    """A column of a nullable type of pandas, with missing cells before the first value; enum literals by name."""
     import pandas
 
     match kind:
@@ -150,7 +150,7 @@ def _series(values: list[Any], kind: Type) -> Any:
 
 
 def _array(values: list[Any], kind: Type) -> numpy.ndarray:
-    """A column of numbers: floats where something is not known yet, since numpy has no other way to show that."""
+    """A column of numbers: floats if a value is missing, since numpy has no other way to show that."""
     import numpy
 
     if any(value is None for value in values):
@@ -167,7 +167,7 @@ def _array(values: list[Any], kind: Type) -> numpy.ndarray:
 
 
 def _shape(kind: Type) -> tuple[int, ...] | None:
-    """The axes of an array of numbers; None for what is one number, or has a name for each."""
+    """The axes of an array of numbers; None for a single number, and for structs, whose numbers have names."""
     sizes: list[int] = []
     while isinstance(kind, ArrayType):
         sizes.append(kind.size or 0)
@@ -188,7 +188,7 @@ def _unit(kind: Type) -> str | None:
 
 
 def _of_variable(kind: Type, period: float | None) -> dict[str, object]:
-    """Attributes in the words of the CF conventions, where these have some."""
+    """The attributes of a variable, named by the CF conventions where those have a name."""
     found: dict[str, object] = {"type": str(kind)}
     unit = _unit(kind)
     if unit is not None:

@@ -33,8 +33,8 @@ def columns_of(path: str, name: str, type_: Type, cell: Callable[[Any, Type], Ce
 
 
 def held_rows(run: RunData, columns: Iterable[Column[Cell]], empty: Cell) -> Iterator[tuple[int, list[Cell]]]:
-    """The instants in nanoseconds with their rows, in which a cell is ``empty`` before its first value. The list is the
-    same object each time.
+    """The instants in nanoseconds with their rows, in which a cell is ``empty`` before its first value. The same list
+    object is returned each time.
     """
     written: dict[str, list[tuple[int, Callable[[Any], Cell]]]] = {}
     row: list[Cell] = []

@@ -56,8 +56,8 @@ def _itself(value: Any) -> Any:
 
 
 def column(values: list[Any], type_: Type) -> numpy.ndarray:
-    """Values as an array of their type: shape ``(n,)``, for arrays ``(n, size)``; structs have a field of numpy for
-    each of theirs.
+    """Values as an array of their type: shape ``(n,)``, for arrays ``(n, size)``; structs become numpy structures with
+    the same fields.
     """
     import numpy
 
@@ -95,7 +95,7 @@ def _field(type_: Type) -> tuple[Any, ...]:
 
 
 def _plain(value: Any, type_: Type) -> Any:
-    """Lists for arrays and tuples for structs, which is how numpy distinguishes them."""
+    """A value with lists for arrays and tuples for structs, which is how numpy distinguishes them."""
     match type_:
         case ArrayType(element=element):
             return [_plain(part, element) for part in value]

@@ -87,7 +87,7 @@ def _uses(net: Net, paths: set[str]) -> bool:
 def _modes(
     network: CoreNetwork, enclosing: ProcessClass, path: str, action: act.CoreAction
 ) -> Iterator[tuple[str, str]]:
-    """Processes that are run one after the other in ``action``; a single one is looked into."""
+    """Processes that are run one after the other in ``action``; of a single one, those inside it."""
     classes = {instance.name: network.class_named(instance.class_name) for instance in enclosing.instances}
     processes = [name for name in dict.fromkeys(instances_run(action)) if isinstance(classes[name], ProcessClass)]
     groups = [step.label for step in parts(action) if isinstance(step, act.Group) and step is not action]

@@ -38,7 +38,9 @@ class ExecutionTime(NamedTuple):
 
 
 class Recorder:
-    """Observer of a run: communications, if wanted, and processes and groups, in the order in which they happen."""
+    """The observer of a run: records communications, if requested, and processes and groups, in the order in which they
+    happen.
+    """
 
     def __init__(self, *, communications: bool = True) -> None:
         self.wants_communications = communications
@@ -52,9 +54,9 @@ class Recorder:
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.execution_times: dict[str, ExecutionTime] = {}
         self.activities: list[Activity] = []
-        """By start; those that still run have no end."""
+        """In order of their starts; those that still run have no end."""
         self.running: dict[str, int] = {}
-        """Paths of what is running, with their positions in ``activities``."""
+        """The positions in ``activities`` of what is running, by path."""
 
     @property
     def communications(self) -> Iterator[tuple[int, str, object, str, str]]:
@@ -98,7 +100,7 @@ class Recorder:
     def execution_time(
         self, path: str, longest: int, steps: int = 1, what: Literal["law", "process", "thread"] = "law"
     ) -> None:
-        """Steps took at most this long; earlier measurements are kept."""
+        """Note the longest step; earlier measurements are kept."""
         known = self.execution_times.get(path, ExecutionTime(0, 0, what))
         self.execution_times[path] = ExecutionTime(max(known.longest, longest), known.steps + steps, what)
 

@@ -107,7 +107,7 @@ class RunData:
                 yield time, channel, value
 
     def unread(self, name: str) -> Sequence[bool]:
-        """For each sample of a sampled input whether it was left unread."""
+        """For each sample of a sampled input, whether it was left unread."""
         path = f"{self.network.top}.{name}"
         ticks = [time for time, port, _ in self._recorder.samples if port == path]
         reads = {

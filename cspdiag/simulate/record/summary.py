@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def summary(run: RunData) -> str:
-    """Several lines: why it ended and when, what ended when, missed samples, jitter."""
+    """Several lines: why and when the run ended, which processes ended when, missed samples, jitter."""
     return "\n".join(_lines(run))
 
 

@@ -25,7 +25,7 @@ class NoEnvironmentError(CspdiagError, LookupError):
 
 
 class BodyError(CspdiagError):
-    """A module in Python that the program names cannot be imported, or its class not be made; the message is
+    """A Python module that the program names cannot be imported, or its class cannot be instantiated; the message is
     one line.
     """
 
@@ -33,7 +33,7 @@ class BodyError(CspdiagError):
 def chosen_environment(network: CoreNetwork, name: str | None) -> Environment | None:
     """The environment of that name, or the first; None for a program without ports and environments.
 
-    Raises NoEnvironmentError, with a message for people, if no environment can be had.
+    Raises NoEnvironmentError, with a message for people, if there is no such environment.
     """
     names = [environment.name for environment in network.environments]
     if name is not None:
@@ -66,10 +66,10 @@ def simulate(
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
-    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit,
-    ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present
+    ``until`` is a time limit in nanoseconds. ``probe_variables`` also records the values of variables that have a unit,
+    ``measured`` how long laws compute. ``on_start`` is passed the running network, whose ``now`` is the present
     instant. Signals and what the program raises end the run with an outcome, not with an exception. Raises
-    NoEnvironmentError and BodyError, and Stopped if a signal comes before.
+    NoEnvironmentError and BodyError, and Stopped if a signal arrives before the run.
     """
     chosen = chosen_environment(network, environment)
     recorder = recorder if recorder is not None else Recorder()

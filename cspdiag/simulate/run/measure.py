@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def measure(running: RunningNetwork, recorder: Recorder) -> None:
     """Let every law report its execution times to ``recorder``, from now on.
 
-    Laws that ``-O1`` has inlined in their processes are not objects of their own, and are not measured.
+    Laws that ``-O1`` has inlined into their processes are not objects of their own, and are not measured.
     """
     for law in _laws(running.process):
         law.calculate = _timed(law.name, law.calculate, recorder)  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""Records writes to variables for the plot; they are no communications and so not part of a trace."""
+"""Records writes to variables for the plot; they are not communications, so not part of a trace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs a network on the executable meaning of the language, which is slow and shares nothing with the runtime."""
+"""Runs a network on the reference semantics, which is slow and shares nothing with the runtime."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ENDINGS: dict[str, Ending] = {
 
 
 class NoMeaningError(CspdiagError):
-    """The program has parts that the reference does not say the meaning of; the message is one line."""
+    """The program has parts to which the reference semantics gives no meaning; the message is one line."""
 
 
 def simulate(network: CoreNetwork, *, environment: str | None, until: int | None, recorder: Recorder) -> Run:
@@ -70,7 +70,7 @@ def _refuse_other_languages(network: CoreNetwork, environment: Environment | Non
 
 
 def outcome_of(done: Execution, environment: str, network: Network) -> Outcome:
-    """How a run ended, with what it failed of as the exception that the runtime raises."""
+    """How a run ended, with its failure as the exception that the runtime raises."""
     outcome = Outcome(_ENDINGS[done.ending.ended], done.ending.time, _error(done, environment, Whereabouts(network)))
     outcome.missed = dict(done.missed)
     return outcome
@@ -87,7 +87,7 @@ def _error(done: Execution, environment: str, places: Whereabouts) -> Exception 
             return Fault(done.reason, place)
         case "Timeout":
             error: ProcessError = Timeout(done.reason)
-        case declared:  # One that the program declares.
+        case declared:  # An exception that the program declares.
             error = type(declared or "", (ProcessError,), {})()
     error.place = place
     return error

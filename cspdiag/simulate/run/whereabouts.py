@@ -77,7 +77,7 @@ class _Found:
         self.span: Span | None = None
 
     def enter(self, local: Mapping[str, Any]) -> None:
-        """A frame, by its local variables."""
+        """Enter a frame, given by its local variables."""
         match local.get("self"):
             case ProcessInstance() as process:
                 self.path = process.path
@@ -111,7 +111,7 @@ def _leaves(task: Task) -> Iterator[Task]:
 
 
 def _missing(offer: Offer) -> tuple[int, ...]:
-    """The ends of a broadcast for which a writer waits, by their numbers."""
+    """The numbers of the ends of a broadcast for which a writer waits."""
     medium = offer.medium
     if not (isinstance(medium, Broadcast) and offer.writes):
         return ()

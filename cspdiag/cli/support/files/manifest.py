@@ -1,5 +1,5 @@
-"""What ``compile`` has written into a folder: for each target a list of the generated files, and of which program they
-are.
+"""What ``compile`` has written into a folder: for each target a list of the generated files, and the program they were
+generated from.
 """
 
 from __future__ import annotations

@@ -29,11 +29,11 @@ def write_package(folder: str, files: Mapping[str, str], target: str, *, program
 
     All files are written beside the folder first and then moved to their places. Files of an earlier generation for the
     target that are no longer generated are removed, with the folders that this leaves empty; files that were never
-    generated stay, and so does what was generated for another target. Whatever breaks this off, what was generated is
-    known as such the next time. ``program`` is the path of the program's text from ``folder``, if it has one. Raises
-    UsageError, having written nothing, where a file was changed or put there by hand or belongs to another target,
-    unless ``force``, where the folder or one in it is a symbolic link, so that files would be written or removed
-    elsewhere, and where something else is in the way; OSError where a file cannot be written.
+    generated stay, and so does what was generated for another target. Even if this is interrupted, generated files are
+    recognized as such the next time. ``program`` is the path of the program's text from ``folder``, if it has one.
+    Raises UsageError, having written nothing, if a file was changed or put there by hand or belongs to another target
+    (unless ``force``), if the folder or one in it is a symbolic link, so files would be written or removed elsewhere,
+    and if something else is in the way; OSError if a file cannot be written.
     """
     folder = folder.rstrip(os.sep)
     listed = manifest_name(target)
@@ -63,7 +63,7 @@ def write_package(folder: str, files: Mapping[str, str], target: str, *, program
 def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
     """Write files, by path relative to ``folder``, into a folder that does not exist yet or is empty.
 
-    Raises UsageError where there is something already, OSError where a file cannot be written; then nothing is left.
+    Raises UsageError if there is something already, OSError if a file cannot be written; then nothing is left.
     """
     if os.path.lexists(folder) and (os.path.islink(folder) or not os.path.isdir(folder) or os.listdir(folder)):
         raise UsageError(f"{folder} exists already")

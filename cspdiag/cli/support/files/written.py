@@ -1,4 +1,4 @@
-"""Checks before the work whether an output can be written, and reports it under the name that the user gave."""
+"""Checks in advance whether an output can be written, and names it in messages as the user did."""
 
 from __future__ import annotations
 

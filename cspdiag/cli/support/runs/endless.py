@@ -1,4 +1,4 @@
-"""One line on standard error if a run that never ends by itself goes on for a while."""
+"""Prints one line on standard error if a run that never ends by itself has continued for a while."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 PATIENCE = 1.0
-"""Seconds in which a run that deadlocks, or fails, has most often ended."""
+"""Seconds within which a run that deadlocks or fails has usually ended."""
 
 
 class EndlessRun:

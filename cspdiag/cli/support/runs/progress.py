@@ -39,7 +39,7 @@ def is_in_foreground() -> bool:
     try:
         return os.tcgetpgrp(standard_error().fileno()) == os.getpgrp()
     except (OSError, AttributeError):
-        # It is not the terminal that controls this process, or the system knows no such thing.
+        # The terminal does not control this process, or the system has no controlling terminals.
         return True
 
 
@@ -70,7 +70,7 @@ class Progress:
         self._thread = threading.Thread(target=self._show, name="progress", daemon=True)
         self._begin = time.monotonic()
         self.written = 0
-        """How often the line was written."""
+        """The number of times the line was written."""
 
     def attach(self, network: Running) -> None:
         """Attach the running program; its clock begins now."""

@@ -1,4 +1,4 @@
-"""One line on standard error if simulated time stands still while a program runs."""
+"""Prints one line on standard error if simulated time stands still while a program runs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Visited(Protocol):
-    """A program that runs, and knows its running process."""
+    """A running program that knows which of its processes are running."""
 
     @property
     def now(self) -> int:
@@ -32,14 +32,14 @@ class Visited(Protocol):
 
 PATIENCE = 3.0
 _LOOKS = 20
-"""The number of looks: between two steps no process runs, and several may alternate."""
+"""The number of samples taken: between two steps no process runs, and several may alternate."""
 _BETWEEN_LOOKS = 0.005
 _MOST_PLACES = 3
 _MOST_NAMES = 4
 
 
 class InThread:
-    """A network that runs in the thread that makes this object."""
+    """A network that runs in the thread that creates this object."""
 
     def __init__(self, network: Running) -> None:
         self._network = network
@@ -66,7 +66,7 @@ class Standstill:
     """Observes the time of a run in virtual time from a thread of its own, so the run is not slowed down.
 
     Used as a context manager around the run; ``attach`` must be called when the network exists. ``top`` is the
-    outermost process. Reports once if the instant is the same at two looks, ``patience`` seconds apart.
+    outermost process. Reports once if the instant is the same in two observations, ``patience`` seconds apart.
     """
 
     def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:

@@ -1,1 +1,1 @@
-"""Pictures of recordings: a place of its own for every part and port."""
+"""Plots of recordings, with a separate place for every part and port."""

@@ -1,5 +1,5 @@
 """One figure of a run: lanes of what runs, of events and of conditions above; below them curves, a panel for each unit,
-with their names beside.
+with their names next to them.
 
 A program of parallel parts that have modes and ports of their own has a column for each. Needs matplotlib
 (``pip install "cspdiag[plot]"``), which is imported when a plot is made.
@@ -58,7 +58,7 @@ _MOST_COLUMNS = 3
 _PANEL_HEIGHT = 1.7
 _COLUMN_WIDTH = 4.8
 _BEFORE = 0.005
-"""Part of the width that is left free before 0 s, so that what happens at the beginning does not stand on the axis."""
+"""The part of the width that is left free before 0 s, so marks at the beginning do not overlap the axis."""
 _LINE_WIDTH = 1.2
 _WIDER = 1.5
 _STYLE = {
@@ -139,7 +139,7 @@ def plot(run: RunData, path: Path | None) -> Figure:
         if any(scaled):
             below = figure.axes[len(heights) - 1]
             below.set_xlabel(below.get_xlabel() + _SAFE)
-        # The layout of the first time decides how many ticks there are, and these how wide their labels are.
+        # The first layout decides the number of ticks, and the ticks decide the width of their labels.
         figure.draw_without_rendering()
         _widen(figure, inches, len(columns))
         if path is not None:
@@ -153,7 +153,7 @@ def svg_text(run: RunData) -> str:
 
 
 def _widen(figure: Figure, inches: float, columns: int) -> None:
-    """Gives every column the width that decided which texts have room, however long the names beside it are."""
+    """Gives every column the width that decided which texts have room, however long the names next to it are."""
     missing = inches - min(axes.get_window_extent().width / figure.dpi for axes in figure.axes)
     if missing > 0:
         width, height = figure.get_size_inches()
@@ -172,7 +172,7 @@ def _rendered(figure: Figure, kind: str) -> bytes:
 
 
 def _columns(run: RunData) -> list[_Column]:
-    """What is shown side by side; curves of one unit and of like size share panels, variables with ports."""
+    """The columns to show side by side; curves of one unit and of similar size share panels, variables with ports."""
     every = series_of(run)
     end = run.outcome.time / 1e9
     of_series = {series.name: (quantity(series.type), greatest(series, end)) for series in every}
@@ -190,7 +190,7 @@ def _columns(run: RunData) -> list[_Column]:
 def _by_panel(
     panels: Iterable[Row], variables: Mapping[str, Mapping[str, Points]], sizes: Sizes
 ) -> dict[Row, dict[str, Points]]:
-    """Variables where there are curves of their unit and size, or else in panels of their own."""
+    """Add variables to panels with curves of their unit and size, or else in panels of their own."""
     first = {(row.unit, row.size): row for row in reversed([*panels])}
     found: dict[Row, dict[str, Points]] = {}
     for unit, lines in variables.items():
@@ -257,8 +257,7 @@ def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
     curves = column.panels.get(row, [])
     for series, below in zip(curves, lying_below(curves, end), strict=True):
         color, dashes = next(styles)
-        # Curves that lie on each other are distinguished by their widths: the ones below show on both sides of those
-        # above.
+        # Curves that coincide are distinguished by their widths: the lower ones show on both sides of those above.
         wide: dict[str, Any] = {"linewidth": _LINE_WIDTH + _WIDER * min(below, 4), "alpha": 0.55} if below else {}
         label = shortened(series.name) if len(series.time) else f"{shortened(series.name)} (no value)"
         is_read = not series.unread.all() or not len(series.time)
@@ -272,7 +271,7 @@ def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
                 **_mark(series),
             )
         if series.unread.any():
-            # The length of dashes is in widths of their line.
+            # The length of dashes is measured in widths of their line.
             thin: dict[str, Any] = {
                 "color": color,
                 "linewidth": 0.45,
@@ -300,7 +299,7 @@ def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
 
 
 def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> bool:
-    """The safe values that outputs are handed at the end do not decide how large everything else is drawn."""
+    """Keep the safe values that outputs are set to at the end from deciding the scale of everything else."""
     import numpy
 
     lines = [line for panel in row for line in panel.lines if line.get_transform() == panel.transData]
@@ -322,7 +321,7 @@ def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> bool:
 
 
 def _mark_outside(panel: Axes, low: float, high: float) -> None:
-    """A mark at the edge for each curve that ends off the scale."""
+    """Draw a mark at the edge for each curve that ends off the scale."""
     import numpy
 
     for line in [each for each in panel.lines if each.get_transform() == panel.transData]:
@@ -334,11 +333,11 @@ def _mark_outside(panel: Axes, low: float, high: float) -> None:
 
 
 _LEAST_PART = 0.75
-"""Of the height of a panel, for what happened during the run."""
+"""The part of the height of a panel that shows what happened during the run."""
 
 
 def _in_unit_of_time(axis: Axis, longest: float) -> str:
-    """Lets an axis of seconds be read in the unit that suits ``longest``, in seconds, which is what it returns."""
+    """Label an axis of seconds in the unit that suits ``longest``, a number of seconds, and return that unit."""
     from matplotlib.ticker import FuncFormatter
 
     unit, count = unit_of_time(longest)
@@ -347,7 +346,7 @@ def _in_unit_of_time(axis: Axis, longest: float) -> str:
 
 
 def _mark(series: Series) -> dict[str, Any]:
-    """One value that comes at the end of a run has no line to be seen by."""
+    """The marker of a curve: a single value at the end of a run has no line."""
     if len(series.time) != 1 or not math.isfinite(float(series.value[0])):
         return {}
     return {"marker": "o", "markersize": 3, "markevery": [0], "clip_on": False}

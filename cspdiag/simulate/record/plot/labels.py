@@ -1,4 +1,4 @@
-"""Texts beside events: values that come at one instant share one, and none stands on another or on a mark."""
+"""Labels of events: values of one instant share one, and no label overlaps another or a mark."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from cspdiag.base.record import record
 
 _TOGETHER = 1.5
-"""Widths of a letter within which marks look like one."""
+"""The distance, in widths of a letter, below which marks look like one."""
 
 
 @record
 class Event:
-    """A value as text, with the instant in seconds at which it came."""
+    """A value as text, with the instant in seconds at which it arrived."""
 
     instant: float
     text: str
@@ -30,9 +30,9 @@ class Label:
 def labels_of(
     events: Sequence[Event], marks: Sequence[float], end: float, letter: float, gap: float
 ) -> Iterator[Label]:
-    """A label for each group of events: its values, or where there is no room for them how many they are, or else that
-    there are some, or else nothing. All lie between 0 and ``end``. ``letter`` is the time that one letter takes,
-    ``gap`` the one from a mark to its label.
+    """A label for each group of events: its values; if they have no room, their number; or else a sign that there are
+    some; or else nothing. All lie between 0 and ``end``. ``letter`` is the width of a letter on the axis of time,
+    ``gap`` the distance from a mark to its label.
     """
     taken = [(mark, mark) for mark in marks]
     groups = [(group[0].instant - gap, group[-1].instant + gap, [*_texts(group)]) for group in _groups(events, letter)]
@@ -57,7 +57,7 @@ def _is_free(side: tuple[float, float], taken: Sequence[tuple[float, float]]) ->
 
 
 def _groups(events: Sequence[Event], letter: float) -> Iterator[Sequence[Event]]:
-    """Events in their order, those together that come too close to each other to have labels of their own."""
+    """Events in order, grouped if they are too close to each other to have labels of their own."""
     start = 0
     for position in range(1, len(events) + 1):
         if position == len(events) or events[position].instant > events[start].instant + _TOGETHER * letter:

@@ -20,28 +20,26 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
 
 MODE_COLORS = ("#dbe9f6", "#a9d18e", "#e8a35c", "#d9cbe8", "#e99aa0", "#9a9a9a")
-"""Different in lightness, too, for grey print."""
+"""They differ in lightness, too, for greyscale printing."""
 RUNNING = "#faf6e8"
-"""Of a bar that only says that something runs; no mode has it."""
+"""The colour of a bar that only shows that something runs; no mode has it."""
 LITERAL_COLORS = ("#f1f6fb", "#bcd3ea", "#8bb0d6", "#dddddd", "#b9b9b9", "#979797")
-"""No hues: a literal may be called ``green``."""
+"""Greys without a hue: a literal may be called ``green``."""
 INK = "#1f4e79"
 FAINT = "#666666"
 LANE_HEIGHT = 0.27
 """Inches."""
 _LOW, _HIGH = 0.84, 0.2
-"""The edges of a lane of height 1, from above."""
+"""The edges of a lane of height 1, measured from the top."""
 _NARROW = 1 / 700
 """Part of the width below which a bar is drawn together with its neighbour."""
 _MOST_LANES = 40
-"""A person does not read more bars than this; the first ones are shown."""
+"""More bars than this are unreadable; the first ones are shown."""
 
 
 @record(order=True)
 class Bar:
-    """Something from one instant to another, in seconds: its text, its colour, and whether it is
-    drawn thin.
-    """
+    """An interval from one instant to another, in seconds, with its text and colour, and whether it is drawn thin."""
 
     start: float
     end: float
@@ -52,8 +50,8 @@ class Bar:
 
 @record
 class Lane:
-    """A row: bars, or the steps of a truth value, or events with what they brought; ``arrivals`` are when values of the
-    former came.
+    """A row: bars, or the steps of a truth value, or events with their values; ``arrivals`` are the instants at which
+    the values behind bars arrived.
     """
 
     name: str
@@ -89,7 +87,7 @@ def activity_lanes(run: RunData, groups: Sequence[ModeGroup]) -> list[Lane]:
 
 
 def process_lanes(run: RunData) -> list[Lane]:
-    """A lane for each process, for a program that has nothing else to show."""
+    """A lane for each process, for a program with nothing else to show."""
     paths = list(dict.fromkeys(activity.path for activity in run.activities))[:_MOST_LANES]
     return [Lane(path, [Bar(*_span(run, a.start, a.end)) for a in run.activities if a.path == path]) for path in paths]
 
@@ -117,7 +115,7 @@ def _overlap(bars: Sequence[Bar]) -> bool:
 
 
 _MOST_LETTERS = 90
-"""What a lane has room for; numbers that change more often are a curve, not events."""
+"""The number of values that a lane has room for; numbers that change more often are a curve, not events."""
 
 
 def are_events(series: Series) -> bool:
@@ -157,18 +155,20 @@ def series_lane(run: RunData, series: Series) -> Lane:
 
 _SEVERAL = "several, briefly"
 _SEVERAL_COLOR = "#555555"
-"""Of bars that are too narrow to be distinguished."""
+"""The colour of bars that are too narrow to be distinguished."""
 
 
 def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> None:
-    """Draw lanes below each other; ``inches`` is how wide the axes are about, which says what texts have room."""
+    """Draw lanes below each other; ``inches`` is the approximate width of the axes, which decides which texts have
+    room.
+    """
     axes.set_ylim(len(lanes), 0)
     axes.set_yticks([row + 0.5 for row in range(len(lanes))], [shortened(lane.name) for lane in lanes], fontsize=7.5)
     axes.tick_params(axis="y", length=0, pad=6)
     for side in ("left", "bottom"):
         axes.spines[side].set_visible(False)
     letter = end / inches * 0.056
-    """How much of the time one letter takes."""
+    """The width of a letter on the axis of time."""
     untold: dict[tuple[str, str], str] = {}
     for row, lane in enumerate(lanes):
         axes.axhline(row, color="#dddddd", linewidth=0.4, zorder=0)
@@ -185,7 +185,9 @@ def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> 
 
 
 def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float, least: float) -> dict[str, str]:
-    """Draws bars, none narrower than ``least``; the colours of those that have no room for their names, by name."""
+    """Draw bars, none narrower than ``least``, and return the colours of those that have no room for their names, by
+    name.
+    """
     from matplotlib.patches import Rectangle
 
     shown = set()
@@ -234,7 +236,9 @@ def _draw_truth(axes: Axes, row: int, series: Series, end: float) -> None:
 
 
 def _draw_events(axes: Axes, row: int, lane: Lane, end: float, letter: float) -> None:
-    """Diamonds with what they brought beside them; strokes below that where they stand close, and below levels."""
+    """Draw diamonds with the values of the events next to them; strokes below that if they are close together, and
+    below levels.
+    """
     is_dense = any(second - first < 3 * letter for first, second in pairwise(lane.arrivals))
     is_wide = bool(lane.events) and not is_dense
     below = row + (0.52 if is_wide else _LOW - 0.06)
@@ -251,7 +255,7 @@ def _draw_events(axes: Axes, row: int, lane: Lane, end: float, letter: float) ->
 
 
 def _legend(axes: Axes, names: dict[tuple[str, str], str]) -> None:
-    """The legend of the colours; with the name of the port if one colour means several values."""
+    """Draw the legend of the colours, with the name of the port if one colour means several values."""
     from matplotlib.patches import Patch
 
     words, pairs = {name for _, name in names}, {(name, color) for (_, name), color in names.items()}

@@ -1,6 +1,4 @@
-"""Which curves share a panel: those of one unit and of like size, a port's together; and which of them lie on each
-other.
-"""
+"""Which curves share a panel (those of one unit and of similar size, and those of one port), and which coincide."""
 
 from __future__ import annotations
 
@@ -14,9 +12,9 @@ if TYPE_CHECKING:
     import numpy
 
 _MOST_CURVES = 6
-"""Of one panel; more have another one."""
+"""The number of curves in one panel; further curves have another panel."""
 _LIKE = 100
-"""The least of the curves of a panel is seen if the greatest is at most this many times as large."""
+"""The smallest of the curves of a panel is visible if the largest is at most this many times as large."""
 _ON_EACH_OTHER = 0.02
 """Part of a panel's height within which two curves look like one."""
 _LOOKED_AT = 200
@@ -25,9 +23,7 @@ _LOOKED_AT = 200
 
 @record
 class Row:
-    """A panel: what its axis says, the size of its values (of several sizes, which), and its number among those of
-    both.
-    """
+    """A panel: the text of its axis, the class of the size of its values, and its number among the panels of both."""
 
     unit: str
     size: int
@@ -42,7 +38,7 @@ class Sizes:
         self.add(values)
 
     def add(self, values: Iterable[tuple[str, float]]) -> None:
-        """Greatest values of curves with their units; those that have a class already keep it."""
+        """Add the greatest values of curves with their units; those that already have a class keep it."""
         for unit, size in sorted(values):
             classes = self._classes.setdefault(unit, [])
             number = self.of(unit, size)
@@ -53,14 +49,14 @@ class Sizes:
                 classes[number] = min(least, size), max(most, size)
 
     def of(self, unit: str, size: float) -> int:
-        """The number of the class; that of nothing but zeros is the first."""
+        """The number of the class; curves of zeros only are in the first."""
         classes = self._classes.get(unit, [])
         fits = (at for at, (least, most) in enumerate(classes) if max(most, size) <= _LIKE * min(least, size))
         return next(fits, len(classes)) if size else 0
 
 
 def greatest(series: Series, end: float) -> float:
-    """The greatest absolute value during the run; the safe values of its end are not looked at."""
+    """The greatest absolute value during the run; the safe values at its end do not count."""
     import numpy
 
     values = numpy.abs(series.value[(series.time < end) | (not series.is_output)].astype(float))
@@ -69,7 +65,7 @@ def greatest(series: Series, end: float) -> float:
 
 
 def panels_of(curves: Sequence[Series], size: Callable[[Series], int]) -> dict[Row, list[Series]]:
-    """The curves by panel; the elements of a port share panels, with no other port if they need several."""
+    """The curves by panel. The elements of a port share panels; if they need several, no other port does."""
     panels: dict[Row, list[Series]] = {}
     ports: dict[tuple[str, int, str], list[Series]] = {}
     for series in curves:
@@ -88,17 +84,19 @@ def panels_of(curves: Sequence[Series], size: Callable[[Series], int]) -> dict[R
 
 
 def _is_rest(used: Sequence[Row], panels: dict[Row, list[Series]]) -> bool:
-    """Whether the last panel has the last elements of a port that has several."""
+    """Whether the last panel has the last elements of a port that fills several panels."""
     return len(used) > 1 and _array(panels[used[-2]][-1]) == _array(panels[used[-1]][-1])
 
 
 def _array(series: Series) -> str:
-    """The name of its port as it is declared: those of an array of ports are ports of their own."""
+    """The name of its port as declared: the elements of an array of ports are ports of their own."""
     return series.port.partition("[")[0]
 
 
 def lying_below(curves: Sequence[Series], end: float) -> list[int]:
-    """For each curve how many later ones of the panel look the same: it has to be wider to be seen below them."""
+    """For each curve the number of later ones in the panel that look the same: it has to be wider to be visible below
+    them.
+    """
     import numpy
 
     instants = numpy.linspace(0, end, _LOOKED_AT, endpoint=False)

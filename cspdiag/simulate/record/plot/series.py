@@ -1,4 +1,4 @@
-"""What a plot shows of a run, as numbers: held values, what nobody read, units, and no more points than can be seen."""
+"""What a plot shows of a run, as numbers: held values, unread samples, units, and no more points than can be seen."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
 
 _COLUMNS = 1500
-"""Finer than this nothing is drawn: of what falls into one column the first, the least, the greatest and the last value
-are left.
+"""The number of columns that can be seen: of the values in one column only the first, the least, the greatest and the
+last are drawn.
 """
 
 
@@ -26,8 +26,8 @@ class Series:
     """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end
     of the run.
 
-    ``unread`` are the values of a sampled input that nobody read. ``is_event`` marks values that come when something
-    happens. Durations are in seconds.
+    ``unread`` marks the values of a sampled input that nobody read. ``is_event`` marks values that arrive when
+    something happens. Durations are in seconds.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Series:
 
     @property
     def changes(self) -> numpy.ndarray:
-        """Positions of the values that differ from the one before, or are read where that was not."""
+        """Positions of the values that differ from the previous one, or are read when that was not."""
         import numpy
 
         different = (self.value[1:] != self.value[:-1]) | (self.unread[1:] != self.unread[:-1])
@@ -54,7 +54,7 @@ class Series:
 
     @property
     def written(self) -> numpy.ndarray:
-        """Positions of the values that a text has to say: the changes, and all of an instant that has several."""
+        """Positions of the values to be written as text: the changes, and all values of an instant that has several."""
         import numpy
 
         together = self.time[1:] == self.time[:-1]
@@ -63,7 +63,7 @@ class Series:
 
     @property
     def repeated(self) -> Series:
-        """The values that are the same as the one before: nothing in a held line shows that they came."""
+        """The values that are the same as the previous one: a held line does not show that they arrived."""
         import numpy
 
         again = numpy.setdiff1d(numpy.arange(len(self.value)), self.changes)
@@ -76,7 +76,7 @@ def end_of(run: RunData) -> float:
 
 
 def series_of(run: RunData) -> list[Series]:
-    """All ports, measured quantities before outputs; arrays and structs as their elements."""
+    """The series of all ports, measured quantities before outputs; arrays and structs as their elements."""
     ports = sorted(run.network.external_ports, key=lambda port: port.direction == "out")
     return [series for port in ports for series in _of_port(run, port)]
 
@@ -119,7 +119,7 @@ def stairs(series: Series, end: float, *, unread: bool) -> tuple[numpy.ndarray, 
 
 
 def thinned(time: numpy.ndarray, value: numpy.ndarray, end: float) -> tuple[numpy.ndarray, numpy.ndarray]:
-    """A curve of which at most four points are left in a column that can be seen: it looks the same."""
+    """The curve with at most four points in each visible column: it looks the same."""
     import numpy
 
     if len(time) <= 4 * _COLUMNS:
@@ -141,7 +141,7 @@ def thinned(time: numpy.ndarray, value: numpy.ndarray, end: float) -> tuple[nump
 
 
 def apart(series: Series, end: float) -> Series:
-    """Of values that come too close together to be distinguished, the first."""
+    """Of values too close together to be distinguished, the position of the first."""
     import numpy
 
     column = (series.time * (_COLUMNS / max(end, 1e-12))).astype(int)
@@ -166,7 +166,7 @@ _QUANTITIES = {
 
 
 def quantity(kind: Type) -> str:
-    """What a vertical axis says of a type."""
+    """The label of a vertical axis for a type."""
     if isinstance(kind, RealType):
         text = kind.unit.text
         return _QUANTITIES.get(text, f"({_typeset(text)})") if text else "dimensionless"
@@ -184,7 +184,7 @@ _SIGNS = {ord("*"): "·"}
 
 
 def unit_of_time(longest: float) -> tuple[str, float]:
-    """The unit in which durations up to ``longest`` seconds are read most easily, and how many of it a second has."""
+    """The unit in which durations up to ``longest`` seconds are read most easily, and how many of it make a second."""
     units = (("s", 1.0), ("ms", 1e3), ("µs", 1e6))
     return next((unit for unit in units if longest * unit[1] >= 1), ("ns", 1e9)) if longest else units[0]
 
