@@ -112,15 +112,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complete_streams()
         standard_streams.keep()
     _accept_any_character()
-    code = _carried_out(given, whole_process=arguments is None)
+    code = _exit_code_of(given, whole_process=arguments is None)
     try:
         standard_streams.standard_output().flush()
     except OSError as problem:
-        return _unwritten(problem, code)
+        return _exit_code_of_io_error(problem, code)
     return code
 
 
-def _carried_out(given: list[str], *, whole_process: bool) -> int:
+def _exit_code_of(given: list[str], *, whole_process: bool) -> int:
     try:
         return _dispatch(given, whole_process=whole_process)
     except UsageError as problem:
@@ -131,7 +131,7 @@ def _carried_out(given: list[str], *, whole_process: bool) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except OSError as problem:
-        return _unwritten(problem, FINE)
+        return _exit_code_of_io_error(problem, FINE)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else FINE
     except Exception as problem:
@@ -219,7 +219,7 @@ def _refuse(message: str, *, lines: bool = False) -> int:
     return WRONG_USAGE
 
 
-def _unwritten(problem: OSError, code: int) -> int:
+def _exit_code_of_io_error(problem: OSError, code: int) -> int:
     """The exit code if something cannot be read or written; for a verb that has done its work with ``code``, that is
     its output.
     """

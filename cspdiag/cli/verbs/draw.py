@@ -113,7 +113,7 @@ def run(arguments: Namespace) -> int:
     """Draw what was requested; a program with errors is drawn only to show them."""
     _find_file(arguments)
     require_different({"the program": arguments.file, "--book": arguments.book, "-o": arguments.output})
-    _refuse_senseless(arguments)
+    _refuse_contradictions(arguments)
     if _format(arguments) in exchange.FORMATS:
         return _write_graph(arguments)
     if arguments.diagram != "composition":
@@ -151,7 +151,7 @@ def _find_file(arguments: Namespace) -> None:
     arguments.file, hidden[-1] = hidden[-1], "all"
 
 
-def _refuse_senseless(arguments: Namespace) -> None:
+def _refuse_contradictions(arguments: Namespace) -> None:
     if arguments.depth < 1:
         raise UsageError("--depth is at least 1")
     if not 0.1 <= arguments.scale <= 20:

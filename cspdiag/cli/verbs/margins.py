@@ -80,7 +80,7 @@ def run(arguments: Namespace) -> int:
         raise NoResultError(f"{place}{problem.reason}, so no loop through `{environment.name}` has margins") from None
     periods = {} if margin is None else _periods(arguments, built, network, report, margin)
     _write_plot(arguments.plot, report)
-    _tell(arguments, report, periods)
+    _print_report(arguments, report, periods)
     return FINE if report.loops and all(loop.margins.is_stable for loop in report.loops) else UNSUCCESSFUL
 
 
@@ -237,7 +237,7 @@ def _write_plot(path: Path | None, report: LoopReport) -> None:
     write_whole(path, bode(report.loops, path.suffix.removeprefix(".")))
 
 
-def _tell(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[int | None, str]]) -> None:
+def _print_report(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[int | None, str]]) -> None:
     if arguments.format == "json":
         from cspdiag.analyses.margins.render_json import render
 

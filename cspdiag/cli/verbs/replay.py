@@ -20,7 +20,7 @@ _UNFIT = ("environment", "until", "record", "trace", "plot")
 
 def run(arguments: Namespace) -> int:
     """Report what happens, and whether that agrees with the trace; exit code 0 if it does."""
-    _refuse_others(arguments)
+    _refuse_other_options(arguments)
     from cspdiag.codegen import target_errors
     from cspdiag.proofs.verdict import LimitError
     from cspdiag.simulate.run.execute import BodyError
@@ -43,7 +43,7 @@ def run(arguments: Namespace) -> int:
     return FINE if result.succeeded else UNSUCCESSFUL
 
 
-def _refuse_others(arguments: Namespace) -> None:
+def _refuse_other_options(arguments: Namespace) -> None:
     given = [name for name in _UNFIT if getattr(arguments, name) is not None]
     if arguments.real_time:
         given.append("real_time")
@@ -92,7 +92,7 @@ def _report(network: CoreNetwork, trace: Trace, result: Replay) -> Iterator[str]
         yield f"then again and again, {trace.round}"
     if result.deadlock is not None:
         yield below(result.deadlock, trace.process).text
-    yield _conclusion(trace, result, goes_on=round_from is not None)
+    yield _conclusion(trace, result, repeats_forever=round_from is not None)
 
 
 def _other_settings(arguments: Namespace, trace: Trace, result: Replay) -> Iterator[str]:
@@ -109,7 +109,7 @@ def _other_settings(arguments: Namespace, trace: Trace, result: Replay) -> Itera
             yield f"  {name} is set to {value}; the trace was made with {name}={made}"
 
 
-def _conclusion(trace: Trace, result: Replay, *, goes_on: bool) -> str:
+def _conclusion(trace: Trace, result: Replay, *, repeats_forever: bool) -> str:
     from cspdiag.verify.runs.names import in_words
 
     total = trace.shown_before(len(trace.steps) + len(trace.cycle))
@@ -118,6 +118,6 @@ def _conclusion(trace: Trace, result: Replay, *, goes_on: bool) -> str:
         after = f"after {done} of {total} step{'' if total == 1 else 's'}, " if total else ""
         return f"not replayed: {after}{in_words(result.divergence, trace.process)}"
     did = ["did what the trace says", "did the one step"][total] if total < 2 else f"did all {total} steps"
-    if not goes_on:
+    if not repeats_forever:
         return f"replayed: the program {did}"
     return f"replayed: the program {did + ', and ' if total else ''}can repeat this forever"

@@ -13,7 +13,7 @@ from cspdiag.cli.support.files.written import file_path, require_different, requ
 from cspdiag.cli.support.terminal import say, show_diagnostics
 
 if TYPE_CHECKING:
-    from cspdiag.cli.support.runs.standstill import Visited
+    from cspdiag.cli.support.runs.standstill import ObservedProgram
     from cspdiag.network.ir.network import CoreNetwork
     from cspdiag.pipeline import Built
     from cspdiag.simulate.record.recorder import Recorder
@@ -101,7 +101,7 @@ def run(arguments: Namespace) -> int:
 
         check_picture("--draw-deadlock", arguments.draw_deadlock)
     if arguments.level == "reference":
-        _require_what_the_reference_has(arguments)
+        _refuse_unsupported_by_reference(arguments)
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError, parse_time_limit
 
@@ -130,7 +130,7 @@ def run(arguments: Namespace) -> int:
         return conclude(arguments, result, built.checked)
 
 
-def _require_what_the_reference_has(arguments: Namespace) -> None:
+def _refuse_unsupported_by_reference(arguments: Namespace) -> None:
     """Refuse what the reference semantics does not have: a clock, source places, execution times."""
     trace = arguments.trace
     refused = {
@@ -193,7 +193,7 @@ def _simulate(arguments: Namespace, network: CoreNetwork, until: int | None) -> 
         standstill = Standstill(recorder, network.class_named(network.top).definition)
     watchers = [watcher for watcher in (progress, standstill, endless) if watcher is not None]
 
-    def attach(running: Visited) -> None:
+    def attach(running: ObservedProgram) -> None:
         for watcher in watchers:
             watcher.attach(running)
 
@@ -221,10 +221,10 @@ def _simulate_in_python(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
-    on_start: Callable[[Visited], None],
+    on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag import pipeline
-    from cspdiag.cli.support.runs.standstill import InThread
+    from cspdiag.cli.support.runs.standstill import ProgramInThread
     from cspdiag.runtime.kernel.stopping import stopping
     from cspdiag.simulate.run.execute import simulate
 
@@ -246,7 +246,7 @@ def _simulate_in_python(
         recorder=recorder,
         probe_variables=arguments.plot is not None,
         measured=_is_measured(arguments),
-        on_start=lambda network: on_start(InThread(network)),
+        on_start=lambda network: on_start(ProgramInThread(network)),
     )
 
 
@@ -255,7 +255,7 @@ def _simulate_native(
     network: CoreNetwork,
     until: int | None,
     recorder: Recorder,
-    on_start: Callable[[Visited], None],
+    on_start: Callable[[ObservedProgram], None],
 ) -> Run:
     from cspdiag.simulate.native.run import simulate
 

@@ -105,14 +105,14 @@ def run(arguments: Namespace) -> int:
         from cspdiag.cli.support.deadlock_picture import check_picture
 
         check_picture("--draw", arguments.draw)
-    cache = Cache(repr(_what_matters(arguments)))
+    cache = Cache(repr(_relevant_options(arguments)))
     is_cached = not arguments.no_cache and arguments.file != "-"
     is_cached = is_cached and arguments.trace_out is None and arguments.draw is None
-    printed = cache.look() if is_cached else None
+    printed = cache.find() if is_cached else None
     obligations: ProofObligations | None = None
     answers: list[Answer] = []
     if printed is None:
-        obligations = _ask(arguments, cache.read)
+        obligations = _find_obligations(arguments, cache.read)
         found = obligations.checked.report.diagnostics
         if obligations.checked.report.has_errors:
             return refused(found, arguments)
@@ -120,7 +120,7 @@ def run(arguments: Namespace) -> int:
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         printed = Printed(code, *rendered_answers(answers, found, arguments))
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
-            cache.keep(printed)
+            cache.store(printed)
     write_out(printed.stdout)
     put(printed.stderr)
     if obligations is not None:
@@ -129,13 +129,13 @@ def run(arguments: Namespace) -> int:
     return printed.code
 
 
-def _what_matters(arguments: Namespace) -> dict[str, object]:
+def _relevant_options(arguments: Namespace) -> dict[str, object]:
     """The options on which the output depends."""
     settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
     return {**settled, "color": wants_colour(arguments.color, standard_error()), "folder": os.getcwd()}
 
 
-def _ask(arguments: Namespace, read: Reader) -> ProofObligations:
+def _find_obligations(arguments: Namespace, read: Reader) -> ProofObligations:
     """The assertions to prove, with the networks for them."""
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.pipeline import proof_obligations
@@ -183,7 +183,7 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
         say(f"cspdiag: nothing was refuted, so {on_one_line(arguments.trace_out)} was not written")
     else:
         replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
-        _tell_written(arguments, arguments.trace_out)
+        _report_written(arguments, arguments.trace_out)
 
 
 def _draw(arguments: Namespace, answers: Sequence[Answer], obligations: ProofObligations) -> None:
@@ -199,9 +199,9 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], obligations: ProofObl
         say(f"cspdiag: no processes wait forever, so {on_one_line(arguments.draw)} was not written")
     else:
         write_picture(arguments.draw, deadlock, obligations.checked.program)
-        _tell_written(arguments, arguments.draw)
+        _report_written(arguments, arguments.draw)
 
 
-def _tell_written(arguments: Namespace, path: Path) -> None:
+def _report_written(arguments: Namespace, path: Path) -> None:
     if not arguments.quiet:
         say(f"wrote {on_one_line(path)}")

@@ -34,7 +34,7 @@ def run_timing(arguments: Namespace) -> int:
     began = time.monotonic()
     report = _report(arguments, built.network, measured)
     seconds = time.monotonic() - began
-    _tell(arguments, built, report, seconds)
+    _print_report(arguments, built, report, seconds)
     _draw(arguments, report)
     return FINE if report.is_schedulable else UNSUCCESSFUL
 
@@ -69,7 +69,7 @@ def _draw(arguments: Namespace, report: TimingReport) -> None:
         say(f"wrote {on_one_line(arguments.gantt)}")
 
 
-def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: float) -> None:
+def _print_report(arguments: Namespace, built: Built, report: TimingReport, seconds: float) -> None:
     match arguments.format:
         case "json":
             from cspdiag.analyses.timing.report.render_json import render

@@ -207,15 +207,15 @@ class Build:
         if done.returncode != 0:
             if patience is not None and time.monotonic() - began >= patience:
                 raise CompilationTimeoutError(f"{command[0]} computes for more than {patience} s")
-            said = done.stderr.strip() or f"exit code {done.returncode}"
-            raise CompilerError(f"{command[0]} failed:\n{explained(said, self.files, scratch)}")
+            messages = done.stderr.strip() or f"exit code {done.returncode}"
+            raise CompilerError(f"{command[0]} failed:\n{explained(messages, self.files, scratch)}")
 
 
-def explained(said: str, files: Mapping[str, str], scratch: Path | None) -> str:
-    """The messages of a compiler, with the paths of the package, and after each place in generated code the place in
+def explained(messages: str, files: Mapping[str, str], scratch: Path | None) -> str:
+    """The messages of a compiler, with paths of the package, and each place in generated code followed by the place in
     the program.
     """
-    text = said if scratch is None else said.replace(f"{scratch}{os.sep}", "")
+    text = messages if scratch is None else messages.replace(f"{scratch}{os.sep}", "")
     rows = []
     for row in text.splitlines():
         found = re.match(r"([^\s:]+):(\d+):", row)

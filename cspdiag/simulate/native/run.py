@@ -16,9 +16,9 @@ from cspdiag.pipeline import Reader, generate
 from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.deadlock import deadlock_report
-from cspdiag.simulate.native.keeper import Keeper
-from cspdiag.simulate.native.looks import Looks
+from cspdiag.simulate.native.monitor import ProgramMonitor
 from cspdiag.simulate.native.stream import EndRecord, StreamReader
+from cspdiag.simulate.native.supervisor import Supervisor
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import chosen_environment
@@ -36,16 +36,16 @@ class NativeRun:
     """A running native program; its state is the later of what its records and the observing thread report."""
 
     reader: StreamReader
-    looks: Looks
+    monitor: ProgramMonitor
 
     @property
     def now(self) -> int:
         """The latest known instant in nanoseconds."""
-        return max(self.reader.now, self.looks.now)
+        return max(self.reader.now, self.monitor.now)
 
-    def at_work(self) -> list[str]:
+    def running_processes(self) -> list[str]:
         """The processes that were found running since the present instant began, each with its place."""
-        return self.looks.at_work
+        return self.monitor.running_processes
 
 
 _ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit", "stopped")
@@ -114,60 +114,62 @@ def _run(
     errors = None if real_time else subprocess.PIPE
     with (
         stopping,
-        Looks() as looks,
+        ProgramMonitor() as monitor,
         subprocess.Popen(
-            [*command, "--looks", str(looks.descriptor)],
+            [*command, "--looks", str(monitor.descriptor)],
             stdout=subprocess.PIPE,
             stderr=errors,
             start_new_session=True,
-            pass_fds=[looks.descriptor],
+            pass_fds=[monitor.descriptor],
         ) as running,
-        Keeper(running) as keeper,
+        Supervisor(running) as supervisor,
     ):
-        looks.started()
+        monitor.started()
         assert isinstance(running.stdout, BufferedIOBase)
-        run = NativeRun(StreamReader(running.stdout, network, recorder, flattened), looks)
+        run = NativeRun(StreamReader(running.stdout, network, recorder, flattened), monitor)
         reader = run.reader
         if on_start is not None:
             on_start(run)
         try:
             reader.read()
-            keeper.end_reported()
-            _, said = running.communicate()
+            supervisor.end_reported()
+            _, error_output = running.communicate()
         except EOFError:
-            if not keeper.signal:
+            if not supervisor.signal:
                 raise
         except BaseException:
             running.kill()
             raise
-    outcome = _outcome(run, keeper, environment, network)
+    outcome = _outcome(run, supervisor, environment, network)
     if outcome is None:
-        text = (said or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
+        text = (error_output or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
     outcome.real_time = real_time
     return outcome
 
 
-def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, network: CoreNetwork) -> Outcome | None:
+def _outcome(
+    run: NativeRun, supervisor: Supervisor, environment: Environment | None, network: CoreNetwork
+) -> Outcome | None:
     """How the run ended; None if the program has not reported that."""
     from cspdiag.runtime import Outcome
 
     reader, end = run.reader, run.reader.end
     if end is None:
-        if not keeper.signal:
+        if not supervisor.signal:
             return None
-        outcome = Outcome("stopped", run.now, wall_time=run.looks.wall_time, signal=keeper.signal)
+        outcome = Outcome("stopped", run.now, wall_time=run.monitor.wall_time, signal=supervisor.signal)
         # Otherwise the program was stuck in a step and ended by itself, with its outputs released and no time to
         # report.
-        if keeper.killed:
-            outcome.release_errors.append(keeper.account)
+        if supervisor.killed:
+            outcome.release_errors.append(supervisor.kill_error)
         return outcome
     ended = _ENDINGS[end.ending]
     outcome = Outcome(ended, end.time, missed=reader.missed, wall_time=end.duration)
     if ended == "stopped":
-        outcome.signal = keeper.signal or signal.SIGTERM
-    if keeper.killed:
-        outcome.release_errors.append(keeper.account)
+        outcome.signal = supervisor.signal or signal.SIGTERM
+    if supervisor.killed:
+        outcome.release_errors.append(supervisor.kill_error)
     if ended == "failed":
         outcome.error = _error(end, environment)
     if ended == "deadlock":

@@ -41,7 +41,7 @@ class Cache:
         self._read[path] = _digest(source.text)
         return source
 
-    def look(self) -> Printed | None:
+    def find(self) -> Printed | None:
         """The output for the same files, if there is one."""
         try:
             entry = json.loads(self._path().read_text(encoding="utf-8"))
@@ -50,7 +50,7 @@ class Cache:
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 
-    def keep(self, printed: Printed) -> None:
+    def store(self, printed: Printed) -> None:
         """Store the output for the files that were read."""
         entry = {
             "files": self._read,

@@ -42,7 +42,7 @@ def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
             left = ", ".join(on_one_line(path) for path, _ in wanted)
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before {left} had been written")
             return stopped.exit_code
-    _tell(arguments, result, checked, [str(path) for path, _ in wanted if path not in missing])
+    _print_summary(arguments, result, checked, [str(path) for path, _ in wanted if path not in missing])
     return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
 
 
@@ -70,7 +70,7 @@ def _write(wanted: list[tuple[Path, _Writer]]) -> list[Path]:
     return missing
 
 
-def _tell(arguments: Namespace, result: Run, checked: Checked, written: list[str]) -> None:
+def _print_summary(arguments: Namespace, result: Run, checked: Checked, written: list[str]) -> None:
     from cspdiag.runtime.kernel.exceptions import described
 
     if arguments.quiet:

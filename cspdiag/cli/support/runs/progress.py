@@ -103,7 +103,7 @@ class Progress:
         elapsed = time.monotonic() - self._begin
         speed = simulated / elapsed if elapsed > 0 else 0.0
         running = self._running()
-        self._look_who_began()
+        self._note_started_processes()
         modes = "  ".join(f"{group.name}: {self._mode(group, running)}" for group in self._groups if group.modes)
         return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}"
 
@@ -112,7 +112,7 @@ class Progress:
         present = "+".join(name for path, name in group.modes.items() if path in running)
         return present or ("not begun" if self._begun.isdisjoint(group.modes) else "ended")
 
-    def _look_who_began(self) -> None:
+    def _note_started_processes(self) -> None:
         new = self._recorder.activities[self._starts :]
         self._starts += len(new)
         self._begun.update(activity.path for activity in new)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.recorder import Recorder
 
 
-class Visited(Protocol):
+class ObservedProgram(Protocol):
     """A running program that knows which of its processes are running."""
 
     @property
@@ -25,20 +25,20 @@ class Visited(Protocol):
         """The present instant in nanoseconds."""
         ...
 
-    def at_work(self) -> list[str]:
+    def running_processes(self) -> list[str]:
         """Processes that were found running, each with its place."""
         ...
 
 
 PATIENCE = 3.0
-_LOOKS = 20
+_SAMPLES = 20
 """The number of samples taken: between two steps no process runs, and several may alternate."""
-_BETWEEN_LOOKS = 0.005
+_SECONDS_BETWEEN_SAMPLES = 0.005
 _MOST_PLACES = 3
 _MOST_NAMES = 4
 
 
-class InThread:
+class ProgramInThread:
     """A network that runs in the thread that creates this object."""
 
     def __init__(self, network: Running) -> None:
@@ -50,15 +50,15 @@ class InThread:
         """The present instant in nanoseconds."""
         return self._network.now
 
-    def at_work(self) -> list[str]:
+    def running_processes(self) -> list[str]:
         """Processes that are found running during a tenth of a second, each with its line."""
         found: dict[str, None] = {}
-        for _ in range(_LOOKS):
-            if at_work := whereabouts(self._scheduler, only_processes=True):
-                found[at_work] = None
+        for _ in range(_SAMPLES):
+            if place := whereabouts(self._scheduler, only_processes=True):
+                found[place] = None
             if len(found) == _MOST_PLACES:
                 break
-            time.sleep(_BETWEEN_LOOKS)
+            time.sleep(_SECONDS_BETWEEN_SAMPLES)
         return list(found)
 
 
@@ -73,11 +73,11 @@ class Standstill:
         self._recorder = recorder
         self._top = top
         self._patience = patience
-        self._network: Visited | None = None
+        self._network: ObservedProgram | None = None
         self._ended = threading.Event()
         self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)
 
-    def attach(self, network: Visited) -> None:
+    def attach(self, network: ObservedProgram) -> None:
         """Attach the running program."""
         self._network = network
         with left_to_the_main_thread():
@@ -101,7 +101,7 @@ class Standstill:
             if now == before:
                 # A line of progress may be there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
-                put(f"{clear}{self.line(now, self._network.at_work()[:_MOST_PLACES])}\n")
+                put(f"{clear}{self.line(now, self._network.running_processes()[:_MOST_PLACES])}\n")
                 return
             before = now
 

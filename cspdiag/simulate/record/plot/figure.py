@@ -27,7 +27,7 @@ from cspdiag.simulate.record.plot.lanes import (
     process_lanes,
     series_lane,
 )
-from cspdiag.simulate.record.plot.panels import Row, Sizes, greatest, lying_below, panels_of
+from cspdiag.simulate.record.plot.panels import Row, Sizes, coinciding_later, greatest, panels_of
 from cspdiag.simulate.record.plot.series import (
     DURATION,
     WHOLE_NUMBERS,
@@ -255,7 +255,7 @@ def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
         axes.axvline(instant, color=FAINT, linewidth=0.5, linestyle=(0, (1, 2)), zorder=0.5)
     styles = ((color, _DASHES[at % len(_DASHES)]) for at, color in enumerate(_LINE_COLORS * 9))
     curves = column.panels.get(row, [])
-    for series, below in zip(curves, lying_below(curves, end), strict=True):
+    for series, below in zip(curves, coinciding_later(curves, end), strict=True):
         color, dashes = next(styles)
         # Curves that coincide are distinguished by their widths: the lower ones show on both sides of those above.
         wide: dict[str, Any] = {"linewidth": _LINE_WIDTH + _WIDER * min(below, 4), "alpha": 0.55} if below else {}
@@ -316,11 +316,11 @@ def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> bool:
     low, high = low - 0.05 * (high - low), high + 0.05 * (high - low)
     axes.set_ylim(low, high)
     for panel in row:
-        _mark_outside(panel, low, high)
+        _mark_off_scale(panel, low, high)
     return True
 
 
-def _mark_outside(panel: Axes, low: float, high: float) -> None:
+def _mark_off_scale(panel: Axes, low: float, high: float) -> None:
     """Draw a mark at the edge for each curve that ends off the scale."""
     import numpy
 

@@ -169,19 +169,19 @@ def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> 
         axes.spines[side].set_visible(False)
     letter = end / inches * 0.056
     """The width of a letter on the axis of time."""
-    untold: dict[tuple[str, str], str] = {}
+    unnamed: dict[tuple[str, str], str] = {}
     for row, lane in enumerate(lanes):
         axes.axhline(row, color="#dddddd", linewidth=0.4, zorder=0)
         sort = lane.name.partition("[")[0]
-        untold_bars = _draw_bars(axes, row, _joined(lane.bars, end), letter, end * _NARROW)
-        untold.update({(sort, name): color for name, color in untold_bars.items()})
+        colors = _draw_bars(axes, row, _joined(lane.bars, end), letter, end * _NARROW)
+        unnamed.update({(sort, name): color for name, color in colors.items()})
         if lane.truth is not None:
             _draw_truth(axes, row, lane.truth, end)
         if not lane.bars and not lane.events and (lane.truth is None or not len(lane.truth.time)):
             axes.text(letter, row + 0.52, "no value", va="center", fontsize=7, color=FAINT, style="italic")
         _draw_events(axes, row, lane, end, letter)
-    if untold:
-        _legend(axes, untold)
+    if unnamed:
+        _legend(axes, unnamed)
 
 
 def _draw_bars(axes: Axes, row: int, bars: Sequence[Bar], letter: float, least: float) -> dict[str, str]:

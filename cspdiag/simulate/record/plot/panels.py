@@ -93,7 +93,7 @@ def _array(series: Series) -> str:
     return series.port.partition("[")[0]
 
 
-def lying_below(curves: Sequence[Series], end: float) -> list[int]:
+def coinciding_later(curves: Sequence[Series], end: float) -> list[int]:
     """For each curve the number of later ones in the panel that look the same: it has to be wider to be visible below
     them.
     """

@@ -33,7 +33,7 @@ class _Clock:
             self.seen.set()
         return self._now
 
-    def at_work(self) -> list[str]:
+    def running_processes(self) -> list[str]:
         return []
 
 

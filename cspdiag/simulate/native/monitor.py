@@ -9,7 +9,7 @@ import time
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 
-class Looks:
+class ProgramMonitor:
     """Reads lines ``7000000 Ring.cell[3] (ring.csp:12)`` from a pipe: the instant in nanoseconds and, if it is that of
     the previous line, which process is running.
 
@@ -20,9 +20,9 @@ class Looks:
     def __init__(self) -> None:
         self._reading, self.descriptor = os.pipe()
         os.set_blocking(self.descriptor, False)
-        self._thread = threading.Thread(target=self._read, name="looks at the native program", daemon=True)
+        self._thread = threading.Thread(target=self._read, name="monitor of the native program", daemon=True)
         self._began = time.monotonic()
-        self._at_work: dict[str, None] = {}
+        self._running_processes: dict[str, None] = {}
         self.now = 0
         """The instant of the last observation, in nanoseconds."""
 
@@ -32,10 +32,10 @@ class Looks:
         return time.monotonic() - self._began
 
     @property
-    def at_work(self) -> list[str]:
+    def running_processes(self) -> list[str]:
         """The processes that were found running since the present instant began, each with its place."""
         # A copy in one step, because the thread continues meanwhile.
-        return list(self._at_work)
+        return list(self._running_processes)
 
     def started(self) -> None:
         """Note that the program has started; from here on only it can write."""
@@ -45,7 +45,7 @@ class Looks:
         with left_to_the_main_thread():
             self._thread.start()
 
-    def __enter__(self) -> Looks:
+    def __enter__(self) -> ProgramMonitor:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -60,7 +60,7 @@ class Looks:
             for line in lines:
                 instant, _, text = line.rstrip("\n").partition(" ")
                 if int(instant) != self.now:
-                    self._at_work = {}
+                    self._running_processes = {}
                 self.now = int(instant)
                 if text:
-                    self._at_work[text] = None
+                    self._running_processes[text] = None

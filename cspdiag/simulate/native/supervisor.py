@@ -13,14 +13,14 @@ from cspdiag.runtime.kernel.stopping import stopping
 
 PATIENCE = 2.0
 """The seconds within which a native program must end after a signal has arrived or it has reported its end."""
-_LOOK = 0.05
+_POLL_INTERVAL = 0.05
 
 
 class KilledError(CspdiagError):
     """A native program had to be killed, for the reason in the message."""
 
 
-class Keeper:
+class Supervisor:
     """Forwards signals to the native program, which then ends by itself; if it does not end in time, it is killed. This
     happens in a thread of its own, because the main one reads what the program reports. ``signal`` is the first signal
     that arrived, ``killed`` whether the program was killed.
@@ -30,17 +30,17 @@ class Keeper:
         self._program = program
         self._ended = threading.Event()
         self._until: float | None = None
-        self._thread = threading.Thread(target=self._run, name="keeper of the native program", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="supervisor of the native program", daemon=True)
         self.signal = 0
         self.killed = False
 
     @property
-    def account(self) -> KilledError:
+    def kill_error(self) -> KilledError:
         """The message about the program that was killed."""
         why = "after it had reported its end" if not self.signal else f"after {name_of_signal(self.signal)}"
         return KilledError(f"the native program did not end within {PATIENCE:g} s {why}, and was killed")
 
-    def __enter__(self) -> Keeper:
+    def __enter__(self) -> Supervisor:
         with left_to_the_main_thread():
             self._thread.start()
         return self
@@ -54,7 +54,7 @@ class Keeper:
         self._until = time.monotonic() + PATIENCE
 
     def _run(self) -> None:
-        while not self._ended.wait(_LOOK):
+        while not self._ended.wait(_POLL_INTERVAL):
             if stopping.signal and not self.signal:
                 self.signal = stopping.take()
                 self._program.send_signal(signal.SIGTERM)  # The program never ignores this one.

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag.runtime.kernel.stopping import stopping
-from cspdiag.simulate.native.keeper import Keeper
+from cspdiag.simulate.native.supervisor import Supervisor
 
 ROOT = Path(__file__).parents[3]
 
@@ -24,20 +24,25 @@ STUBBORN = ["sh", "-c", "trap '' INT TERM; exec sleep 60"]
 
 
 def test_a_program_that_ignores_a_signal_is_killed() -> None:
-    with stopping, subprocess.Popen(STUBBORN, start_new_session=True) as program, Keeper(program) as keeper:
+    with stopping, subprocess.Popen(STUBBORN, start_new_session=True) as program, Supervisor(program) as supervisor:
         time.sleep(0.2)
         os.kill(os.getpid(), signal.SIGTERM)
         assert program.wait(timeout=20) == -signal.SIGKILL
-    assert keeper.killed
-    assert str(keeper.account) == "the native program did not end within 2 s after SIGTERM, and was killed"
+    assert supervisor.killed
+    assert str(supervisor.kill_error) == "the native program did not end within 2 s after SIGTERM, and was killed"
 
 
 def test_a_program_that_has_reported_its_end_and_stays_is_killed() -> None:
-    with stopping, subprocess.Popen(["sleep", "60"], start_new_session=True) as program, Keeper(program) as keeper:
-        keeper.end_reported()
+    with (
+        stopping,
+        subprocess.Popen(["sleep", "60"], start_new_session=True) as program,
+        Supervisor(program) as supervisor,
+    ):
+        supervisor.end_reported()
         assert program.wait(timeout=20) == -signal.SIGKILL
     assert (
-        str(keeper.account) == "the native program did not end within 2 s after it had reported its end, and was killed"
+        str(supervisor.kill_error)
+        == "the native program did not end within 2 s after it had reported its end, and was killed"
     )
 
 
