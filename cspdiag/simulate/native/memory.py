@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.package.sizes import PREFIX, SizeQuestions, Sizes
+from cspdiag.codegen.c.package.sizes import PREFIX, SizeMeasurement, Sizes
 from cspdiag.network.ir.network import CoreNetwork
 from cspdiag.simulate.native.build import Build, CompilerError
 
@@ -76,14 +76,14 @@ def _bytes(count: int) -> str:
 
 def memory_report(network: CoreNetwork, files: Mapping[str, str], level: int) -> MemoryReport:
     """Compile a generated package to measure it. Raises CompilerError."""
-    questions = SizeQuestions(network, level)
-    complete = {**files, _PROBE: questions.probe()}
+    measurement = SizeMeasurement(network, level)
+    complete = {**files, _PROBE: measurement.source()}
     sources = [path for path in complete if path.endswith(".c") and not _is_of_simulation(path)]
     build = Build(complete, sources, ("-O2", "-DCSP_TRACE=0"))
     with ThreadPoolExecutor() as pool:
         facts = dict(zip(sources, pool.map(lambda path: _facts(build, path), sources), strict=True))
     probed = facts.pop(_PROBE).variables
-    sizes = questions.answer({name.removeprefix(PREFIX): size for name, size in probed.items()})
+    sizes = measurement.sizes({name.removeprefix(PREFIX): size for name, size in probed.items()})
     functions = {name: function for file in facts.values() for name, function in file.functions.items()}
     exact = all(function.calls is not None for function in functions.values())
     stack = deepest(functions) if exact else _estimated(functions)

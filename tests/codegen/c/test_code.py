@@ -36,7 +36,7 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     choose,
     define,
-    go,
+    goto,
     has_effect,
     jumps_to,
     lines,
@@ -124,7 +124,7 @@ def test_a_label_is_followed_by_a_statement(following: list[Statement], label: s
 
 
 def test_questions_are_answered_by_the_tree() -> None:
-    inside = choose(SAME, [go("fails")])
+    inside = choose(SAME, [goto("fails")])
     assert jumps_to("fails", inside)
     assert jumps_to("fails", [run(call("CSP_CHECK", "fails"), "")])
     assert not jumps_to("fail", inside)

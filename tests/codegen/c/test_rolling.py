@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.codegen.c.text.code import Code, address, call, code, unsigned
-from cspdiag.codegen.c.text.rolling import marked, rolled
+from cspdiag.codegen.c.text.rolling import countable, rolled
 from cspdiag.codegen.c.text.statements import Plain, lines, run
 
 
@@ -35,7 +35,7 @@ def test_what_closes_the_ring_stays_outside_the_loop() -> None:
 
 
 def test_arguments_and_steps_other_than_one_count_too() -> None:
-    groups = [[made(element("cell", i), marked(10 - i), unsigned(3 * i)), run("next++")] for i in range(3)]
+    groups = [[made(element("cell", i), countable(10 - i), unsigned(3 * i)), run("next++")] for i in range(3)]
     assert shown(*groups) == [
         "for (uint32_t i = 0U; i < 3U; i++) {",
         "    make(&cell[i], (int64_t)(10U - i), 3U * i);",
@@ -57,7 +57,7 @@ def test_different_groups_that_take_turns_make_one_loop() -> None:
 def test_a_few_or_irregular_ones_stay_as_they_are() -> None:
     few = [[made(element("cell", i))] for i in range(2)]
     assert shown(*few) == ["make(&cell[0]);", "make(&cell[1]);"]
-    groups = [[made(element("cell", i * i), marked(i))] for i in range(4)]
+    groups = [[made(element("cell", i * i), countable(i))] for i in range(4)]
     assert shown(*groups) == [f"make(&cell[{i * i}], {i});" for i in range(4)]
 
 

@@ -1,7 +1,6 @@
-"""What headers of control laws that are written by hand must declare: the types of the ports, checked by the compiler.
+"""Compile-time checks of hand-written headers of control laws: each member must have the type of its port.
 
-Values are copied between ports and members as they are in memory: a member of another type would hold something else,
-and nobody would say so.
+Values are copied bytewise between ports and members, so a member of another type would silently hold a wrong value.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ FILE = "types_by_hand.c"
 
 @record
 class _Member:
-    """A member that a struct by hand has to have; ``where`` says what it is the port of."""
+    """A member that a hand-written struct must have; ``where`` is the place of the port in the source text."""
 
     body: ExternalBody
     struct: str
@@ -38,8 +37,8 @@ class _Member:
 
 
 def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:
-    """A file that does not compile if a header by hand has members of other types than the ports; nothing without such
-    headers.
+    """A file that does not compile if a hand-written header has members of other types than the ports; no file if the
+    network has no such headers.
     """
     found = list(dict.fromkeys(_members(network, names, types)))
     if not found:
@@ -48,14 +47,14 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
     rows = comment(["Does not compile where a header that is written by hand has other types than the ports."])
     rows += ['#include "types.h"', *(f'#include "{header}"' for header in headers), '#include "csp_by_hand.h"', ""]
     for item in found:
-        wanted = types.type_name(item.type)
+        expected = types.type_name(item.type)
         header = source_paths(item.body)[1].rpartition("/")[2]
-        said = (
-            f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{wanted}`, as the port is "
+        message = (
+            f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{expected}`, as the port is "
             f"({item.where})"
         )
         name = f"{item.struct}_{item.name}_must_be_as_its_port"
-        given = (f"struct {item.struct}", item.name, wanted, name, quoted(said))
+        given = (f"struct {item.struct}", item.name, expected, name, quoted(message))
         rows += lines([run(call("CSP_REQUIRE_MEMBER", *given))])
     return {FILE: "\n".join([*rows, ""])}
 

@@ -1,4 +1,4 @@
-"""Equations of control laws and environments as C statements, one after the other."""
+"""Equations of control laws and environments as C statements, in order."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression
 
 Check = Callable[[str], list[Plain]]
-"""From the place of a statement to what looks for a fault behind it."""
+"""From the place of a statement to the statements that check for a fault after it."""
 
 
 @record
@@ -31,8 +31,8 @@ Target = Code | LocalVariable
 
 @record
 class EquationWriter:
-    """Prints assignments. ``place`` says where something stands in the text; ``external`` gives the lvalue of a nested
-    body in C.
+    """Writes assignments. ``place`` gives the place of a declaration in the source text, ``external`` the lvalue of a
+    nested body in C.
     """
 
     printer: Printer
@@ -41,35 +41,36 @@ class EquationWriter:
     external: Callable[[str], Code]
     body_name: Callable[[ExternalCall], str]
 
-    def assign(self, target: Target, value: Expression, place: str | None, fault_at: str = "") -> list[Statement]:
-        """``target = value;`` with what has to be done before it, and a look for a fault behind it where there may be
-        one.
+    def assign(self, target: Target, value: Expression, place: str | None, fallback_place: str = "") -> list[Statement]:
+        """``target = value;``, preceded by the statements that the value needs and followed by a check if it can fault.
+
+        Faults are reported at ``place``, or at ``fallback_place`` if the assignment has no place of its own.
         """
-        found = self.printer.evaluate(value)
-        look = self.check(place or fault_at) if found.faults else []
-        return [*found.setup, set_to(target, found.code, place), *look]
+        evaluation = self.printer.evaluate(value)
+        fault_check = self.check(place or fallback_place) if evaluation.faults else []
+        return [*evaluation.setup, set_to(target, evaluation.code, place), *fault_check]
 
     def equations(self, equations: Sequence[Equation], target: Callable[[str], Target]) -> list[Statement]:
-        """All equations; ``target`` gives the left side of a signal."""
-        found: list[Statement] = []
+        """All equations; ``target`` gives the left-hand side for a signal."""
+        statements: list[Statement] = []
         for equation in equations:
             if isinstance(equation, ExternalCall):
-                found += self.call(equation, target)
+                statements += self.call(equation, target)
             else:
-                found += self.assign(target(equation.name), equation.value, self.place(equation))
-        return found
+                statements += self.assign(target(equation.name), equation.value, self.place(equation))
+        return statements
 
     def call(self, called: ExternalCall, target: Callable[[str], Target]) -> list[Statement]:
         """A nested body in C: its inputs, one run, its outputs."""
         body, place = self.external(called.name), self.place(called)
         types = self.printer.types
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for port, value in called.inputs:
-            found += self.assign(body.field(types.field(port)), value, place)
-        found.append(run(call(f"{self.body_name(called)}_calculate", address(body))))
+            statements += self.assign(body.field(types.field(port)), value, place)
+        statements.append(run(call(f"{self.body_name(called)}_calculate", address(body))))
         for port, local, _ in called.outputs:
-            found.append(set_to(target(local), body.field(types.field(port))))
-        return found
+            statements.append(set_to(target(local), body.field(types.field(port))))
+        return statements
 
 
 def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
@@ -79,6 +80,8 @@ def set_to(target: Target, value: Code, remark: str | None = None) -> Plain:
     return store(target, value, remark)
 
 
-def noted_at(place: str) -> list[Plain]:
-    """The look for a fault in a function that does not report whether it has failed: its caller looks again."""
+def record_fault_place(place: str) -> list[Plain]:
+    """The statement that records the place of a fault, for functions that do not return whether they failed: their
+    callers check.
+    """
     return [run(call("csp_fault_in", quoted(place)))] if place else []

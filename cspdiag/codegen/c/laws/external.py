@@ -1,6 +1,4 @@
-"""Bodies that are written in C by hand: pairs of files with the interface of generated ones, copied into
-the package.
-"""
+"""Hand-written bodies in C: pairs of files with the same interface as generated ones, copied into the package."""
 
 from __future__ import annotations
 
@@ -14,25 +12,25 @@ from cspdiag.network.ir.network import Network
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
-    """The bodies in C that a network names, each once."""
+    """The bodies in C that a network uses, each once."""
     yield from dict.fromkeys(
         body for body in external_bodies(network.classes, network.environments) if body.language == "c"
     )
 
 
 def source_paths(body: ExternalBody) -> tuple[str, str]:
-    """The paths of the source and the header, as the file that names the body is called."""
+    """The paths of the source and the header of a body, relative like the path in the text."""
     source = posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), body.target))
     return source, f"{source.removesuffix('.c')}.h"
 
 
 def external_paths(network: Network) -> tuple[str, ...]:
-    """The files to read for a network."""
+    """The paths of all hand-written files that a network needs."""
     return tuple(dict.fromkeys(path for body in c_bodies(network) for path in source_paths(body)))
 
 
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
-    """The copies in the package, by their own names. Raises TargetError for two files of one name."""
+    """The copies in the package, by file name. Raises TargetError if two files have the same name."""
     found: dict[str, str] = {}
     for path in external_paths(network):
         name = posixpath.basename(path)

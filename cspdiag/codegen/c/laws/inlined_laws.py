@@ -1,4 +1,4 @@
-"""Control laws that were inlined into a process: their runs and resets as C statements on members of the process."""
+"""Inlined control laws as C: the statements, on members of the process, that run a law or reset it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, noted_at
+from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.text.code import PRODUCT, Code, call, cast, code, infix
@@ -23,16 +23,16 @@ from cspdiag.network.ir.network import ProcessClass
 
 @record
 class InlinedLaw:
-    """One run of a law: functions to stand before the step function, and the statements (a block of their own)."""
+    """One run of a law: functions to define before the step function, and the statements, as a block of their own."""
 
     functions: list[Statement]
     statements: list[Statement]
     unread: frozenset[str]
-    """Signals that the run makes, and does not use itself."""
+    """Signals that the run computes but does not read."""
 
 
 def run_law_signals(action: RunLaw) -> list[tuple[str, Type]]:
-    """The signals that a run makes, for the process to declare."""
+    """The signals that a run computes, for the process to declare."""
     found: list[tuple[str, Type]] = []
     for equation in action.equations:
         if isinstance(equation, ExternalCall):
@@ -55,22 +55,23 @@ def run_law(
 ) -> InlinedLaw:
     """The statements of one run.
 
-    ``printer.signal`` gives the lvalues of signals, states and constants; ``types_of`` their types, inputs read before
-    included. ``owner`` is the struct of the process. ``check`` gives what looks for a fault behind a statement of a
-    place. ``local`` are the signals that only the run needs, with their names: it defines them.
+    ``printer.signal`` gives the lvalues of signals, states and constants; ``types_of`` their types, including those of
+    inputs read earlier. ``owner`` is the struct of the process. ``check`` gives the statements that check for a fault
+    after a statement, from its place. ``local`` are the signals that only this run needs, with the names under which
+    it defines them.
     """
     return _Run(action, class_, owner, printer, place, check, dict(types_of), local).result()
 
 
 def reset_states(states: tuple[str, ...], class_: ProcessClass, printer: Printer) -> list[Statement]:
-    """The statements that put states of a process, and nested bodies in C, back."""
+    """The statements that reset states of a process."""
     by_name = {state.name: state for state in class_.states}
-    found: list[Statement] = []
+    statements: list[Statement] = []
     for name in states:
         if name in by_name:
             value = printer.evaluate(by_name[name].initial)
-            found += [*value.setup, store(printer.signal(name), value.code)]
-    return found
+            statements += [*value.setup, store(printer.signal(name), value.code)]
+    return statements
 
 
 @record
@@ -101,11 +102,11 @@ class _Run:
         functions: list[Statement] = []
         if action.derivatives:
             integration = self._integration()
-            last += self._integrated(integration, following)
+            last += self._integration_statements(integration, following)
             functions = integration.function(self._slopes_printer(integration), self._slopes_writer(integration))
         else:
             last += following
-        # The copies have a block of their own: the same law may run in several places of one function.
+        # The copies have a block of their own: the same law may run several times in one function.
         found += [Block(tuple(last))] if hoisted else last
         return InlinedLaw(functions, found, self._unread())
 
@@ -141,12 +142,12 @@ class _Run:
         own = {item.name for item in self.class_.constants}
         read = signals((action.derivatives, tuple(equation.value for equation in action.derivative_equations)))
         names = Names({*LOCALS, *self.printer.types.names.globals})
-        kinds = {**self.types_of, **{equation.name: equation.type for equation in action.derivative_equations}}
+        signal_types = {**self.types_of, **{equation.name: equation.type for equation in action.derivative_equations}}
         return Integration(
             name=f"{self.owner}_{identifier(action.law)}_slopes",
             owner=self.owner,
             local=lambda name: names[name.removeprefix(f"{action.law}.")],
-            types=kinds,
+            types=signal_types,
             states=states,
             held=tuple(name for name in read if name not in moving and name not in own),
             equations=action.derivative_equations,
@@ -164,30 +165,32 @@ class _Run:
         )
 
     def _slopes_writer(self, integration: Integration) -> EquationWriter:
-        return EquationWriter(self._slopes_printer(integration), self.place, noted_at, self.printer.signal, body_name)
+        return EquationWriter(
+            self._slopes_printer(integration), self.place, record_fault_place, self.printer.signal, body_name
+        )
 
-    def _integrated(self, integration: Integration, following: list[Statement]) -> list[Statement]:
-        """The block that integrates; all states take their values at its end, when nothing can fault any more."""
+    def _integration_statements(self, integration: Integration, following: list[Statement]) -> list[Statement]:
+        """The block that integrates; all states are assigned at its end, after the last operation that can fault."""
         action = self.action
         assert action.sample is not None
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for state in integration.states:
-            found.append(define("double", integration.local(state), self.printer.signal(state)))
+            statements.append(define("double", integration.local(state), self.printer.signal(state)))
         sample = self.printer.plain(action.sample)
         count: Code | None = None
         if action.step is None:
-            found.append(define("const double", "h", sample))
+            statements.append(define("const double", "h", sample))
         else:
             count = code("steps")
-            found.append(define("const int64_t", "steps", sub_steps(sample, float(action.step))))
-            found.append(define("const double", "h", infix("/", PRODUCT, sample, cast("double", count))))
-        found += integration.steps(self.printer.signal, count)
+            statements.append(define("const int64_t", "steps", sub_steps(sample, float(action.step))))
+            statements.append(define("const double", "h", infix("/", PRODUCT, sample, cast("double", count))))
+        statements += integration.steps(self.printer.signal, count)
         for state in integration.states:
             moved = code(integration.local(state))
-            found.append(store(moved, call("csp_real", moved)))
-        found += [*self.check(self.place(action.equations[-1]) if action.equations else ""), *following]
+            statements.append(store(moved, call("csp_real", moved)))
+        statements += [*self.check(self.place(action.equations[-1]) if action.equations else ""), *following]
         for state in integration.states:
             moved = code(integration.local(state))
             single = self.types_of[state] == RealType(32)
-            found.append(store(self.printer.signal(state), cast("float", moved) if single else moved))
-        return [Block(tuple(found))]
+            statements.append(store(self.printer.signal(state), cast("float", moved) if single else moved))
+        return [Block(tuple(statements))]

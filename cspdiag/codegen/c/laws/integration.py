@@ -27,7 +27,7 @@ from cspdiag.codegen.c.text.statements import (
     Plain,
     Statement,
     define,
-    give,
+    return_value,
 )
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type
@@ -37,16 +37,16 @@ from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.walk import PartsByType
 
 LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
-"""Names that an integration uses itself."""
+"""Names of the local variables of an integration."""
 
 
 @record
 class Integration:
     """Writes the slopes of continuous states as a function, and the Runge-Kutta (or Euler) step that calls it.
 
-    ``name`` is the function's; ``owner`` the struct that has constants and parameters. ``local`` gives the C name of
-    every signal that moves or is held, ``types`` their types; ``states`` are the continuous states and ``held`` what
-    else the slopes read that does not change meanwhile.
+    ``name`` is the name of the function, ``owner`` the struct that contains constants and parameters. ``local`` gives
+    the C name of every signal that changes or is held, ``types`` their types. ``states`` are the continuous states,
+    ``held`` the other signals that the slopes read, which do not change during the step.
     """
 
     name: str
@@ -60,18 +60,18 @@ class Integration:
     method: str
 
     @property
-    def timed(self) -> bool:
+    def depends_on_time(self) -> bool:
         """Whether the slopes depend on the present instant."""
         return uses_time((self.derivatives, self.equations))
 
     @property
-    def faulty(self) -> bool:
-        """Whether their evaluation can fault."""
+    def can_fault(self) -> bool:
+        """Whether the evaluation of the slopes can fault."""
         values = [value for _, value in self.derivatives]
         return any(may_fault(value) for value in (*values, *(equation.value for equation in self.equations)))
 
     @property
-    def several(self) -> bool:
+    def has_several_states(self) -> bool:
         """Whether there is more than one state, so that slopes are a struct."""
         return len(self.states) > 1
 
@@ -90,37 +90,38 @@ class Integration:
         return [name for name in self.held if name in self._read]
 
     def function(self, printer: Printer, writer: EquationWriter) -> list[Statement]:
-        """The function that evaluates the slopes. A fault is noted with its place, and the caller looks for it."""
-        result = f"struct {self.name}" if self.several else "double"
-        found: list[Statement] = []
-        if self.several:
+        """The function that evaluates the slopes. It notes a fault with its place; the caller checks for one."""
+        result = f"struct {self.name}" if self.has_several_states else "double"
+        statements: list[Statement] = []
+        if self.has_several_states:
             members = tuple(define("double", self.local(state)) for state in self.states)
-            found += [Block(members, f"struct {self.name}", "};"), Blank()]
+            statements += [Block(members, f"struct {self.name}", "};"), Blank()]
         parameters = [f"const struct {self.owner} *self"] if self._needs_owner else []
         parameters += [f"double {self.local(state)}" for state in self._states_read]
         parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in self._held_read]
-        parameters += ["double time"] if self.timed else []
+        parameters += ["double time"] if self.depends_on_time else []
         equations: list[Equation] = list(needed(self.equations, signals((self.derivatives,))))
-        kinds = {equation.name: equation.type for equation in self.equations}
+        signal_types = {equation.name: equation.type for equation in self.equations}
         body = writer.equations(
-            equations, lambda name: LocalVariable(f"const {printer.types.type_name(kinds[name])}", self.local(name))
+            equations,
+            lambda name: LocalVariable(f"const {printer.types.type_name(signal_types[name])}", self.local(name)),
         )
         by_state = dict(self.derivatives)
-        # As everywhere, what has no place of its own is reported at that of the statement before.
+        # As everywhere, a statement without a place of its own has that of the statement before it.
         place = writer.place(equations[-1]) if equations else ""
-        if not self.several:
+        if not self.has_several_states:
             body += writer.assign(LocalVariable("const double", "slope"), by_state[self.states[0]], None, place)
-            body.append(give("slope"))
+            body.append(return_value("slope"))
         else:
             body.append(define(f"struct {self.name}", "slopes"))
             for state in self.states:
                 body += writer.assign(code("slopes").field(self.local(state)), by_state[state], None, place)
-            body.append(give("slopes"))
-        return [*found, Function(f"static inline {result} {self.name}", tuple(parameters), tuple(body))]
+            body.append(return_value("slopes"))
+        return [*statements, Function(f"static inline {result} {self.name}", tuple(parameters), tuple(body))]
 
     @cached_property
     def _needs_owner(self) -> bool:
-        """Whether the slopes depend on more than what the function is given: on members of the struct."""
+        """Whether the slopes depend on members of the struct, not only on the arguments of the function."""
         if not self.owner:
             return False
         given = {*self.states, *self.held, *(equation.name for equation in self.equations)}
@@ -130,45 +131,47 @@ class Integration:
         return bool(inside.of(VariableValue)) or not read <= given
 
     def steps(self, outer: Callable[[str], Code], count: Code | None) -> list[Statement]:
-        """The statements that move the states, which are local variables, over ``count`` sub-steps of ``h`` seconds.
+        """The statements that integrate the states, which are local variables, over ``count`` steps of ``h`` seconds.
 
-        ``outer`` gives the lvalues of what is held where the statements stand.
+        ``outer`` gives the lvalues of the held signals in the function that contains the statements.
         """
         shared: list[Code] = [Atom("self")] if self._needs_owner else []
         kept = [outer(name) for name in self._held_read]
-        found: list[Statement] = []
+        statements: list[Statement] = []
         if self.method != "euler":
-            if self._states_read or self.timed:
-                found.append(define("const double", "half", _fraction("2.0")))
-            found.append(define("const double", "sixth", _fraction("6.0")))
+            if self._states_read or self.depends_on_time:
+                statements.append(define("const double", "half", _fraction("2.0")))
+            statements.append(define("const double", "sixth", _fraction("6.0")))
         body: list[Statement] = []
-        if self.timed:
-            passed = infix("*", PRODUCT, cast("double", Atom("step")), Atom("h"))
-            time = infix("+", SUM, Atom("time"), passed) if count is not None else Atom("time")
+        if self.depends_on_time:
+            elapsed = infix("*", PRODUCT, cast("double", Atom("step")), Atom("h"))
+            time = infix("+", SUM, Atom("time"), elapsed) if count is not None else Atom("time")
             body.append(define("const double", "t", time))
         body += (self._euler if self.method == "euler" else self._runge_kutta)(shared, kept)
         if count is None:
-            return [*found, *body]
-        return [*found, For(Atom("step"), count, tuple(body), type_name="int64_t")]
+            return [*statements, *body]
+        return [*statements, For(Atom("step"), count, tuple(body), type_name="int64_t")]
 
     def _slope(self, stage: str, state: str) -> Code:
-        return code(stage).field(self.local(state)) if self.several else code(stage)
+        return code(stage).field(self.local(state)) if self.has_several_states else code(stage)
 
     def _evaluated(self, stage: str, at: Sequence[Code], time: Code, shared: list[Code], kept: list[Code]) -> Plain:
-        arguments = [*shared, *at, *kept, *([time] if self.timed else [])]
-        kind = f"const struct {self.name}" if self.several else "const double"
+        arguments = [*shared, *at, *kept, *([time] if self.depends_on_time else [])]
+        kind = f"const struct {self.name}" if self.has_several_states else "const double"
         return define(kind, stage, call(self.name, *arguments))
 
-    def _moved(self, state: str, by: Code) -> Plain:
+    def _increment(self, state: str, by: Code) -> Plain:
         return Plain(Assignment(code(self.local(state)), by, "+="))
 
     def _euler(self, shared: list[Code], kept: list[Code]) -> list[Statement]:
         states: list[Code] = [code(self.local(state)) for state in self._states_read]
-        moved = [self._moved(state, infix("*", PRODUCT, Atom("h"), self._slope("k1", state))) for state in self.states]
-        return [self._evaluated("k1", states, Atom("t"), shared, kept), *moved]
+        increments = [
+            self._increment(state, infix("*", PRODUCT, Atom("h"), self._slope("k1", state))) for state in self.states
+        ]
+        return [self._evaluated("k1", states, Atom("t"), shared, kept), *increments]
 
     def _runge_kutta(self, shared: list[Code], kept: list[Code]) -> list[Statement]:
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for stage, fraction in enumerate(("", "half", "half", "h")):
             at: list[Code] = [code(self.local(state)) for state in self._states_read]
             time: Code = Atom("t")
@@ -178,13 +181,13 @@ class Integration:
                     for there, state in zip(at, self._states_read, strict=True)
                 ]
                 time = infix("+", SUM, time, Atom(fraction))
-            found.append(self._evaluated(f"k{stage + 1}", at, time, shared, kept))
+            statements.append(self._evaluated(f"k{stage + 1}", at, time, shared, kept))
         for state in self.states:
             k1, k2, k3, k4 = (self._slope(f"k{stage}", state) for stage in (1, 2, 3, 4))
             total = infix("+", SUM, k1, infix("*", PRODUCT, Atom("2.0"), k2))
             total = infix("+", SUM, total, infix("*", PRODUCT, Atom("2.0"), k3))
-            found.append(self._moved(state, infix("*", PRODUCT, Atom("sixth"), infix("+", SUM, total, k4))))
-        return found
+            statements.append(self._increment(state, infix("*", PRODUCT, Atom("sixth"), infix("+", SUM, total, k4))))
+        return statements
 
 
 def _fraction(of: str) -> Code:
@@ -192,6 +195,6 @@ def _fraction(of: str) -> Code:
 
 
 def sub_steps(sample: Code, step: float) -> Code:
-    """How many steps of at most ``step`` nanoseconds a sample of this many seconds has."""
+    """The number of steps of at most ``step`` nanoseconds in a sample period of ``sample`` seconds."""
     nanoseconds = infix("*", PRODUCT, sample, Atom("1e9"))
     return cast("int64_t", call("ceil", infix("/", PRODUCT, call("rint", nanoseconds), Atom(repr(step)))))

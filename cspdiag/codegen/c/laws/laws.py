@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, noted_at
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration, sub_steps
 from cspdiag.codegen.c.text.code import PRODUCT, Code, address, call, cast, code, ignored, infix, own
 from cspdiag.codegen.c.text.documents import comment, wrapped
@@ -22,8 +22,8 @@ from cspdiag.codegen.c.text.statements import (
     Remark,
     Statement,
     define,
-    give,
     lines,
+    return_value,
     run,
     signature,
     store,
@@ -54,14 +54,16 @@ _SUB_STEP = "sub_step"
 
 
 def law_may_fault(class_: SubmodelClass) -> bool:
-    """Whether one run of the law can fault, so that its caller has to look."""
+    """Whether one run of the law can fault, so its caller has to check."""
     items = [part for equation in class_.equations for part in values(equation)]
     items += [value for _, value in class_.next_values]
     return bool(class_.derivatives) or any(map(may_fault, items))
 
 
 def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
-    """The members of the struct of a law, and the local variables of its functions, by the names of the text."""
+    """The C names of the members of the struct of a law and of the local variables of its functions, by their names in
+    the source text.
+    """
     given = Names() if class_.external is not None else Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
     for item in (*class_.ports, *class_.parameters, *class_.states):
         given[item.name]
@@ -69,7 +71,7 @@ def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
 
 
 def body_name(call: ExternalCall) -> str:
-    """The struct and the prefix of the functions of a nested body in C."""
+    """The name of the struct of a nested body in C, which is also the prefix of its functions."""
     return snake_case(call.definition)
 
 
@@ -83,21 +85,21 @@ class LawFiles:
 
     @cached_property
     def name(self) -> str:
-        """The struct, the files and what the functions begin with."""
+        """The name of the struct and of the files, and the prefix of the functions."""
         return self.names.classes[self.class_.name]
 
     @cached_property
     def members(self) -> Names:
-        """C names of everything in the law."""
+        """The C names of all signals, states, parameters and constants of the law."""
         return law_members(self.class_, self.names)
 
     @cached_property
-    def kinds(self) -> dict[str, Type]:
+    def signal_types(self) -> dict[str, Type]:
         """The type of every signal."""
         return signal_types(self.class_)
 
     @cached_property
-    def faulty(self) -> bool:
+    def can_fault(self) -> bool:
         """Whether one run can fault."""
         return law_may_fault(self.class_)
 
@@ -106,8 +108,8 @@ class LawFiles:
         return [equation for equation in self.class_.equations if isinstance(equation, ExternalCall)]
 
     @cached_property
-    def _late(self) -> set[str]:
-        """Parameters and constants that are wanted after `initialize`."""
+    def _used_in_runs(self) -> set[str]:
+        """Parameters and constants that are used after `initialize`."""
         late = evaluated_in_runs(self.class_)
         return {*signals(late), *parameters(late)}
 
@@ -140,8 +142,12 @@ class LawFiles:
             ("Outputs", [self._field(port) for port in class_.ports if port.direction == "out"]),
             ("States", [self._field(state) for state in class_.states]),
         ]
-        kept = [self._field(item) for item in class_.parameters if item.name in self._late or self._needs_sample(item)]
-        kept += [self._field(item) for item in constants_needed(class_) if item.name in self._late]
+        kept = [
+            self._field(item)
+            for item in class_.parameters
+            if item.name in self._used_in_runs or self._needs_sample(item)
+        ]
+        kept += [self._field(item) for item in constants_needed(class_) if item.name in self._used_in_runs]
         if self._sub_steps:
             kept += [("int64_t", _STEPS, "of the integration in a sample"), ("double", _SUB_STEP, "in seconds")]
         groups.append(("Parameters and what follows from them", kept))
@@ -160,7 +166,7 @@ class LawFiles:
         return item.name == "sample" and bool(self.class_.derivatives) and self.class_.step is None
 
     def _field(self, item: Declared) -> tuple[str, str, str | None]:
-        kind = self.kinds[item.name]
+        kind = self.signal_types[item.name]
         seconds = isinstance(kind, TimeType) and any(item.name == p.name for p in self.class_.parameters)
         return "double" if seconds else self.types.type_name(kind), self.members[item.name], item.doc
 
@@ -176,8 +182,8 @@ class LawFiles:
             "/* Puts the states back to their initial values. */",
             f"void {self.name}_reset(struct {self.name} *self);",
             "/* One run, from inputs to outputs and next states"
-            + ("; false after a fault (csp_fault). */" if self.faulty else ". */"),
-            f"{'bool' if self.faulty else 'void'} {self.name}_calculate(struct {self.name} *self);",
+            + ("; false after a fault (csp_fault). */" if self.can_fault else ". */"),
+            f"{'bool' if self.can_fault else 'void'} {self.name}_calculate(struct {self.name} *self);",
         ]
 
     # ---- The source
@@ -201,7 +207,7 @@ class LawFiles:
 
     def _writer(self, printer: Printer, *, checked: bool = True) -> EquationWriter:
         def check(place: str) -> list[Plain]:
-            return [run(call("CSP_CHECK_LAW", quoted(place)))] if checked else noted_at(place)
+            return [run(call("CSP_CHECK_LAW", quoted(place)))] if checked else record_fault_place(place)
 
         return EquationWriter(printer, self._place, check, lambda name: own(self.members[name]), body_name)
 
@@ -218,53 +224,53 @@ class LawFiles:
     def _initialize(self) -> list[Statement]:
         class_ = self.class_
         constants = constants_needed(class_)
-        local = [item.name for item in constants if item.name not in self._late]
+        local = [item.name for item in constants if item.name not in self._used_in_runs]
         printer = self._printer(local, initializing=True)
         writer = self._writer(printer, checked=False)
-        found: list[Statement] = []
-        used = {*parameters(tuple(item.value for item in constants)), *self._late}
+        statements: list[Statement] = []
+        used = {*parameters(tuple(item.value for item in constants)), *self._used_in_runs}
         for item in class_.parameters:
             member = self.members[item.name]
-            if item.name in self._late or self._needs_sample(item):
-                found.append(
+            if item.name in self._used_in_runs or self._needs_sample(item):
+                statements.append(
                     store(own(member), call("csp_seconds", member) if isinstance(item.type, TimeType) else member)
                 )
             elif (
                 item.name not in used
                 and not (self._sub_steps and item.name == "sample")
-                and not self._passed(item.name)
+                and not self._is_passed_on(item.name)
             ):
-                found.append(run(ignored(code(member))))
+                statements.append(run(ignored(code(member))))
         for constant in constants:
             member = self.members[constant.name]
             kind = f"const {self.types.type_name(constant.type)}"
             target: Target = LocalVariable(kind, member) if constant.name in local else own(member)
-            found += writer.assign(target, constant.value, self._place(constant))
+            statements += writer.assign(target, constant.value, self._place(constant))
         if self._sub_steps:
             sample, steps = code(self.members["sample"]), own(_STEPS)
-            found.append(store(steps, sub_steps(sample, float(class_.step or 1))))
-            found.append(store(own(_SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
+            statements.append(store(steps, sub_steps(sample, float(class_.step or 1))))
+            statements.append(store(own(_SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
         for called in self._calls:
             setup, given = printer.arguments([value for _, value in called.arguments])
-            found += setup
+            statements += setup
             body = address(own(self.members[called.name]))
-            found.append(run(call(f"{body_name(called)}_initialize", body, *given)))
-        found.append(run(f"{self.name}_reset(self)"))
-        return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(found))]
+            statements.append(run(call(f"{body_name(called)}_initialize", body, *given)))
+        statements.append(run(f"{self.name}_reset(self)"))
+        return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(statements))]
 
-    def _passed(self, name: str) -> bool:
-        """Whether a parameter is handed to a nested body."""
+    def _is_passed_on(self, name: str) -> bool:
+        """Whether a parameter is passed to a nested body."""
         return bool(parameters(tuple(call.arguments for call in self._calls))[name])
 
     def _reset(self) -> list[Statement]:
         printer = self._printer(())
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for state in self.class_.states:
             value = printer.evaluate(state.initial)
-            found += [*value.setup, store(own(self.members[state.name]), value.code)]
+            statements += [*value.setup, store(own(self.members[state.name]), value.code)]
         for called in self._calls:
-            found.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
-        return [self._function("void", "reset", found or [run("(void)self")])]
+            statements.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
+        return [self._function("void", "reset", statements or [run("(void)self")])]
 
     def _function(self, kind: str, verb: str, body: list[Statement]) -> Function:
         return Function(f"{kind} {self.name}_{verb}", (f"struct {self.name} *self",), tuple(body))
@@ -280,7 +286,7 @@ class LawFiles:
             name=f"{self.name}_slopes",
             owner=self.name,
             local=lambda name: self.members[name],
-            types=self.kinds,
+            types=self.signal_types,
             states=self._continuous,
             held=tuple(held(class_)),
             equations=class_.derivative_equations,
@@ -307,42 +313,44 @@ class LawFiles:
         def target(name: str) -> Target:
             return printer.signal(name) if name in ports else self._variable(name)
 
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for name in hoisted:
             variable = self._variable(name, fixed=name not in self._continuous)
-            found.append(define(variable.type_name, variable.name, own(self.members[name])))
-        found += writer.equations(equations, target)
+            statements.append(define(variable.type_name, variable.name, own(self.members[name])))
+        statements += writer.equations(equations, target)
         places = {state.name: self._place(state) for state in class_.states}
         if class_.derivatives:
-            found += self._integrated(printer, self._place(equations[-1]) if equations else "")
+            statements += self._integration_statements(printer, self._place(equations[-1]) if equations else "")
         for name, value in class_.next_values:
-            found += writer.assign(own(self.members[name]), value, places[name])
-        found += self._moved()
-        if self.faulty:
-            found.append(give("true"))
-        return [self._function("bool" if self.faulty else "void", "calculate", found or [run("(void)self")])]
+            statements += writer.assign(own(self.members[name]), value, places[name])
+        statements += self._state_updates()
+        if self.can_fault:
+            statements.append(return_value("true"))
+        return [self._function("bool" if self.can_fault else "void", "calculate", statements or [run("(void)self")])]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
-        kind = self.types.type_name(self.kinds[name])
+        kind = self.types.type_name(self.signal_types[name])
         return LocalVariable(f"const {kind}" if fixed else kind, self.members[name])
 
-    def _integrated(self, printer: Printer, place: str) -> list[Statement]:
+    def _integration_statements(self, printer: Printer, place: str) -> list[Statement]:
         step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])
         count = own(_STEPS) if self._sub_steps else None
-        found: list[Statement] = [define("const double", "h", step)]
-        found += self._integration.steps(printer.signal, count)
+        statements: list[Statement] = [define("const double", "h", step)]
+        statements += self._integration.steps(printer.signal, count)
         for name in self._continuous:
-            moved = code(self.members[name])
-            found.append(store(moved, call("csp_real", moved)))
-        return [*found, *self._writer(printer).check(place)]
+            integrated = code(self.members[name])
+            statements.append(store(integrated, call("csp_real", integrated)))
+        return [*statements, *self._writer(printer).check(place)]
 
-    def _moved(self) -> list[Statement]:
-        """Continuous states take their values with the discrete ones, when nothing can fault any more."""
-        found: list[Statement] = []
+    def _state_updates(self) -> list[Statement]:
+        """The assignments of continuous states, which follow those of the discrete ones: nothing can fault then."""
+        statements: list[Statement] = []
         for name in self._continuous if self.class_.derivatives else ():
-            moved, kind = code(self.members[name]), self.types.type_name(self.kinds[name])
-            found.append(store(own(self.members[name]), moved if kind == "double" else cast(kind, moved)))
-        return found
+            integrated, kind = code(self.members[name]), self.types.type_name(self.signal_types[name])
+            statements.append(
+                store(own(self.members[name]), integrated if kind == "double" else cast(kind, integrated))
+            )
+        return statements
 
     def _hoisted(self) -> list[str]:
         """States that are read after they have changed, and so become local variables first."""

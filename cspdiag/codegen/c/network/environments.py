@@ -1,4 +1,4 @@
-"""Environments as C files: the plant and the operator as one system, compiled in, so that the closed loop is native."""
+"""Environments as C files: plant and operator as one system, compiled with the program into a native closed loop."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import cached_property
 
 from cspdiag.base.record import record
-from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, noted_at
+from cspdiag.codegen.c.laws.equations import EquationWriter, LocalVariable, Target, record_fault_place
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
 from cspdiag.codegen.c.network.external_ports import port_groups
@@ -37,8 +37,8 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     choose,
     define,
-    give,
     lines,
+    return_value,
     run,
     store,
 )
@@ -75,7 +75,7 @@ class EnvironmentFiles:
 
     @cached_property
     def name(self) -> str:
-        """Files, and what they offer, are called after it."""
+        """The name of the files, and the prefix of what they define."""
         return self.names.environments[self.environment.name]
 
     @cached_property
@@ -83,7 +83,7 @@ class EnvironmentFiles:
         return self.environment.system
 
     @cached_property
-    def _kinds(self) -> dict[str, Type]:
+    def _signal_types(self) -> dict[str, Type]:
         return signal_types(self._system) if self._system is not None else {}
 
     @cached_property
@@ -141,26 +141,26 @@ class EnvironmentFiles:
     # ---- The state
 
     def _plant(self) -> Statement:
-        found: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
+        statements: list[Statement] = [define("int64_t", "now", remark="in nanoseconds")]
         system = self._system
         ports = {port.key: port for port in self.network.external_ports}
         for key, port in ports.items():
             name, kind = self._members[key], self.types.type_name(port.type)
             if port.medium == "event":
-                found.append(define(kind, f"{name}[2]", remark="present and last"))
+                statements.append(define(kind, f"{name}[2]", remark="present and last"))
             else:
-                found.append(define(kind, name))
+                statements.append(define(kind, name))
         if system is not None:
             local = {name for call in self._calls for _, name, _ in call.outputs}
             kept = [(state.name, state.type) for state in system.states]
             kept += [(item.name, item.type) for item in system.constants if item.name in self._constants]
-            kept += [(name, self._kinds[name]) for name in sorted(local)]
-            found += [define(self.types.type_name(kind), self._members[name]) for name, kind in kept]
-            found += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
-        return Block(tuple(found), "static struct", "} plant;")
+            kept += [(name, self._signal_types[name]) for name in sorted(local)]
+            statements += [define(self.types.type_name(kind), self._members[name]) for name, kind in kept]
+            statements += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
+        return Block(tuple(statements), "static struct", "} plant;")
 
     def _signal(self, name: str) -> Code:
-        """The place of a port's value, a state or a constant."""
+        """The lvalue of a port, a state or a constant."""
         ports = {port.key: port for port in self.network.external_ports}
         place = _plant(self._members[name])
         return place.at(0) if name in ports and ports[name].medium == "event" else place
@@ -174,10 +174,10 @@ class EnvironmentFiles:
         return Printer(self.types, signal=lvalue, time=time)
 
     def _writer(self, printer: Printer, *, at: bool = False) -> EquationWriter:
-        """``at``: in a function that does not say whether it has failed, whose caller looks."""
+        """``at``: for a function that does not return whether it failed; its caller checks."""
 
         def check(place: str) -> list[Plain]:
-            return noted_at(place) if at else [run(call("CSP_CHECK_LAW", quoted(place)))]
+            return record_fault_place(place) if at else [run(call("CSP_CHECK_LAW", quoted(place)))]
 
         return EquationWriter(printer, self._place, check, lambda name: _plant(self._members[name]), body_name)
 
@@ -191,7 +191,7 @@ class EnvironmentFiles:
             name=f"{self.name}_slopes",
             owner="",
             local=lambda name: self._members[name],
-            types=self._kinds,
+            types=self._signal_types,
             states=tuple(state.name for state in system.states if state.continuous),
             held=tuple(held(system)),
             equations=system.derivative_equations,
@@ -206,38 +206,38 @@ class EnvironmentFiles:
         return self._printer(inner)
 
     def _start(self) -> Function:
-        found: list[Statement] = [store(_plant("now"), "0")]
+        statements: list[Statement] = [store(_plant("now"), "0")]
         system = self._system
         if system is not None:
             printer = self._printer((), "0.0")
             writer = self._writer(printer, at=True)
             for constant in constants_needed(system):
-                found += writer.assign(self._signal(constant.name), constant.value, self._place(constant))
+                statements += writer.assign(self._signal(constant.name), constant.value, self._place(constant))
             for item in self._calls:
                 setup, given = printer.arguments([value for _, value in item.arguments])
-                found += setup
+                statements += setup
                 body = address(_plant(self._members[item.name]))
-                found.append(run(call(f"{body_name(item)}_initialize", body, *given)))
+                statements.append(run(call(f"{body_name(item)}_initialize", body, *given)))
             for state in system.states:
-                found += writer.assign(self._signal(state.name), state.initial, self._place(state))
+                statements += writer.assign(self._signal(state.name), state.initial, self._place(state))
         if self._results:
-            found.append(run(ignored(code(f"{self.name}_evaluate()"))))
+            statements.append(run(ignored(code(f"{self.name}_evaluate()"))))
         for port in self.network.external_ports:
             if port.medium == "event":
                 member = _plant(self._members[port.key])
-                found.append(store(member.at(1), member.at(0)))
-        found.append(give(negated(code("csp_faulted()"))))
-        return Function(f"static bool {self.name}_start", (), tuple(found))
+                statements.append(store(member.at(1), member.at(0)))
+        statements.append(return_value(negated(code("csp_faulted()"))))
+        return Function(f"static bool {self.name}_start", (), tuple(statements))
 
     def _advance(self) -> Function:
         system = self._system
-        found = self._moved(system) if system is not None and system.states else []
-        found.append(store(_plant("now"), "now"))
-        found.append(give(f"{self.name}_evaluate()" if self._results else "true"))
-        return Function(f"static bool {self.name}_advance", ("int64_t now",), tuple(found))
+        statements = self._state_updates(system) if system is not None and system.states else []
+        statements.append(store(_plant("now"), "now"))
+        statements.append(return_value(f"{self.name}_evaluate()" if self._results else "true"))
+        return Function(f"static bool {self.name}_advance", ("int64_t now",), tuple(statements))
 
-    def _moved(self, system: SubmodelClass) -> list[Statement]:
-        """From the last instant to ``now``: next values and slopes come from the inputs as they are."""
+    def _state_updates(self, system: SubmodelClass) -> list[Statement]:
+        """The statements that advance the states to ``now``, with the present values of the inputs."""
         integrates = bool(system.derivatives)
         roots = {*signals((system.next_values,)), *(self._integration.held if integrates else ())}
         equations = needed(system.equations, roots, calls=False)
@@ -246,24 +246,24 @@ class EnvironmentFiles:
         local = [*continuous, *discrete, *(name for equation in equations for name in defined(equation))]
         printer = self._printer(local)
         writer = self._writer(printer)
-        found: list[Statement] = []
-        if uses_time((equations, system.next_values)) or (integrates and self._integration.timed):
-            found.append(define("const double", "time", call("csp_seconds", _plant("now"))))
+        statements: list[Statement] = []
+        if uses_time((equations, system.next_values)) or (integrates and self._integration.depends_on_time):
+            statements.append(define("const double", "time", call("csp_seconds", _plant("now"))))
         for name in (*discrete, *continuous):
             variable = self._variable(name, fixed=name not in continuous)
-            found.append(define(variable.type_name, variable.name, self._signal(name)))
-        found += writer.equations(equations, self._variable)
+            statements.append(define(variable.type_name, variable.name, self._signal(name)))
+        statements += writer.equations(equations, self._variable)
         places = {state.name: self._place(state) for state in system.states}
         if system.next_values:
-            passed = infix("%", PRODUCT, code("now"), duration(self.environment.step))
-            moved: list[Statement] = []
+            phase = infix("%", PRODUCT, code("now"), duration(self.environment.step))
+            updates: list[Statement] = []
             for name, value in system.next_values:
-                moved += writer.assign(self._signal(name), value, places[name])
-            found += choose(infix("==", EQUALITY, passed, code("0")), moved)
+                updates += writer.assign(self._signal(name), value, places[name])
+            statements += choose(infix("==", EQUALITY, phase, code("0")), updates)
         if integrates:
             last = [self._place(equation) for equation in equations] + [places[name] for name, _ in system.next_values]
-            found += self._integrated(system, printer, last[-1] if last else None)
-        return found
+            statements += self._integration_statements(system, printer, last[-1] if last else None)
+        return statements
 
     def _read_late(self, system: SubmodelClass) -> list[str]:
         """Discrete states that are read after they may have changed."""
@@ -273,36 +273,36 @@ class EnvironmentFiles:
         return [state.name for state in system.states if state.name in late and not state.continuous]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
-        kind = self.types.type_name(self._kinds[name])
+        kind = self.types.type_name(self._signal_types[name])
         return LocalVariable(f"const {kind}" if fixed else kind, self._members[name])
 
-    def _integrated(self, system: SubmodelClass, printer: Printer, place: str | None) -> list[Statement]:
+    def _integration_statements(self, system: SubmodelClass, printer: Printer, place: str | None) -> list[Statement]:
         elapsed = infix("-", SUM, code("now"), _plant("now"))
         interval = call("csp_seconds", elapsed)
         count: Code | None = None
-        found: list[Statement] = []
+        statements: list[Statement] = []
         if system.step is None:
-            found.append(define("const double", "h", interval))
+            statements.append(define("const double", "h", interval))
         else:
             count = code("steps")
-            # Whole division rounded up: exact, as the interval is not negative.
+            # Integer division, rounded up: exact, because the interval is not negative.
             step = duration(system.step)
             rounded = infix("-", SUM, infix("+", SUM, elapsed, step), code("1"))
-            found.append(define("const int64_t", "steps", infix("/", PRODUCT, rounded, step)))
-            found.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
-        found += self._integration.steps(printer.signal, count)
+            statements.append(define("const int64_t", "steps", infix("/", PRODUCT, rounded, step)))
+            statements.append(define("const double", "h", infix("/", PRODUCT, interval, cast("double", count))))
+        statements += self._integration.steps(printer.signal, count)
         states = self._integration.states
         for state in states:
-            moved = code(self._members[state])
-            found.append(store(moved, call("csp_real", moved)))
+            variable = code(self._members[state])
+            statements.append(store(variable, call("csp_real", variable)))
         if states:
-            noted = [run(ignored(call("csp_fault_at", quoted(place))))] if place is not None else []
-            found += choose(code("csp_faulted()"), [*noted, give("false")])
+            recorded = [run(ignored(call("csp_fault_at", quoted(place))))] if place is not None else []
+            statements += choose(code("csp_faulted()"), [*recorded, return_value("false")])
         for state in states:
-            single = self.types.type_name(self._kinds[state]) == "float"
-            moved = code(self._members[state])
-            found.append(store(self._signal(state), cast("float", moved) if single else moved))
-        return found
+            single = self.types.type_name(self._signal_types[state]) == "float"
+            variable = code(self._members[state])
+            statements.append(store(self._signal(state), cast("float", variable) if single else variable))
+        return statements
 
     def _evaluate(self) -> Function:
         assert self._system is not None
@@ -315,17 +315,17 @@ class EnvironmentFiles:
         def target(name: str) -> Target:
             return self._signal(name) if name in kept else self._variable(name)
 
-        found: list[Statement] = []
+        statements: list[Statement] = []
         if uses_time((tuple(part for equation in equations for part in values(equation)),)):
-            found.append(define("const double", "time", call("csp_seconds", _plant("now"))))
-        found += [*writer.equations(equations, target), give("true")]
-        return Function(f"static bool {self.name}_evaluate", (), tuple(found))
+            statements.append(define("const double", "time", call("csp_seconds", _plant("now"))))
+        statements += [*writer.equations(equations, target), return_value("true")]
+        return Function(f"static bool {self.name}_evaluate", (), tuple(statements))
 
-    # ---- What the ports of the program meet
+    # ---- The simulated devices behind the ports of the program
 
     def _transfers(self) -> list[Statement]:
         """Functions that read and write signals, one for each type."""
-        found: list[Statement] = []
+        statements: list[Statement] = []
         done: set[str] = set()
         for port in self.network.external_ports:
             name, kind = self._transfer(port), self.types.type_name(port.type)
@@ -334,16 +334,18 @@ class EnvironmentFiles:
             done.add(name)
             if port.direction == "out":
                 copied = store(f"*({kind} *)device", f"*(const {kind} *)value")
-                found.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
+                statements.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
             elif port.medium != "event":
                 copied = store(f"*({kind} *)value", f"*(const {kind} *)device")
-                found.append(Function(f"static bool {name}", ("void *device", "void *value"), (copied, give("true"))))
+                statements.append(
+                    Function(f"static bool {name}", ("void *device", "void *value"), (copied, return_value("true")))
+                )
             else:
-                found.append(self._event_reader(name, kind, port.type))
-        return found
+                statements.append(self._event_reader(name, kind, port.type))
+        return statements
 
     def _event_reader(self, name: str, kind: str, type_: Type) -> Function:
-        """The value of an event port, and whether it has changed since the last time."""
+        """The function that reads an event port, and returns whether its value has changed since the last call."""
         present, last = code("signal").at(0), code("signal").at(1)
         changed: Code = infix("!=", EQUALITY, present, last)
         if isinstance(type_, StructType | ArrayType):
@@ -354,7 +356,7 @@ class EnvironmentFiles:
             define("const bool", "changed", changed),
             store(last, present),
             store(f"*({kind} *)value", present),
-            give("changed"),
+            return_value("changed"),
         )
         return Function(f"static bool {name}", ("void *device", "void *value"), body)
 

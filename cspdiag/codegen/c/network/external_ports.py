@@ -1,4 +1,4 @@
-"""The ports of a program: what they are called, and how they stand together."""
+"""The ports of a program, grouped as in `struct network_drivers`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cspdiag.network.ir.network import ExternalPort
 
 
 def port_groups(ports: Sequence[ExternalPort]) -> list[tuple[str, list[ExternalPort]]]:
-    """The ports by member of `struct network_drivers`: elements of an array together."""
+    """The ports by member of `struct network_drivers`; the elements of an array are one member."""
     groups: dict[str, list[ExternalPort]] = {}
     for port in ports:
         groups.setdefault(port.name.partition("[")[0], []).append(port)

@@ -1,4 +1,4 @@
-"""The file that builds the network: the only one that knows what stands behind the ports."""
+"""The file that builds the network: the only one that knows the devices behind the ports."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class _NetworkFiles:
         return found
 
     def configuration(self) -> str:
-        """What the kernel has to provide for."""
+        """The configuration of the kernel for this program."""
         return "\n".join(
             [
                 "/* What the program needs of the kernel. */",
@@ -98,35 +98,35 @@ class _NetworkFiles:
         )
 
     def header(self) -> str:
-        """What runs a program needs."""
+        """What a `main` that runs the program needs."""
         about = [f"The network of {self.network.top}: its processes, its channels, and what stands behind its ports."]
-        found = [*comment(about), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
-        found += ['#include "types.h"', ""] if self._events else [""]
-        found += ["/* A device or a simulated one for every port. */"]
+        rows = [*comment(about), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
+        rows += ['#include "types.h"', ""] if self._events else [""]
+        rows += ["/* A device or a simulated one for every port. */"]
         members = [*_driver_members(self.network, self.types)] or [define("char", "unused")]
-        found += [*lines([Block(tuple(members), "struct network_drivers", "};")]), ""]
-        found += ["/* Builds the network, before each run. */"]
-        found += ["void network_initialize(const struct network_drivers *drivers);", ""]
-        found += self._bringers_declared()
-        found += ["extern const csp_program network_program;", ""]
-        found += [
+        rows += [*lines([Block(tuple(members), "struct network_drivers", "};")]), ""]
+        rows += ["/* Builds the network, before each run. */"]
+        rows += ["void network_initialize(const struct network_drivers *drivers);", ""]
+        rows += self._bring_declarations()
+        rows += ["extern const csp_program network_program;", ""]
+        rows += [
             "#if CSP_TRACE",
             "/* By number: channels and ports, and the sizes of their values; processes and groups. */",
         ]
-        found += ["extern const uint32_t network_channel_count;", "extern const char *const network_channel_names[];"]
-        found += ["extern const uint16_t network_channel_sizes[];", "extern const uint32_t network_process_count;"]
-        found += [
+        rows += ["extern const uint32_t network_channel_count;", "extern const char *const network_channel_names[];"]
+        rows += ["extern const uint16_t network_channel_sizes[];", "extern const uint32_t network_process_count;"]
+        rows += [
             "extern const char *const network_process_names[];",
             "extern const char *const network_process_kinds[];",
         ]
-        return "\n".join([*found, "#endif", "", "#endif", ""])
+        return "\n".join([*rows, "#endif", "", "#endif", ""])
 
     def source(self) -> str:
         """The memory of the whole program, and the function that connects its parts."""
         struct = self.names.classes[self.network.top]
         members = self._members()
-        found = ['#include "network.h"', "", '#include "constants.h"', f'#include "{struct}.h"', ""]
-        found += ["/* All memory of the program. */", f"static struct {struct} {struct};"]
+        rows = ['#include "network.h"', "", '#include "constants.h"', f'#include "{struct}.h"', ""]
+        rows += ["/* All memory of the program. */", f"static struct {struct} {struct};"]
         ports = [(port, members[port.key]) for port in self.network.external_ports]
         fields = [define(_STRUCTS[port.medium], name) for port, name in ports]
         values = [define(self.types.type_name(port.type), name) for port, name in ports if port.medium != "direct"]
@@ -136,14 +136,14 @@ class _NetworkFiles:
             (values, "present;"),
             (brought, "brought; /* by interrupt handlers */"),
         ):
-            found += lines([Block(tuple(body), "static struct", f"}} {tail}")]) if body else []
-        found += ["", *self._safe_values(members), *self._table(members)]
+            rows += lines([Block(tuple(body), "static struct", f"}} {tail}")]) if body else []
+        rows += ["", *self._safe_values(members), *self._table(members)]
         building = Function(
-            "void network_initialize", ("const struct network_drivers *drivers",), tuple(self._building(members))
+            "void network_initialize", ("const struct network_drivers *drivers",), tuple(self._initialization(members))
         )
-        found += [*lines([building]), ""]
-        found += [*self._bringers(members), *self._reports(), *self._program(struct)]
-        return "\n".join([*found, ""])
+        rows += [*lines([building]), ""]
+        rows += [*self._bring_functions(members), *self._reports(), *self._program(struct)]
+        return "\n".join([*rows, ""])
 
     def _members(self) -> Names:
         members = Names()
@@ -155,28 +155,28 @@ class _NetworkFiles:
     def _events(self) -> list[ExternalPort]:
         return [port for port in self.network.external_ports if port.medium == "event"]
 
-    def _bringer(self, port: ExternalPort, members: Names) -> tuple[str, tuple[str, ...]]:
+    def _bring_signature(self, port: ExternalPort, members: Names) -> tuple[str, tuple[str, ...]]:
         head = f"void network_bring_{members[port.key]}"
         return head, (f"{self.types.type_name(port.type)} value",)
 
-    def _bringers_declared(self) -> list[str]:
+    def _bring_declarations(self) -> list[str]:
         if not self._events:
             return []
-        found = ["/* An interrupt handler brings an event: the latest value counts. */"]
+        rows = ["/* An interrupt handler brings an event: the latest value counts. */"]
         for port in self._events:
-            found += signature(*self._bringer(port, self._members()), ";")
-        return [*found, ""]
+            rows += signature(*self._bring_signature(port, self._members()), ";")
+        return [*rows, ""]
 
-    def _bringers(self, members: Names) -> list[str]:
-        found: list[Statement] = []
+    def _bring_functions(self, members: Names) -> list[str]:
+        statements: list[Statement] = []
         for port in self._events:
             latest = address(_external(members[port.key]))
             body = run(call("csp_event_bring", latest, "&value"))
-            found += [Function(*self._bringer(port, members), (body,)), Blank()]
-        return lines(found)
+            statements += [Function(*self._bring_signature(port, members), (body,)), Blank()]
+        return lines(statements)
 
     def _safe_values(self, members: Names) -> list[str]:
-        found: list[Statement] = [
+        statements: list[Statement] = [
             define(
                 f"static const {self.types.type_name(port.type)}",
                 f"safe_{members[port.key]}",
@@ -185,7 +185,7 @@ class _NetworkFiles:
             for port in self.network.external_ports
             if port.direction == "out"
         ]
-        return lines([*found, Blank()]) if found else []
+        return lines([*statements, Blank()]) if statements else []
 
     def _safe(self, port: ExternalPort) -> Value:
         return zero(port.type) if port.safe is None else port.safe
@@ -202,46 +202,46 @@ class _NetworkFiles:
         parts.append((".name", code(quoted(f"{self.network.top}.{port.key}"))))
         return Aggregate(tuple(parts))
 
-    def _building(self, members: Names) -> list[Statement]:
+    def _initialization(self, members: Names) -> list[Statement]:
         top, ports = self.names.classes[self.network.top], self.network.external_ports
         numbers = Aggregate(((".process", unsigned(1)), (".channel", unsigned(0))))
-        found: list[Statement] = [define("csp_numbers", "numbers", numbers), run("csp_begin_building()")]
-        found.append(_cleared(top))
+        statements: list[Statement] = [define("csp_numbers", "numbers", numbers), run("csp_begin_building()")]
+        statements.append(_cleared(top))
         if ports:
-            found.append(_cleared("external"))
+            statements.append(_cleared("external"))
         drivers = _driver_lvalues(self.network, self.types)
         for number, (port, driver) in enumerate(zip(ports, drivers, strict=True)):
-            found += self._connected(port, members[port.key], unsigned(number), driver)
-        found.append(store("numbers.channel", unsigned(len(ports))) if ports else run("(void)drivers"))
-        found.append(run(self._initialize()))
-        return found
+            statements += self._port_initialization(port, members[port.key], unsigned(number), driver)
+        statements.append(store("numbers.channel", unsigned(len(ports))) if ports else run("(void)drivers"))
+        statements.append(run(self._initialize()))
+        return statements
 
-    def _connected(self, port: ExternalPort, name: str, number: Code, driver: Code) -> list[Statement]:
-        """What makes a port, whose values go to and come from a driver."""
+    def _port_initialization(self, port: ExternalPort, name: str, number: Code, driver: Code) -> list[Statement]:
+        """The statements that initialize a port and connect it to its driver."""
         medium, value = address(_external(name)), f"&present.{name}"
         period = code("") if port.sampling is None else duration(port.sampling.period)
-        found: list[Statement] = []
+        statements: list[Statement] = []
         match port.medium:
             case "sampled":
-                found.append(run(call("csp_sampled_input_init", medium, number, period, value, driver)))
+                statements.append(run(call("csp_sampled_input_init", medium, number, period, value, driver)))
             case "event":
                 broadcast = "true" if port.kind == "broadcast" else "false"
-                found.append(run(call("csp_event_input_init", medium, number, broadcast, value, driver)))
+                statements.append(run(call("csp_event_input_init", medium, number, broadcast, value, driver)))
                 brought = code("brought").field(name)
                 size = call("sizeof", brought)
-                found.append(run(call("csp_event_input_accept", medium, address(brought), size)))
+                statements.append(run(call("csp_event_input_accept", medium, address(brought), size)))
             case "latched":
-                found.append(run(call("csp_latched_output_init", medium, number, period, value, driver)))
+                statements.append(run(call("csp_latched_output_init", medium, number, period, value, driver)))
             case "direct":
-                found.append(run(call("csp_direct_output_init", medium, number, driver)))
+                statements.append(run(call("csp_direct_output_init", medium, number, driver)))
             case _:
                 assert_never(port.medium)
         if port.sampling is not None and port.sampling.offset and port.medium != "direct":
-            found.append(store(_external(name).field("next"), duration(port.sampling.offset)))
+            statements.append(store(_external(name).field("next"), duration(port.sampling.offset)))
         if port.direction == "out":
             name_of_port = quoted(f"{self.network.top}.{port.key}")
-            found.append(store(_external(name).field("name"), name_of_port))
-        return found
+            statements.append(store(_external(name).field("name"), name_of_port))
+        return statements
 
     def _initialize(self) -> Code:
         struct, layout, members = self.names.classes[self.network.top], PortLayout(self.top), self._members()
@@ -286,13 +286,13 @@ class _NetworkFiles:
 
     def _program(self, struct: str) -> list[str]:
         exceptions = [name for name in self.network.exceptions if name in self.names.exceptions]
-        found: list[str] = []
+        rows: list[str] = []
         if exceptions:
             listed = Aggregate(tuple((None, code(quoted(name))) for name in exceptions))
-            found += [*lines([store("static const char *const exception_names[]", listed)]), ""]
+            rows += [*lines([store("static const char *const exception_names[]", listed)]), ""]
         count = len(self.network.external_ports)
         return [
-            *found,
+            *rows,
             "const csp_program network_program = {",
             f"    .process = &{struct}.process,",
             *(["    .ports = port_table,", f"    .port_count = {count}U,"] if count else []),
@@ -314,7 +314,7 @@ def _cleared(name: str) -> Statement:
 
 
 def _driver_lvalues(network: Network, types: CTypes) -> Iterator[Code]:
-    """The driver of each port, in order, as the function that builds the network has it."""
+    """The lvalue of the driver of each port, in order, in the function that builds the network."""
     for name, ports in port_groups(network.external_ports):
         for position, port in enumerate(ports):
             member = code("drivers").arrow(types.field(name))
@@ -322,7 +322,7 @@ def _driver_lvalues(network: Network, types: CTypes) -> Iterator[Code]:
 
 
 def _driver_members(network: Network, types: CTypes) -> Iterator[Statement]:
-    """The declarations of the members of ``struct network_drivers``, and what their functions are handed a
+    """The declarations of the members of ``struct network_drivers``, with remarks on what their functions are given a
     pointer to.
     """
     for name, ports in port_groups(network.external_ports):

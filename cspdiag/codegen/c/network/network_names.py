@@ -1,4 +1,4 @@
-"""The names of processes, groups and channels by number, for traces and reports."""
+"""The names of processes, groups and channels, by number, for traces and reports."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ from cspdiag.network.ir.network import CreatedInstance, Network, ProcessClass
 
 
 def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessFiles]) -> str:
-    """`network_names.c`: tables in the order in which the functions that initialize processes give out numbers."""
+    """`network_names.c`: tables in the order in which the initialization functions of processes assign numbers."""
     numbering = _Numbering(network, described)
     processes, channels = numbering.processes, numbering.channels
     sizes = [f"sizeof({types.type_name(type_)})" for _, type_ in channels]
-    found = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', "", "#if CSP_TRACE"]
-    found += [f"const uint32_t network_channel_count = {len(channels)}U;"]
-    found += _table("const char *const network_channel_names[]", [quoted(name) for name, _ in channels])
-    found += _table("const uint16_t network_channel_sizes[]", sizes or ["0"])
-    found += ["", "/* Numbers of processes and groups count from 1; a group has no kind. */"]
-    found += [f"const uint32_t network_process_count = {len(processes)}U;"]
-    found += _table("const char *const network_process_names[]", ['""', *(quoted(name) for name, _ in processes)])
-    found += _table("const char *const network_process_kinds[]", ['""', *(quoted(kind) for _, kind in processes)])
-    found += ["#else", "typedef int network_has_no_names;", "#endif", ""]
+    rows = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', "", "#if CSP_TRACE"]
+    rows += [f"const uint32_t network_channel_count = {len(channels)}U;"]
+    rows += _table("const char *const network_channel_names[]", [quoted(name) for name, _ in channels])
+    rows += _table("const uint16_t network_channel_sizes[]", sizes or ["0"])
+    rows += ["", "/* Numbers of processes and groups count from 1; a group has no kind. */"]
+    rows += [f"const uint32_t network_process_count = {len(processes)}U;"]
+    rows += _table("const char *const network_process_names[]", ['""', *(quoted(name) for name, _ in processes)])
+    rows += _table("const char *const network_process_kinds[]", ['""', *(quoted(kind) for _, kind in processes)])
+    rows += ["#else", "typedef int network_has_no_names;", "#endif", ""]
     if numbering.variables:
-        found += ["/* Variables that may be read before they were written. */"]
-        found += [*_table("static const char *const variable_names[]", [quoted(v) for v in numbering.variables]), ""]
-        found += ["void csp_require_written(const csp_written *written)", "{"]
-        found += ["    if ((written != NULL) && !written->done) {"]
-        found += ["        csp_not_written(variable_names[written->number]);", "    }", "}", ""]
-    return "\n".join(found)
+        rows += ["/* Variables that may be read before they were written. */"]
+        rows += [*_table("static const char *const variable_names[]", [quoted(v) for v in numbering.variables]), ""]
+        rows += ["void csp_require_written(const csp_written *written)", "{"]
+        rows += ["    if ((written != NULL) && !written->done) {"]
+        rows += ["        csp_not_written(variable_names[written->number]);", "    }", "}", ""]
+    return "\n".join(rows)
 
 
 class _Numbering:
-    """Goes through the tree of instances as the functions that initialize them do."""
+    """Walks the tree of instances in the order in which they are initialized."""
 
     def __init__(self, network: Network, described: Mapping[str, ProcessFiles]) -> None:
         self.classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
         self.described = described
         self.processes: list[tuple[str, str]] = []
-        """Paths, and the names of the definitions; empty for groups."""
+        """Path and name of the definition of each; groups have an empty definition."""
         self.channels: list[tuple[str, Type]] = [
             (f"{network.top}.{port.key}", port.type) for port in network.external_ports
         ]

@@ -1,4 +1,4 @@
-"""`types.h` and `constants.h`: enums, structs, arrays, and the constants of the text."""
+"""`types.h` and `constants.h`: enums, structs, arrays, and the constants of the program."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Iterator, Sequence
 from cspdiag.codegen.c.text.code import AND, EQUALITY, INDENT, LINE_LENGTH, Atom, Code, call, code, infix
 from cspdiag.codegen.c.text.documents import comment, wrapped
 from cspdiag.codegen.c.text.names import PackageNames
-from cspdiag.codegen.c.text.statements import Block, For, Function, Statement, define, give, lines, run, store
+from cspdiag.codegen.c.text.statements import Block, For, Function, Statement, define, lines, return_value, run, store
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import ArrayType, StructType, Type
 from cspdiag.network.ir.network import Network
 
 
 def types_header(network: Network, names: PackageNames, types: CTypes) -> str:
-    """`types.h`, with every type that ``types`` has named; generated last, when all are known."""
+    """`types.h`, with every type that ``types`` has named so far; to be generated last."""
     rows = ["/* The types of the program. Every value can be assigned: an array is a struct with one member. */"]
     rows += ["#ifndef TYPES_H", "#define TYPES_H", "", "#include <stdbool.h>", "#include <stdint.h>", ""]
     if network.structs or types.arrays:
@@ -40,7 +40,7 @@ def _enum(head: str, literals: Sequence[str]) -> list[str]:
 
 
 def _in_order(network: Network, types: CTypes) -> Iterator[StructType | ArrayType]:
-    """Structs and arrays, each after those that it is made of."""
+    """Structs and arrays, each after the types of its fields or elements."""
     done: set[str] = set()
 
     def visit(type_: Type) -> Iterator[StructType | ArrayType]:
@@ -80,11 +80,11 @@ def _equality(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
         for name, kind in type_.fields:
             part = _equal(kind, left.field(types.field(name)), right.field(types.field(name)), types)
             whole = part if whole is None else infix("&&", AND, whole, part)
-        return [give(whole or "true")]
+        return [return_value(whole or "true")]
     position = code("position")
     part = _equal(type_.element, left.field("at").at(position), right.field("at").at(position), types)
     body = store("equal", infix("&&", AND, code("equal"), part))
-    return [define("bool", "equal", "true"), _each(type_, body), give("equal")]
+    return [define("bool", "equal", "true"), _each(type_, body), return_value("equal")]
 
 
 def _each(type_: ArrayType, body: Statement) -> Statement:
@@ -110,7 +110,7 @@ def _finiteness(type_: StructType | ArrayType, types: CTypes) -> list[Statement]
 
 
 def constants_header(network: Network, names: PackageNames, types: CTypes) -> str:
-    """`constants.h`: the constants of the text."""
+    """`constants.h`: the constants of the program."""
     rows = ["/* The constants of the program. */", "#ifndef CONSTANTS_H", "#define CONSTANTS_H", ""]
     rows += ['#include "csp_arithmetic.h"', '#include "types.h"', ""]
     for constant in network.constants:

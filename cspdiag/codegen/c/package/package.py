@@ -1,6 +1,4 @@
-"""A package in C: a pair of files a class, the network, the environments, the kernel beside them, and what builds it
-all.
-"""
+"""A package in C: a header and a source for each class, the network, the environments, the kernel, and build files."""
 
 from __future__ import annotations
 
@@ -35,12 +33,12 @@ SUPPORT = "support"
 
 _SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
 _CONFIGURATION = "csp_config.h"
-_FRAMES = {".c": "source.c.j2", ".h": "header.h.j2"}
+_FILE_TEMPLATES = {".c": "source.c.j2", ".h": "header.h.j2"}
 
 
 @record
 class CProject:
-    """What the templates of the frame lay out."""
+    """What the templates for build files and README are given."""
 
     package: str
     top: str
@@ -58,7 +56,7 @@ class CProject:
 
 @record
 class Simulation:
-    """What the main of the simulation runs."""
+    """What the template for the `main` of the simulation is given."""
 
     top: str
     environments: list[Scenario]
@@ -66,18 +64,18 @@ class Simulation:
 
 @record
 class CFile:
-    """A generated file of code, for the templates that lay out all of them; ``text`` has no line break at its end."""
+    """A generated source or header, for the template that wraps each of them; ``text`` does not end in a line break."""
 
     name: str
     text: str
     top: str
     source: str
-    """The program, as it may stand in a comment."""
+    """The path of the program, escaped for use in a comment."""
 
 
 @record
 class Scenario:
-    """An environment as the main of the simulation knows it."""
+    """An environment, for the template of the simulation's `main`."""
 
     name: str
     text: str
@@ -85,10 +83,10 @@ class Scenario:
 
 
 def lowered_for_c(network: CoreNetwork, level: int, *, observed: bool = False) -> Network:
-    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each
-    can be reported.
+    """The network from which C is generated at an optimization level; with ``observed``, processes that could be fused
+    stay separate, so each can be reported.
 
-    The last one is kept as long as its network: the package and the question what it takes of memory need the same.
+    The last result is cached as long as its network lives, because the package and its memory report both need it.
     """
     for known, same, lowered in _last_lowered:
         if known() is network and same == (level, observed):
@@ -110,9 +108,8 @@ def _lowered(network: CoreNetwork, level: int, observed: bool) -> Network:
 def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
-    ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a
-    program that has parts in another language, TemplateError for a mistake in a template that was put in the place of
-    one of the target.
+    ``modules`` are the texts of bodies in C, by the paths that ``external_modules`` returns. Raises TargetError for a
+    program with parts in another language, TemplateError for a mistake in a template that the user has replaced.
     """
     render = renderer("c", options.templates)
     refuse(network, modules)
@@ -174,12 +171,12 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
         if files[path] is not text:
             raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
     for path in files.keys() - by_hand.keys():
-        template = _FRAMES.get(path[-2:])
+        template = _FILE_TEMPLATES.get(path[-2:])
         if template is not None:
             file = CFile(path, files[path].removesuffix("\n"), network.top, in_comment(source))
             files[path] = render(template, file=file)
-    made_here = {_CONFIGURATION} & files.keys()
-    files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in made_here})
+    generated = {_CONFIGURATION} & files.keys()
+    files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in generated})
     return dict(sorted(files.items()))
 
 

@@ -1,4 +1,4 @@
-"""Programs that cannot be made into C: those with parts that are written in Python."""
+"""Programs that cannot be compiled to C: those with parts that are written in Python."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from cspdiag.network.ir.network import Environment, Network, ProcessClass
 
 
 def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
-    """Raises TargetError with every part that C cannot express, its place, and what to write instead.
+    """Raises TargetError with every part that cannot be compiled to C, its place, and what to write instead.
 
-    Devices of an environment are no part of a package in C: there, they are functions that ``network_initialize`` is
-    given.
+    Devices of an environment do not belong to a package in C, where devices are functions that are passed to
+    ``network_initialize``.
     """
     found: dict[str, None] = {}
     for kind, definition, body in _bodies(network):
@@ -31,7 +31,7 @@ def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
 
 
 def refuse_devices(environment: Environment) -> None:
-    """Raises TargetError for an environment with devices, which are classes in Python."""
+    """Raises TargetError for an environment with devices, because they are Python classes."""
     if environment.drivers:
         raise TargetError("\n".join(_device(driver.definition, driver.external) for driver in environment.drivers))
 

@@ -1,4 +1,4 @@
-"""What a program takes of memory: which sizes the compiler has to report, and what they mean."""
+"""The memory that a program needs: which sizes the C compiler has to report, and how they add up."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.network.ir.network import CoreNetwork, LocalChannel, ProcessClass, SubmodelClass
 
 PREFIX = "csp_size_"
-"""What the symbols of `probe` are called after; each is an array of as many bytes as what it measures."""
+"""The prefix of the symbols that measure sizes; each is an array with as many bytes as the type that it measures."""
 
 _CHANNELS: Mapping[Access, str] = {
     "channel": "csp_channel",
@@ -25,7 +25,7 @@ _CHANNELS: Mapping[Access, str] = {
 
 @record
 class ClassSize:
-    """Instances of a class: how many, and the bytes of one without the instances and channels inside it."""
+    """The number of instances of a class, and the bytes of one without the instances and channels inside it."""
 
     kind: str
     name: str
@@ -42,16 +42,16 @@ class Sizes:
     channel_bytes: int
 
 
-class SizeQuestions:
-    """Asks for the sizes of a program at a level of optimization."""
+class SizeMeasurement:
+    """Measures the sizes of a program at an optimization level, by way of a C file that the compiler is given."""
 
     def __init__(self, network: CoreNetwork, level: int) -> None:
         self._network = lowered_for_c(network, level)
         self._names = PackageNames(self._network)
         self._types = CTypes(self._names)
 
-    def probe(self) -> str:
-        """A file in C with an array for everything that is to be measured."""
+    def source(self) -> str:
+        """The C file, with an array for each type to be measured."""
         names = sorted({self._names.classes[entry.name] for entry in self._network.classes})
         rows = ['#include "csp.h"', '#include "types.h"', *(f'#include "{name}.h"' for name in names), ""]
         rows += [f"char {PREFIX}class_{name}[sizeof(struct {name})];" for name in names]
@@ -64,8 +64,8 @@ class SizeQuestions:
         classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
         return [item for entry in classes for item in entry.channels if access_of_channel(item) == "buffer"]
 
-    def answer(self, sizes: Mapping[str, int]) -> Sizes:
-        """What the sizes, by symbol without the prefix, say of the program."""
+    def sizes(self, sizes: Mapping[str, int]) -> Sizes:
+        """The sizes of the program, from those of the symbols, by name without the prefix."""
         counts = Counter(instance.class_name for instance in self._network.instances)
         found: list[ClassSize] = []
         channels = channel_bytes = 0

@@ -1,4 +1,4 @@
-"""Whether control reaches the end of an action, as a C compiler sees it."""
+"""Whether control can reach the end of an action, as a C compiler determines it."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from typing import assert_never
 from cspdiag.network.ir import actions as ir
 
 
-def ends(action: ir.Action) -> bool:
-    """Whether something may follow the action."""
+def can_complete(action: ir.Action) -> bool:
+    """Whether the action can complete, so what follows it is reachable."""
     match action:
         case ir.RaiseException() | ir.StopStep() | ir.Repeat(until=None):
             return False
         case ir.SequentialSteps(steps=steps):
-            return all(ends(step) for step in steps)
+            return all(can_complete(step) for step in steps)
         case ir.IfElse():
-            return ends(action.then) or ends(action.otherwise)
+            return can_complete(action.then) or can_complete(action.otherwise)
         case ir.Choice(branches=branches):
-            return any(ends(branch.body) for branch in branches)
+            return any(can_complete(branch.body) for branch in branches)
         case ir.CatchException():
-            return ends(action.body) or ends(action.handler)
+            return can_complete(action.body) or can_complete(action.handler)
         case ir.CountedLoop(body=body) | ir.Group(body=body) | ir.ProcessScope(body=body):
-            return ends(body)
+            return can_complete(body)
         case (
             ir.RunInstance() | ir.ReadValue() | ir.WriteValue() | ir.AssignValue() | ir.SkipStep() | ir.WaitStep()
             | ir.ResetInstance() | ir.ParallelSteps() | ir.Repeat() | ir.WhileLoop() | ir.InterruptOn()

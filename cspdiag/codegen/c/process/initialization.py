@@ -1,4 +1,4 @@
-"""The function that initializes a process: everything is created in the order that decides who is served first."""
+"""The function that initializes a process. The order of creation matters: it decides which waiting process is first."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from cspdiag.codegen.c.text.code import (
     unsigned,
 )
 from cspdiag.codegen.c.text.media import READING_ENDS, access_of_channel, access_of_medium
-from cspdiag.codegen.c.text.rolling import Rolled, marked, rolled, rolled_from
+from cspdiag.codegen.c.text.rolling import Rolled, countable, rolled, rolled_from
 from cspdiag.codegen.c.text.statements import Block, Plain, Statement, define, run, store
 from cspdiag.codegen.shared.document import Document
 from cspdiag.codegen.shared.trees import nodes
@@ -46,12 +46,12 @@ from cspdiag.network.ir.walk import parts
 
 PORTS = code("ports")
 
-_MAKERS = {"channel": "csp_channel_init", "any": "csp_any_init", "broadcast": "csp_broadcast_init"}
+_INIT_FUNCTIONS = {"channel": "csp_channel_init", "any": "csp_any_init", "broadcast": "csp_broadcast_init"}
 
 
 @record
-class Given(Code):
-    """A member of the ports that a process is given: ``ports->x``."""
+class PortMember(Code):
+    """A port in the argument of the initialization function: ``ports->x``."""
 
     member: Code
 
@@ -59,13 +59,13 @@ class Given(Code):
         return (PORTS.document, "->", self.member.document)
 
 
-FEW = 8
-"""With more ports than this they are attached one by one, or in loops, where that makes the text shorter."""
+_MAX_LISTED_PORTS = 8
+"""If there are more ports, they are assigned one by one, or in loops, where that makes the text shorter."""
 
 
 @record
-class Filled(Code):
-    """A member of the ports of an instance while they are filled in: ``ports.x``."""
+class FilledPort(Code):
+    """A member of the local variable with the ports of an instance: ``ports.x``."""
 
     ports: str
     member: Code
@@ -74,14 +74,14 @@ class Filled(Code):
         return (f"{self.ports}.", self.member.document)
 
 
-def _counted(kind: str, by: int) -> Plain:
-    """The next free number of processes, channels or variables."""
+def _advance_number(kind: str, by: int) -> Plain:
+    """Advances the next free number of processes, channels or variables."""
     number = code(f"numbers->{kind}")
     return run(f"{number}++") if by == 1 else Plain(Assignment(number, unsigned(by), "+="))
 
 
 def initialization(writer: Writer) -> list[Statement]:
-    """The statements of the function."""
+    """The statements of the initialization function."""
     return _Initialization(writer).statements()
 
 
@@ -97,31 +97,34 @@ class _Initialization:
     def statements(self) -> list[Statement]:
         members, number = self.members, code("numbers->process")
         made = call("csp_process_init", address(own("process")), f"&{self.writer.struct}_class", number)
-        found: list[Statement] = [run(made), _counted("process", len(self.writer.observed) + 1)]
+        statements: list[Statement] = [run(made), _advance_number("process", len(self.writer.observed) + 1)]
         stored = set(members.stored_parameters())
         used = self._used_parameters()
         for item in self.process.parameters:
             name = members.parameters[item.name]
             if item.name in stored:
-                found.append(store(own(name), name))
+                statements.append(store(own(name), name))
             elif item.name not in used:
-                found.append(run(ignored(code(name))))
-        found += rolled([[statement] for statement in self._ports()])
-        found += self._channels()
+                statements.append(run(ignored(code(name))))
+        statements += rolled([[statement] for statement in self._ports()])
+        statements += self._channels()
         if members.reports:
-            found += [store(own("first_report"), "numbers->channel"), _counted("channel", len(members.reports))]
-        found += self._signals()
+            statements += [
+                store(own("first_report"), "numbers->channel"),
+                _advance_number("channel", len(members.reports)),
+            ]
+        statements += self._signals()
         for member, count in self.writer.offer_arrays().items():
             made = call("csp_offers_init", address(own(member)), own(f"{member}_made"), unsigned(count))
-            found.append(run(made))
-        found += self._created()
-        found += self.writer.initial
-        if port_members(members) and not any(isinstance(node, Given) for node in nodes(found)):
-            found.insert(0, run(ignored(PORTS)))
-        return found
+            statements.append(run(made))
+        statements += self._creations()
+        statements += self.writer.initial
+        if port_members(members) and not any(isinstance(node, PortMember) for node in nodes(statements)):
+            statements.insert(0, run(ignored(PORTS)))
+        return statements
 
     def _used_parameters(self) -> set[str]:
-        """Parameters that the function itself evaluates."""
+        """Parameters that the initialization function itself evaluates."""
         process = self.process
         evaluated = (
             process.constants,
@@ -139,17 +142,17 @@ class _Initialization:
             access = access_of_medium(port.media[index or 0])
             if access != "discard" and not (port.direction == "in" and access in READING_ENDS):
                 member = members.layout.member(port, index)
-                yield store(own(member), Given(member))
+                yield store(own(member), PortMember(member))
                 if members.unwritten.has_port(self.process.name, port.name, index):
                     flag = members.layout.written(port, index)
-                    yield store(own(flag), Given(code(flag)))
+                    yield store(own(flag), PortMember(code(flag)))
 
     def _channels(self) -> list[Statement]:
         channels, outlines = self.process.channels, Outlines(self.members)
         return list(
             rolled_from(
                 [outlines.channel(item) for item in channels],
-                lambda at: self._behind_setup(self._channel(channels[at])),
+                lambda at: self._with_setup(self._channel(channels[at])),
             )
         )
 
@@ -157,66 +160,66 @@ class _Initialization:
         access, lvalue = access_of_channel(channel), own(self.members.member(channel.name))
         number = code("numbers->channel")
         if access == "variable":
-            found = [] if channel.initial is None else [store(lvalue, self._printed(channel.initial))]
+            statements = [] if channel.initial is None else [store(lvalue, self._printed(channel.initial))]
             flag = self.members.written(channel.name)
             if flag is not None:
-                found += [store(flag.field("number"), "numbers->variable"), _counted("variable", 1)]
-            return found
+                statements += [store(flag.field("number"), "numbers->variable"), _advance_number("variable", 1)]
+            return statements
         if access == "buffer":
             values, capacity = own(self.members.storage(channel.name)), unsigned(channel.capacity or 0)
             overwrites = "true" if channel.kind == "overwrite" else "false"
             made = call("csp_buffer_init", address(lvalue), number, values, capacity, overwrites)
         else:
-            made = call(_MAKERS[access], address(lvalue), number)
-        return [run(made), _counted("channel", 1)]
+            made = call(_INIT_FUNCTIONS[access], address(lvalue), number)
+        return [run(made), _advance_number("channel", 1)]
 
     def _signals(self) -> list[Statement]:
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for constant in self.process.constants:
-            found += self._assigned(self.members.signal(constant.name), constant.value)
+            statements += self._assigned(self.members.signal(constant.name), constant.value)
         for state in self.process.states:
-            found += self._assigned(self.members.signal(state.name), state.initial)
-        return found
+            statements += self._assigned(self.members.signal(state.name), state.initial)
+        return statements
 
     def _assigned(self, lvalue: Code, value: Expression) -> list[Statement]:
-        found = self.printer.evaluate(value)
-        return [*found.setup, store(lvalue, found.code)]
+        evaluation = self.printer.evaluate(value)
+        return [*evaluation.setup, store(lvalue, evaluation.code)]
 
     def _printed(self, value: Expression) -> Code:
         match value:
             case LiteralValue(type=IntType(), value=int(number), name=None) if number >= 0:
-                return marked(number)
-        found = self.printer.evaluate(value)
-        self.setup += [statement for statement in found.setup if isinstance(statement, Plain)]
-        return found.code
+                return countable(number)
+        evaluation = self.printer.evaluate(value)
+        self.setup += [statement for statement in evaluation.setup if isinstance(statement, Plain)]
+        return evaluation.code
 
-    def _behind_setup(self, made: Sequence[Rolled]) -> list[Rolled]:
-        """Statements behind what has to be done for the expressions that were printed in them."""
-        found = [*self.setup, *made]
+    def _with_setup(self, made: Sequence[Rolled]) -> list[Rolled]:
+        """Statements, preceded by what the expressions in them need."""
+        statements = [*self.setup, *made]
         self.setup.clear()
-        return found
+        return statements
 
-    def _created(self) -> list[Statement]:
+    def _creations(self) -> list[Statement]:
         """Reading ends, instances and alternatives, in the order in which they are created."""
-        found: list[Statement] = []
+        statements: list[Statement] = []
         pending: list[CreatedInstance | End] = []
         outlines = Outlines(self.members)
 
         def made() -> list[Rolled]:
             return rolled_from(
-                [outlines.created(item) for item in pending], lambda at: self._behind_setup(self._made(pending[at]))
+                [outlines.created(item) for item in pending], lambda at: self._with_setup(self._creation(pending[at]))
             )
 
         for item in self.process.creation:
             if isinstance(item, CreatedChoice):
-                found += made()
+                statements += made()
                 pending.clear()
-                found += self.members.made_choices.get(item.choice, [])  # none where control never comes there
+                statements += self.members.made_choices.get(item.choice, [])  # none for an unreachable one
             else:
                 pending.append(item)
-        return [*found, *made()]
+        return [*statements, *made()]
 
-    def _made(self, item: CreatedInstance | End) -> list[Rolled]:
+    def _creation(self, item: CreatedInstance | End) -> list[Rolled]:
         if isinstance(item, CreatedInstance):
             return self._instance(self.members.instances[item.instance])
         return [*self._end(item)]
@@ -236,12 +239,12 @@ class _Initialization:
             case "broadcast", _:
                 return [run(call("csp_broadcast_end_init", address(member), self._medium(end)))]
             case _:
-                raise AssertionError(f"no end of its own reads a {access}")
+                raise AssertionError(f"a {access} has no reading ends")
 
     def _medium(self, end: End) -> Code:
         if isinstance(end, ChannelEnd):
             return address(own(self.members.member(end.channel)))
-        return Given(self.members.layout.member(self.members.ports[end.port], end.index))
+        return PortMember(self.members.layout.member(self.members.ports[end.port], end.index))
 
     def _instance(self, instance: InstanceOf) -> list[Rolled]:
         class_ = self.members.classes[instance.class_name]
@@ -253,43 +256,47 @@ class _Initialization:
         arguments: list[Code] = [address(lvalue), code("numbers")]
         layout = self._layout(class_)
         if class_.external is not None:
-            return [*self._by_hand(instance, class_, layout, [*arguments], given)]
+            return [*self._hand_written(instance, class_, layout, [*arguments], given)]
         if any(layout.designator(port.name, index) for port in class_.ports for index in elements(port)):
             fields = list(self._fields(class_.name, instance.connections, layout))
-            filled = self._filled(instance, class_, fields)
-            if filled:
+            loops = self._filled(instance, class_, fields)
+            if loops:
                 name = self.members.names[f"ports of {instance.name}"]
                 made = run(call(f"{struct}_initialize", *arguments, f"&{name}", *given))
-                return [Block((define(f"struct {struct}_ports", name), *filled, made))]
+                return [Block((define(f"struct {struct}_ports", name), *loops, made))]
             named = tuple((f".{member}", value) for member, value in fields)
             arguments.append(address(Aggregate(named, f"const struct {struct}_ports")))
         return [run(call(f"{struct}_initialize", *arguments, *given))]
 
     def _filled(self, instance: InstanceOf, class_: ProcessClass, fields: Sequence[tuple[Code, Code]]) -> list[Rolled]:
-        """Loops that attach the ports of an instance one by one; none where a list of them is as short.
+        """Loops that assign the ports of an instance one by one; none where a list of them is as short.
 
-        Elements of arrays are made in loops themselves. Where ports tell whether they were written, not each instance
-        has something for every one of them.
+        Elements of arrays are initialized in loops already. Ports with flags whether they were written are excluded,
+        because an instance need not have a flag for each of them.
         """
         flagged = self.members.unwritten.has_port
         ports = ((port.name, index) for port in class_.ports for index in elements(port))
-        if len(fields) <= FEW or instance.index is not None or any(flagged(class_.name, *port) for port in ports):
+        if (
+            len(fields) <= _MAX_LISTED_PORTS
+            or instance.index is not None
+            or any(flagged(class_.name, *port) for port in ports)
+        ):
             return []
         name = self.members.names[f"ports of {instance.name}"]
-        filled = rolled([[store(Filled(name, member), value)] for member, value in fields])
-        return filled if len(filled) < len(fields) else []
+        loops = rolled([[store(FilledPort(name, member), value)] for member, value in fields])
+        return loops if len(loops) < len(fields) else []
 
     def _layout(self, class_: ProcessClass) -> PortLayout:
         if class_.name not in self.layouts:
             self.layouts[class_.name] = PortLayout(class_)
         return self.layouts[class_.name]
 
-    def _by_hand(
+    def _hand_written(
         self, instance: InstanceOf, class_: ProcessClass, layout: PortLayout, arguments: list[Code], given: list[Code]
     ) -> list[Plain]:
-        """A process that is written by hand; a constant input is a variable that nobody writes."""
+        """A hand-written process; a constant input is a variable that is never written."""
         struct = self.writer.names.classes[class_.name]
-        found: list[Plain] = []
+        statements: list[Plain] = []
         fields: list[tuple[str | None, Code]] = []
         for connection in instance.connections:
             port = layout.ports[connection.port]
@@ -297,10 +304,10 @@ class _Initialization:
             name = layout.names[port.name] + ("" if connection.index is None else f"[{connection.index}]")
             match connection.attachment:
                 case ConstantEnd(value=value):
-                    kept = self.members.names[f"{instance.name} {name} constant"]
-                    self.members.work.append(StructMember(f"{self.writer.members.types.type_name(port.type)} {kept}"))
-                    found.append(store(own(kept), self._printed(value)))
-                    at: Code = address(own(kept))
+                    member = self.members.names[f"{instance.name} {name} constant"]
+                    self.members.work.append(StructMember(f"{self.writer.members.types.type_name(port.type)} {member}"))
+                    statements.append(store(own(member), self._printed(value)))
+                    at: Code = address(own(member))
                 case DiscardEnd():
                     at = code("NULL")
                 case ChannelEnd(channel=channel):
@@ -312,17 +319,19 @@ class _Initialization:
             fields.append((f".{name}", Aggregate(((None, code(KINDS[access])), (None, at), (None, size)))))
         if fields:
             arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
-        return [*found, run(call(f"{struct}_initialize", *arguments, *given))]
+        return [*statements, run(call(f"{struct}_initialize", *arguments, *given))]
 
     def _flag(self, connection: Connection) -> Code | None:
-        """A pointer to the flag whether the variable at a connection was written; None where that is sure."""
+        """A pointer to the flag whether the variable at a connection was written; None if it always is before it is
+        read.
+        """
         members = self.members
         match connection.attachment:
             case ChannelEnd(channel=channel):
                 flag = members.written(channel)
                 return None if flag is None else address(flag)
             case PortEnd(port=port, index=index) if members.unwritten.has_port(self.process.name, port, index):
-                return Given(code(members.layout.written(members.ports[port], index)))
+                return PortMember(code(members.layout.written(members.ports[port], index)))
         return None
 
     def _fields(
@@ -344,8 +353,8 @@ class _Initialization:
             case ConstantEnd(value=value):
                 return self._printed(value)
             case DiscardEnd():
-                raise AssertionError("what is discarded needs no port")
+                raise AssertionError("a discarded output needs no port")
             case ChannelEnd(channel=channel):
                 return address(own(members.member(channel)))
             case PortEnd(port=port, index=index):
-                return Given(members.layout.member(members.ports[port], index))
+                return PortMember(members.layout.member(members.ports[port], index))

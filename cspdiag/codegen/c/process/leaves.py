@@ -1,4 +1,4 @@
-"""Processes that are written by hand in C: what their files are given, and how their ports are connected."""
+"""Hand-written processes in C: the header that their files include, and the connections of their ports."""
 
 from __future__ import annotations
 
@@ -23,31 +23,31 @@ KINDS: dict[Access, str] = {
     "latched": "CSP_END_LATCHED",
     "direct": "CSP_END_DIRECT",
 }
-"""What the kernel calls what a port of such a process is connected to."""
+"""The kernel's constants for what a port of such a process is connected to."""
 
 
 def leaf_header(class_: ProcessClass) -> str:
-    """The name of the header by hand: beside the file that the text names."""
+    """The name of the hand-written header, which is next to the file that the program names."""
     assert class_.external is not None
     return f"{class_.external.target.rpartition('/')[2].removesuffix('.c')}.h"
 
 
 def ports_header(class_: ProcessClass, names: PackageNames, types: CTypes) -> dict[str, str]:
-    """`logger_ports.h`, which the header by hand includes."""
+    """`logger_ports.h`, which the hand-written header includes."""
     assert class_.external is not None
     struct, layout = names.classes[class_.name], PortLayout(class_)
     guard, place = f"{struct.upper()}_PORTS_H", names.place(class_.span.file, class_.span.line)
     about = [f"What the process {class_.definition}, written by hand in {class_.external.target}, is connected to."]
-    found = [*comment([*about, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]
-    found += ['#include "csp.h"', '#include "csp_leaf.h"', '#include "types.h"', "", f"struct {struct};", ""]
+    rows = [*comment([*about, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]
+    rows += ['#include "csp.h"', '#include "csp_leaf.h"', '#include "types.h"', "", f"struct {struct};", ""]
     members = tuple(
         run(f"csp_connection {layout.names[port.name]}{'' if port.size is None else f'[{port.size}]'}")
         for port in class_.ports
     )
     given = [f"struct {struct} *self", "csp_numbers *numbers"]
     if members:
-        found += [*lines([Block(members, f"struct {struct}_ports", "};")]), ""]
+        rows += [*lines([Block(members, f"struct {struct}_ports", "};")]), ""]
         given.append(f"const struct {struct}_ports *ports")
     given += [f"{types.type_name(item.type)} {layout.parameters[item.name]}" for item in class_.parameters]
-    found += ["/* To be defined by hand. */", *signature(f"void {struct}_initialize", given, ";")]
-    return {f"{struct}_ports.h": "\n".join([*found, "", "#endif", ""])}
+    rows += ["/* To be defined by hand. */", *signature(f"void {struct}_initialize", given, ";")]
+    return {f"{struct}_ports.h": "\n".join([*rows, "", "#endif", ""])}

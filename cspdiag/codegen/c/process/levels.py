@@ -1,7 +1,7 @@
-"""Levels of priority: which queue the branches of prioritized parallels stand in.
+"""Priority levels: the ready queue of each branch of a prioritized parallel.
 
-The language compares the ranks of nested ``||>`` from the outermost inwards. Counting the branches at each depth of the
-whole program gives every rank a fixed distance in levels from the parent's, in that order.
+The language compares the ranks of nested ``||>`` from the outermost inwards. The numbers of branches at each depth of
+nesting, over the whole program, give every rank a fixed distance in levels from its parent, which keeps that order.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Levels:
 
     def __init__(self, network: Network) -> None:
         self.prioritized: set[str]
-        """Classes with prioritized parallels in them or in an instance inside."""
+        """Classes that contain prioritized parallels, themselves or in an instance."""
         self._classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
         self.prioritized = self._with_priorities(network)
         self.depths: dict[str, set[int]] = {name: set() for name in self._classes}
@@ -51,12 +51,12 @@ class Levels:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """The number of levels."""
         return self._sizes[0]
 
     def below(self, class_: str, depth: int, rank: int) -> int:
-        """By how many levels a branch is below its parent; ``depth`` counts the prioritized parallels around it in the
-        class.
+        """The number of levels from the parent down to a branch; ``depth`` is the number of prioritized parallels
+        around it in its class.
         """
         if rank == 0:
             return 0
@@ -64,7 +64,7 @@ class Levels:
         return rank * self._sizes[min(outer + depth + 1, len(self._sizes) - 1)]
 
     def _with_priorities(self, network: Network) -> set[str]:
-        """Classes with prioritized parallels in them or in an instance inside."""
+        """Classes that contain prioritized parallels, themselves or in an instance."""
         found: set[str] = set()
         for entry in network.classes:
             if isinstance(entry, ProcessClass) and entry.body is not None:
@@ -75,8 +75,8 @@ class Levels:
 
 
 def separate_depths(network: Network) -> Network:
-    """The network in which every class with prioritized parallels runs at one depth of them: the others are cloned,
-    ``Cell_at_2``.
+    """The network in which all instances of a class with prioritized parallels are at one depth of nesting; for other
+    depths the class is cloned, as ``Cell_at_2``.
     """
     levels = Levels(network)
     if all(len(depths) <= 1 for name, depths in levels.depths.items() if name in levels.prioritized):
@@ -105,7 +105,7 @@ def _fresh(name: str, taken: set[str]) -> str:
 def _at_depth(
     entry: ProcessClass, name: str, depth: int, names: dict[tuple[str, int], str], prioritized: set[str]
 ) -> ProcessClass:
-    """The class at a depth, with its instances at theirs."""
+    """The clone of a class for a depth, with its instances at their depths."""
     around = {step.instance: below for step, below in _steps(entry.body, depth) if isinstance(step, RunInstance)}
     instances = tuple(
         replaced(instance, class_name=names[instance.class_name, around[instance.name]])
@@ -117,7 +117,7 @@ def _at_depth(
 
 
 def _steps(action: Action | None, depth: int) -> Iterator[tuple[ParallelSteps | RunInstance, int]]:
-    """The parallels and runs of instances in an action, with the number of prioritized parallels around each."""
+    """The parallels and runs of instances in an action, each with the number of prioritized parallels around it."""
     pending = [] if action is None else [(action, depth)]
     while pending:
         part, around = pending.pop()

@@ -1,5 +1,5 @@
-"""What decides how the making of a channel, an instance or a reading end reads: of large arrays only the first elements
-are written down.
+"""Outlines of the initialization of channels, instances and reading ends: equal outlines make one loop in C, so only
+the first elements of large arrays have to be generated.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _Part = tuple[Hashable, tuple[int, ...]]
 
 
 class Outlines:
-    """Of one process class."""
+    """The outlines of one process class."""
 
     def __init__(self, members: Members) -> None:
         self._members = members
@@ -26,7 +26,7 @@ class Outlines:
         self._flagged = members.unwritten.variables[self._process]
 
     def channel(self, channel: LocalChannel) -> Outline:
-        """How a channel is made."""
+        """The outline of the initialization of a channel."""
         shape, numbers = self._place(channel.name)
         initial, value = self._value(channel.initial)
         access = self._members.access(ChannelEnd(channel.name))
@@ -34,7 +34,7 @@ class Outlines:
         return Outline(("channel", shape, kind, initial), (*numbers, channel.capacity or 0, *value))
 
     def created(self, item: CreatedInstance | End) -> Outline:
-        """How an instance is made, or a reading end."""
+        """The outline of the initialization of an instance or a reading end."""
         if isinstance(item, CreatedInstance):
             return self._instance(item.instance)
         shape, numbers = self._attached(item)

@@ -1,4 +1,4 @@
-"""Process classes as pairs of C files: a struct with all that the process owns, and its step functions."""
+"""Process classes as pairs of C files: a struct with everything that the process owns, and its step functions."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 
 @record
 class NetworkFacts:
-    """What is known of the network as a whole."""
+    """Properties of the whole network."""
 
     levels: Levels
     unwritten: Unwritten
@@ -40,24 +40,24 @@ class NetworkFacts:
 
 @record
 class ProcessFiles:
-    """The header and the source of one process class by name, and what has a number in it.
+    """The header and the source of one process class, by file name, and what the class has numbers for.
 
-    ``observed`` are the names and definitions of its groups (without a definition) and flattened processes in the order
-    of their numbers behind that of the process, ``reports`` the channels that were optimized away, with their types;
-    all by path below the process.
+    ``observed`` are its groups, with an empty definition, and flattened processes, with the names of their definitions,
+    in the order of their numbers, which follow that of the process. ``reports`` are the channels that were optimized
+    away, with their types. All have paths relative to the process.
     """
 
     files: dict[str, str]
     observed: Sequence[tuple[str, str]]
     reports: Sequence[tuple[str, Type]]
     variables: Sequence[str]
-    """Those that may be read before they were written."""
+    """Variables that may be read before they are written."""
 
 
 def process_files(
     process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: NetworkFacts
 ) -> ProcessFiles:
-    """The files of a process class that is not written by hand."""
+    """The files of a generated, not hand-written, process class."""
     writer = _Writer(process, network, names, types, facts)
     files = {f"{writer.struct}.h": writer.header(), f"{writer.struct}.c": writer.source()}
     reports = [(path, type_) for path, (_, type_) in writer.members.reports.items()]
@@ -106,17 +106,17 @@ class _Writer:
 
     def _struct(self) -> list[Statement]:
         members = self.members
-        found = _fields(declared(members))
+        statements = _fields(declared(members))
         for name, fields in members.structs.items():
-            found.append(Block(tuple(_fields(fields)), "struct", f"}} {name};"))
+            statements.append(Block(tuple(_fields(fields)), "struct", f"}} {name};"))
         for name, kept in self.composition.unions():
-            found.append(Block(tuple(_fields(kept)), "union", f"}} {name};"))
-        found += _fields(members.work)
+            statements.append(Block(tuple(_fields(kept)), "union", f"}} {name};"))
+        statements += _fields(members.work)
         offers = self.composition.offer_arrays()
-        found += [run(f"csp_offer {name}_made[{count}]") for name, count in offers.items()]
+        statements += [run(f"csp_offer {name}_made[{count}]") for name, count in offers.items()]
         if members.reports:
-            found += [Remark("number of the first channel that was optimized away"), run("uint32_t first_report")]
-        return found
+            statements += [Remark("number of the first channel that was optimized away"), run("uint32_t first_report")]
+        return statements
 
     # The source
 
@@ -138,16 +138,16 @@ class _Writer:
 
 
 def _fields(members: Sequence[StructMember]) -> list[Statement]:
-    """Members with their remarks above them."""
-    found: list[Statement] = []
+    """Members, each below its comment."""
+    statements: list[Statement] = []
     for member in members:
-        found += [Remark(member.comment)] if member.comment is not None else []
-        found.append(run(member.declaration))
-    return found
+        statements += [Remark(member.comment)] if member.comment is not None else []
+        statements.append(run(member.declaration))
+    return statements
 
 
 def head(members: Members, struct: str) -> tuple[str, tuple[str, ...]]:
-    """The function that initializes a process, and its parameters."""
+    """The head of the initialization function of a process, and its parameters."""
     given = [f"struct {struct} *self", "csp_numbers *numbers"]
     if port_members(members):
         given.append(f"const struct {struct}_ports *ports")

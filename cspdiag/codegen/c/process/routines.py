@@ -1,4 +1,4 @@
-"""Step functions: their states, what each waits for, and where exceptions go."""
+"""Step functions: their states, what the process waits for in each, and where exceptions are handled."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     Switch,
     define,
-    give,
     lines,
+    return_value,
     signature,
     store,
 )
@@ -31,21 +31,23 @@ Waiting: TypeAlias = Literal[
 
 @dataclass
 class Handler:
-    """What an exception does that is raised within an extent of the composition: ``state`` and ``label`` are the same
-    place.
+    """Where control goes if an exception is raised in a part of the composition. ``state`` and ``label`` name the same
+    place in the step function, for the kernel and for ``goto``.
     """
 
     state: str
     label: str
-    reached: bool = False
-    """Whether anything can get there by ``goto``."""
-    needed: bool = False
-    """Whether a place names it, so that the kernel can get there."""
+    is_jumped_to: bool = False
+    """Whether a ``goto`` to the label exists."""
+    is_entered_by_kernel: bool = False
+    """Whether a waiting state refers to it, so the kernel may continue there."""
 
 
 @record
 class WaitingState:
-    """A state of a step function: what it waits for there, the member with the object, and the line of the program."""
+    """A state of a step function: what the process waits for, the member with that object, and the place in the source
+    text.
+    """
 
     state: str
     waiting: Waiting
@@ -59,20 +61,20 @@ class WaitingState:
 
 @dataclass
 class Routine:
-    """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the
-    process itself. ``number`` is what the function calls its own among branches of one class, which stand in an array.
+    """A step function. ``member`` is the ``csp_process`` of a branch of the composition; None for the process itself.
+    ``number`` is the local variable for the number of the branch, if several branches in an array share the function.
     """
 
     name: str
     title: str
-    """Of a branch; what is in it is called after it."""
+    """The name of the branch, which prefixes the names in it; empty for the process itself."""
     struct: str
     definition: str
     where: str
     member: str | None
     states: Names
     count: int | None = None
-    """How many branches it is the step function of, if they have numbers."""
+    """The number of branches that share the step function; None if they have no numbers."""
     number: str | None = None
     places: list[WaitingState] = field(default_factory=list)
     body: list[Statement] = field(default_factory=list)
@@ -83,19 +85,19 @@ class Routine:
         self.outermost = Handler(self.states.fresh(f"{self.title}_fails".upper().lstrip("_")), "fails")
 
     def handler(self, state: str) -> Handler:
-        """A new place for exceptions to go to."""
+        """A new handler for exceptions."""
         name = self.states.fresh(state)
         return Handler(name, name.lower())
 
     def label(self, handler: Handler, where: str) -> list[Statement]:
-        """Where the handler begins."""
-        found: list[Statement] = []
-        if handler.needed:
+        """The state and the label at which a handler begins, as far as they are used."""
+        statements: list[Statement] = []
+        if handler.is_entered_by_kernel:
             self.places.append(WaitingState(handler.state, "NOTHING", handler, where))
-            found.append(State(handler.state))
-        if handler.reached:
-            found.append(Label(handler.label))
-        return found
+            statements.append(State(handler.state))
+        if handler.is_jumped_to:
+            statements.append(Label(handler.label))
+        return statements
 
     @property
     def function(self) -> str:
@@ -103,7 +105,7 @@ class Routine:
         return f"{self.name}_step"
 
     def table(self) -> list[str]:
-        """The table of places and the class."""
+        """The table of states, and the class."""
         start = Aggregate(((".waiting", code("CSP_AT_NOTHING")), (".where", code(quoted(self.where)))))
         entries = [("[0]", start), *((f"[{place.state}]", self._entry(place)) for place in self.places)]
         offset = code("0") if self.member is None else self._offset(code(f"{self.member}{self._first}"))
@@ -153,7 +155,7 @@ class Routine:
             inside.append(define("bool", "condition"))
         if inside:
             inside.append(Blank())
-        cases = (("case 0", tuple(self.body)), ("default", (give("NULL"),)))
+        cases = (("case 0", tuple(self.body)), ("default", (return_value("NULL"),)))
         function = Block((*inside, Switch(code("party->state"), cases)))
         return [*signature(f"static csp_party *{self.function}", ["csp_party *party"]), *lines([function])]
 

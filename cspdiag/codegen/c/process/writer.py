@@ -1,5 +1,5 @@
-"""What the writing of a composition has in common: step functions under construction, their states, and values that
-outlive a wait.
+"""The common part of writers of compositions: step functions under construction, their states, and values that are kept
+while the process waits.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from cspdiag.codegen.c.process.flow import ends
+from cspdiag.codegen.c.process.flow import can_complete
 from cspdiag.codegen.c.process.levels import Levels
 from cspdiag.codegen.c.process.routines import Handler, Routine, Waiting, WaitingState
 from cspdiag.codegen.c.process.struct.members import Members, StructMember
@@ -27,10 +27,10 @@ from cspdiag.codegen.c.text.statements import (
     Statement,
     Wait,
     define,
-    give,
-    go,
+    goto,
     in_block,
     jumps_to,
+    return_value,
     run,
     store,
 )
@@ -43,9 +43,9 @@ from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 
 @dataclass
 class Writer:
-    """The step functions of one process class, while they are written.
+    """The step functions of one process class, while they are being written.
 
-    ``routines`` collects them, the process itself first.
+    ``routines`` collects them; that of the process itself is the first.
     """
 
     members: Members
@@ -55,16 +55,15 @@ class Writer:
     struct: str
     routines: list[Routine] = field(default_factory=list)
     initial: list[Statement] = field(default_factory=list)
-    """What the function that initializes the process has to do for the composition besides, in the order of the text.
-    """
+    """Further statements of the initialization function that the composition needs, in the order of the source text."""
     tables: list[Statement] = field(default_factory=list)
     """Constant tables that step functions refer to."""
     functions: list[tuple[Statement, ...]] = field(default_factory=list)
-    """Other functions, before the step functions."""
+    """Other functions, to be defined before the step functions."""
 
     current: Routine = field(init=False)
     handler: Handler = field(init=False)
-    """Where the present step goes if it fails."""
+    """Where control goes if the present step fails."""
 
     def __post_init__(self) -> None:
         process = self.members.process
@@ -73,16 +72,15 @@ class Writer:
         inside = self.members.inside
         self.alone = not inside.of(ParallelSteps) and not inside.of(InterruptOn)
         self.number = Names((*TAKEN, *self.names.globals)).fresh("number")
-        """What step functions call the number of their branch, where branches share one."""
+        """The local variable for the number of the branch, in step functions that several branches share."""
         self.depth = 0
-        """Of prioritized parallels around the present step."""
+        """The number of prioritized parallels around the present step."""
         self.inner: str | None = None
-        """The path of the flattened process, or of the control law in it, that the present step stems from."""
+        """The path of the flattened process, or of the control law in it, to which the present step belongs."""
         self.scope: str | None = None
-        """The path of the flattened process alone."""
+        """The path of the flattened process to which the present step belongs."""
         self.observed: list[tuple[str, str]] = []
-        """Groups and scopes so far, which observers know by the numbers behind that of the process: paths below it and
-        definitions.
+        """Path and definition of each group and scope so far. For observers, their numbers follow that of the process.
         """
         self._singles: dict[tuple[str, str], str] = {}
         self._laws: dict[tuple[str, tuple[Statement, ...]], str] = {}
@@ -92,9 +90,7 @@ class Writer:
         self._routine("", None, process.body)
 
     def statements(self, action: Action) -> list[Statement]:
-        """An action as statements; control does not reach their end where it does not reach the end of
-        the action.
-        """
+        """An action as statements; control reaches their end only if the action can complete."""
         raise NotImplementedError
 
     # Step functions
@@ -122,11 +118,11 @@ class Writer:
             closing.append(run("csp_observe_end(party->number)"))
             routine.body.append(run("csp_observe_begin(party->number)"))
         routine.body += self.statements(action)
-        if ends(action):
-            routine.body += [*closing, give("csp_end(party)")]
+        if can_complete(action):
+            routine.body += [*closing, return_value("csp_end(party)")]
         failing = routine.label(routine.outermost, place)
-        unwinding = [run("csp_unwind(party)"), *closing, give("csp_fail(party)")]
-        if failing and not routine.outermost.needed and routine.body[-1] == go(routine.outermost.label):
+        unwinding = [run("csp_unwind(party)"), *closing, return_value("csp_fail(party)")]
+        if failing and not routine.outermost.is_entered_by_kernel and routine.body[-1] == goto(routine.outermost.label):
             routine.body.pop()
             reached = jumps_to(routine.outermost.label, routine.body)
             routine.body += [*(failing if reached else []), *unwinding]
@@ -137,13 +133,13 @@ class Writer:
         return routine
 
     def prefixed(self, name: str) -> str:
-        """A name in the present branch or flattened process, distinguished from equal ones elsewhere in the class."""
+        """A name prefixed by the present branch or flattened process, to distinguish it from others in the class."""
         around = self.current.title or (identifier(self.scope) if self.scope else "")
         return f"{around}_{name}" if around and not _begins_with(name, around) else name
 
     def branch(self, action: Action, hint: str | None = None, count: int | None = None) -> Code:
-        """The member of the ``csp_process`` that runs an action beside others; it is made if the action is no process
-        of its own. With a ``count``, that is how many run it, each with a number.
+        """The member for the ``csp_process`` that runs an action in parallel with others; one is added unless the
+        action runs a process. ``count`` is the number of branches that run the action, each with a number.
         """
         if isinstance(action, RunInstance) and isinstance(self.class_of(action.instance), ProcessClass):
             return self.members.member(action.instance).field("process")
@@ -154,43 +150,43 @@ class Writer:
         self.members.work.append(StructMember(f"{struct} {member}{_size(count)}"))
         name = self._routine(identifier(snake_case(wanted)), member, action, count).name
         if count is None:
-            self.initial.append(self._made(own(member), name))
+            self.initial.append(self._process_initialization(own(member), name))
             return code(member)
         element = own(member).at(code(VARIABLE))
-        body = (self._made(element.field("process"), name), store(element.field("number"), VARIABLE))
+        body = (self._process_initialization(element.field("process"), name), store(element.field("number"), VARIABLE))
         self.initial.append(For(code(VARIABLE), unsigned(count), body, unsigned(0), "uint32_t"))
         return code(member).at(Numbered(self.number)).field("process")
 
-    def _made(self, process: Code, class_: str) -> Plain:
+    def _process_initialization(self, process: Code, class_: str) -> Plain:
         number = own("process").field("party").field("number")
         return run(call("csp_process_init", address(process), f"&{class_}_class", number))
 
     def class_of(self, instance: str) -> ProcessClass | SubmodelClass:
-        """The class of an instance inside."""
+        """The class of an instance of this process class."""
         return self.members.classes[self.members.instances[instance].class_name]
 
-    # Where things happen
+    # Places
 
     def where(self, step: Step) -> str:
-        """``jiwy.csp:68``."""
+        """The place of a step, such as ``jiwy.csp:68``."""
         return self.names.place(step.span.file, step.span.line)
 
     def comment(self, step: Step) -> str:
-        """The text of a step on one line, with its place."""
+        """The source text of a step on one line, with its place."""
         text = " ".join(step.span.text.split())
         shown = text if len(text) <= 60 else f"{text[:57]}..."
         return f"{shown}  ({self.where(step)})"
 
-    def failing(self) -> str:
-        """The label to go to when something fails here."""
-        self.handler.reached = True
+    def failure_label(self) -> str:
+        """The label to jump to if the present step fails."""
+        self.handler.is_jumped_to = True
         return self.handler.label
 
     def place(
         self, step: Step, state: str, waiting: Waiting, member: Code | None = None, *, indirect: bool = False
     ) -> str:
-        """A state in which the process waits, and which fails to the present handler."""
-        self.handler.needed = True
+        """The name of a new state in which the process waits; a failure there continues at the present handler."""
+        self.handler.is_entered_by_kernel = True
         name = self.states.fresh(snake_case(self.prefixed(state)).upper())
         self.current.places.append(
             WaitingState(name, waiting, self.handler, self.where(step), member, indirect, self.inner)
@@ -198,19 +194,19 @@ class Writer:
         return name
 
     def wait(self, first: Code, again: Code, state: str) -> Wait:
-        """An operation that the process goes on with each time it runs."""
+        """An operation that may need several attempts: it is continued each time the process runs."""
         self.current.progress = True
-        return Wait(call("CSP_AWAIT", first, again, state, self.failing()))
+        return Wait(call("CSP_AWAIT", first, again, state, self.failure_label()))
 
     # Members
 
     def add_function(self, function: Sequence[Statement]) -> None:
-        """A function that step functions call, once however often it is added."""
+        """Adds a function that step functions call, unless it has been added already."""
         if function and tuple(function) not in self.functions:
             self.functions.append(tuple(function))
 
     def law_function(self, law: str, body: Sequence[Statement], result: str, remark: Remark) -> str:
-        """The name of the function for the runs of an inlined law that do the same."""
+        """The name of the function for a run of an inlined law; equal runs share one."""
         key = (law, tuple(body))
         if key not in self._laws:
             name = self._laws[key] = self.states.fresh(f"{self.struct}_{identifier(snake_case(law))}_calculate")
@@ -219,43 +215,43 @@ class Writer:
         return self._laws[key]
 
     def add_member(self, name: str, type_: str) -> Code:
-        """A new member for the present step function: one for each branch that it is the step function of."""
+        """A new member for the present step function; an array if several branches share it."""
         count = self.current.count
         self.members.work.append(StructMember(f"{type_} {name}{_size(count)}"))
-        return self._of_branch(name)
+        return self._branch_member(name)
 
-    def _of_branch(self, member: str) -> Code:
+    def _branch_member(self, member: str) -> Code:
         return code(member) if self.current.count is None else code(member).at(Numbered(self.number))
 
-    def single(self, name: str, type_: str) -> Code:
-        """A member that the present step function needs one of, whatever it is doing."""
+    def shared_member(self, name: str, type_: str) -> Code:
+        """A member that all steps of the present step function share."""
         key = (name, self.current.name)
         if key not in self._singles:
-            member = self._singles[key] = self.members.names.fresh(self._of_routine(name))
+            member = self._singles[key] = self.members.names.fresh(self._routine_member_name(name))
             self.add_member(member, type_)
-        return self._of_branch(self._singles[key])
+        return self._branch_member(self._singles[key])
 
-    def _of_routine(self, name: str) -> str:
+    def _routine_member_name(self, name: str) -> str:
         return f"{self.current.title}_{name}" if self.current.title else name
 
     def offers(self, count: int) -> str:
-        """The member for several communications at once of the present step function; at most ``count``."""
-        member = str(self.single("offers", "csp_offers"))
+        """The member for up to ``count`` concurrent communications of the present step function."""
+        member = str(self.shared_member("offers", "csp_offers"))
         self._offers[member] = max(count, self._offers.get(member, 0))
         return member
 
     def offer_arrays(self) -> dict[str, int]:
-        """The numbers of offers, by the member of the offers they are for."""
+        """The number of offers of each member for concurrent communications."""
         return self._offers
 
     def slot(self, name: str, type_: Type, hint: str = "sent") -> Code:
-        """A member that keeps a value while the present step function waits; those of one ``hint`` share
+        """A member that keeps a value while the present step function waits; members with the same ``hint`` share
         their memory.
         """
         key = (hint, self.current.name)
         whole = self._singles.get(key)
         if whole is None:
-            whole = self._singles[key] = self.members.names.fresh(self._of_routine(hint))
+            whole = self._singles[key] = self.members.names.fresh(self._routine_member_name(hint))
             self._slots[key] = []
             self._sizes[key] = _size(self.current.count)
         wanted, count = identifier(name), 1
@@ -266,100 +262,100 @@ class Writer:
             if other is None:
                 self._slots[key].append(member)
             if other is None or other == member:
-                return own(self._of_branch(whole)).field(wanted)
+                return own(self._branch_member(whole)).field(wanted)
             count += 1
             wanted = f"{identifier(name)}_{count}"
 
     def unions(self) -> list[tuple[str, Sequence[StructMember]]]:
-        """The values that are kept while a step function waits, by the name of the union, or of an array of them."""
+        """The members that keep values while a step function waits, by the declarator of their union."""
         return [(f"{self._singles[key]}{self._sizes[key]}", members) for key, members in self._slots.items()]
 
     # Expressions
 
-    def evaluated(self, target: Code, expression: Expression, where: str) -> list[Statement]:
-        """``target = expression;``, and what follows if it faults."""
-        found = self.printer.evaluate(expression)
-        stored, fault = store(target, found.code), [self.fault(where)] if found.faults else []
-        return in_block([*found.setup, stored, *fault] if found.late else [*found.setup, *fault, stored])
+    def evaluate_into(self, target: Code, expression: Expression, where: str) -> list[Statement]:
+        """``target = expression;`` and a check for faults. ``target`` may have changed after a fault."""
+        evaluation = self.printer.evaluate(expression)
+        stored, fault = store(target, evaluation.code), [self.raise_noted_fault(where)] if evaluation.faults else []
+        return in_block(
+            [*evaluation.setup, stored, *fault] if evaluation.faults_inside else [*evaluation.setup, *fault, stored]
+        )
 
-    def stored(self, lvalue: Code, expression: Expression, where: str) -> list[Statement]:
-        """``lvalue = expression;``: one that faults leaves the variable as it was."""
-        found = self.printer.evaluate(expression)
-        if not found.late:
-            fault = [self.fault(where)] if found.faults else []
-            return in_block([*found.setup, *fault, store(lvalue, found.code)])
-        result = define(f"const {self.members.types.type_name(expression.type)}", "csp_result", found.code)
-        return in_block([*found.setup, result, self.fault(where), store(lvalue, "csp_result")])
+    def assign(self, lvalue: Code, expression: Expression, where: str) -> list[Statement]:
+        """``lvalue = expression;`` for a variable, which keeps its value if the expression faults."""
+        evaluation = self.printer.evaluate(expression)
+        if not evaluation.faults_inside:
+            fault = [self.raise_noted_fault(where)] if evaluation.faults else []
+            return in_block([*evaluation.setup, *fault, store(lvalue, evaluation.code)])
+        result = define(f"const {self.members.types.type_name(expression.type)}", "csp_result", evaluation.code)
+        return in_block([*evaluation.setup, result, self.raise_noted_fault(where), store(lvalue, "csp_result")])
 
     def may_fault(self, expression: Expression) -> bool:
         """Whether the evaluation of an expression can note a fault."""
         return self.printer.faults(expression)
 
-    def wrote(self, variable: str) -> list[Statement]:
-        """Behind a write to a variable of the class."""
+    def mark_written(self, variable: str) -> list[Statement]:
+        """The statements after a write to a variable of the class: they set its flag, if it has one."""
         flag = self.members.written(variable)
         return [] if flag is None else [store(flag.field("done"), "true")]
 
-    def fault(self, where: str) -> Plain:
-        """Raises the fault that has been noted, if there is one."""
+    def raise_noted_fault(self, where: str) -> Plain:
+        """The statement that raises the fault that has been noted, if there is one."""
         if self.inner is None:
-            return run(call("CSP_FAULT", quoted(where), self.failing()))
-        return run(call("CSP_FAULT_INSIDE", quoted(self.inner), quoted(where), self.failing()))
+            return run(call("CSP_FAULT", quoted(where), self.failure_label()))
+        return run(call("CSP_FAULT_INSIDE", quoted(self.inner), quoted(where), self.failure_label()))
 
     def condition(self, expression: Expression, step: Step, *, opposite: bool = False) -> tuple[list[Statement], Code]:
-        """What must be done first, and the condition, or its ``opposite``."""
-        found = (self.printer.opposite if opposite else self.printer.evaluate)(expression)
-        if not found.faults:
-            return [], found.code
+        """The statements that a condition needs before it, and the condition, or its ``opposite``."""
+        evaluation = (self.printer.opposite if opposite else self.printer.evaluate)(expression)
+        if not evaluation.faults:
+            return [], evaluation.code
         span = expression.span or step.span
-        fault = self.fault(self.names.place(span.file, span.line))
-        if not found.late and in_block(found.setup) == list(found.setup):
-            return [*found.setup, fault], found.code
+        fault = self.raise_noted_fault(self.names.place(span.file, span.line))
+        if not evaluation.faults_inside and in_block(evaluation.setup) == list(evaluation.setup):
+            return [*evaluation.setup, fault], evaluation.code
         self.current.condition = True
-        return in_block([*found.setup, store("condition", found.code), fault]), code("condition")
+        return in_block([*evaluation.setup, store("condition", evaluation.code), fault]), code("condition")
 
     def operand(
         self, expression: Expression, where: str, name: str, hint: str = "computed"
     ) -> tuple[list[Statement], Code]:
-        """What must be done first, and the value; a value that can fault is kept in a slot of that name until the next
-        of that ``hint``.
+        """The statements that a value needs before it, and the value. If it can fault, it is kept in the slot ``name``
+        until the next slot with that ``hint`` is used.
         """
-        found = self.printer.evaluate(expression)
-        if not found.faults:
-            return [], found.code
-        if not found.late and in_block(found.setup) == list(found.setup):
-            return [*found.setup, self.fault(where)], found.code
+        evaluation = self.printer.evaluate(expression)
+        if not evaluation.faults:
+            return [], evaluation.code
+        if not evaluation.faults_inside and in_block(evaluation.setup) == list(evaluation.setup):
+            return [*evaluation.setup, self.raise_noted_fault(where)], evaluation.code
         slot = self.slot(name, expression.type, hint)
-        return in_block([*found.setup, store(slot, found.code), self.fault(where)]), slot
+        return in_block([*evaluation.setup, store(slot, evaluation.code), self.raise_noted_fault(where)]), slot
 
     def printed(self, expression: Expression) -> Code:
         """A value that cannot fault."""
         return self.printer.plain(expression)
 
     def new_handler(self, state: str) -> Handler:
-        """A place for exceptions of an extent to go to."""
+        """A new handler for the exceptions of a part of the composition."""
         return self.current.handler(snake_case(self.prefixed(state)).upper())
 
     def protected(
         self, body: Sequence[Statement], handler: Handler, handling: Sequence[Statement], *, passes: bool, where: str
     ) -> list[Statement]:
-        """A body, what is done where something in it fails, and, if control ``passes`` the end of the body, what
-        follows both.
-        """
+        """A body with the statements that handle failures in it; control ``passes`` them if the body can complete."""
         label = self.current.label(handler, where)
         if not label:
             return list(body)
-        found = [*body]
-        past = self.states.fresh(f"after_{handler.label}")
+        statements = [*body]
+        after = self.states.fresh(f"after_{handler.label}")
         if passes:
-            found.append(go(past))
-        found += [*label, run("csp_unwind(party)"), *handling]
+            statements.append(goto(after))
+        statements += [*label, run("csp_unwind(party)"), *handling]
         if passes:
-            found.append(Label(past))
-        return found
+            statements.append(Label(after))
+        return statements
 
     def remark(self, step: Step) -> Remark:
-        """The comment above what a step becomes."""
+        """The comment above the statements of a step."""
         return Remark(self.comment(step))
 
 

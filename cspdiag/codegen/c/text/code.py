@@ -1,4 +1,4 @@
-"""C expressions as trees that know their precedence; parentheses stand where C, compilers or readers want them."""
+"""C expressions as trees that know their precedence, with parentheses where C, compilers or readers need them."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from cspdiag.codegen.shared.parentheses import Operands, Parentheses
 from cspdiag.codegen.shared.trees import Counted, nodes
 
 COMMA, ASSIGNMENT, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(11)
-"""Precedences of C, the loosest first; those that the generator does not use are left out."""
+"""The precedences of C that the generator uses, the loosest first."""
 
 LINE_LENGTH = 100
-"""Of generated code."""
+"""The longest line of generated code, in characters."""
 
 INDENT = "    "
-"""Of a block, and of what continues a line."""
+"""The indentation of a block, and of continuation lines."""
 
 STEP = len(INDENT)
 
@@ -46,7 +46,7 @@ class Code:
 
     @cached_property
     def document(self) -> Document:
-        """The text, and where it may be broken."""
+        """The text, with the places where it may be broken."""
         return self._document()
 
     def _document(self) -> Document:
@@ -80,8 +80,8 @@ class Atom(Code):
 
 @record
 class Count(Code, Counted):
-    """A whole number that may count in a row of like statements: an index, an unsigned literal, or an argument of type
-    ``int64_t``.
+    """An integer that may count from one to the next of similar statements: an index, an unsigned literal, or an
+    argument of type ``int64_t``.
     """
 
     value: int
@@ -93,7 +93,7 @@ class Count(Code, Counted):
 
 @record
 class Own(Code):
-    """A member of the object that a function is about: ``self->x``."""
+    """A member of the object that a function works on: ``self->x``."""
 
     member: Code
 
@@ -152,7 +152,7 @@ class Call(Code):
 
 @record
 class Prefix(Code):
-    """A sign, a negation, an address, what a pointer points to, or a cast ``(type)``."""
+    """A sign, a negation, an address, a dereferenced pointer, or a cast ``(type)``."""
 
     text: str
     operand: Code
@@ -173,7 +173,7 @@ class Chain(Code):
 
     @property
     def precedence(self) -> int:
-        """That of the operators."""
+        """The precedence of the operators."""
         return self.level
 
     def _document(self) -> Document:
@@ -197,7 +197,7 @@ class Conditional(Code):
 
     @property
     def with_whole_condition(self) -> Document:
-        """The text, broken behind the condition at the earliest."""
+        """The text, with the condition kept on one line."""
         return self._choices(Flat(self.condition.document))
 
     def _choices(self, condition: Document) -> Document:
@@ -207,7 +207,7 @@ class Conditional(Code):
 
 @record
 class Assignment(Code):
-    """``target = value``, also as a statement with the type before it, or another operator that assigns."""
+    """``target = value``, possibly with a type before it, or with another assignment operator."""
 
     target: Code
     value: Code
@@ -222,7 +222,7 @@ class Assignment(Code):
 
 @record
 class Sequence(Code):
-    """Evaluated one after the other; the value is that of the last: only where no statement can stand."""
+    """Expressions joined by the comma operator, for use where no statement is possible."""
 
     parts: tuple[Code, ...]
 
@@ -234,7 +234,7 @@ class Sequence(Code):
 
 @record
 class Parenthesized(Code):
-    """An expression in the parentheses that its surroundings want."""
+    """An expression in parentheses, which its context needs."""
 
     operand: Code
 
@@ -244,9 +244,7 @@ class Parenthesized(Code):
 
 @record
 class Aggregate(Code):
-    """The value of a struct or an array, each part with the name of its member or without; with a type it is a value by
-    itself.
-    """
+    """The value of a struct or an array, with or without the names of members; with a type it is a compound literal."""
 
     parts: tuple[tuple[str | None, Code], ...]
     type_name: str | None = None
@@ -270,14 +268,14 @@ _PARENTHESES: Parentheses[Code] = Parentheses(
         PRODUCT: Operands(PRODUCT, UNARY),
     },
 )
-"""The convention is that of the kernel: what ``&&`` and ``||`` join and the condition of ``?:`` stand in parentheses,
-as MISRA C has it (rule 12.1), if they have operators with two operands; sums and products need none.
+"""The convention is that of the kernel: operands of ``&&`` and ``||`` and the condition of ``?:`` are in parentheses if
+they have binary operators (MISRA C, rule 12.1); sums and products need none.
 """
 
 
 def assigned(head: Document, value: Document, preferred: Document | None = None) -> Document:
-    """``head value``: on one line, else all of the value on the next, else broken inside the value, in a ``preferred``
-    way if there is one that fits.
+    """``head value``: on one line, else with the whole value on the next line, else broken inside the value, preferably
+    as in ``preferred``.
     """
     layouts: list[Document] = [(head, " ", Flat(value)), (head, Nest(STEP, (LINE, Flat(value))))]
     for broken in (value,) if preferred is None else (preferred, value):
@@ -291,7 +289,7 @@ def code(item: Code | str) -> Code:
 
 
 def own(member: Code | str) -> Own:
-    """``self->member``; the member of a member, or an element of one, belongs inside."""
+    """``self->member``; ``member`` may be a path, such as a member of a member or an element of one."""
     return Own(code(member))
 
 
@@ -301,7 +299,7 @@ def unsigned(value: int) -> Count:
 
 
 def at_least(item: Code, precedence: int) -> Code:
-    """``item``, in parentheses if its operator is looser than ``precedence``."""
+    """``item``, in parentheses if its operator binds less tightly than ``precedence``."""
     return _PARENTHESES.at_least(item, precedence)
 
 
@@ -311,46 +309,46 @@ def call(function: str, *arguments: Code | str) -> Call:
 
 
 def cast(type_name: str, item: Code) -> Code:
-    """``(int8_t)x``; what has been cast to that type stays as it is."""
+    """``(int8_t)x``; an expression that is already a cast to that type is returned unchanged."""
     if isinstance(item, Prefix) and item.text == f"({type_name})":
         return item
     return Prefix(f"({type_name})", at_least(item, UNARY))
 
 
 def ignored(item: Code) -> Code:
-    """A call whose result nobody wants."""
+    """A call whose result is ignored: ``(void)f()``."""
     return Prefix("(void)", item)
 
 
 def address(item: Code) -> Code:
-    """A pointer to an object."""
+    """A pointer to an object: ``&x``."""
     if isinstance(item, Prefix) and item.text == "*":
         return item.operand
     return Prefix("&", at_least(item, UNARY))
 
 
 def target(pointer: Code) -> Code:
-    """What a pointer points to."""
+    """The object that a pointer points to: ``*x``."""
     if isinstance(pointer, Prefix) and pointer.text == "&":
         return pointer.operand
     return Prefix("*", at_least(pointer, UNARY))
 
 
 def member_of(pointer: Code, name: str) -> Code:
-    """A member of the struct that a pointer points to."""
+    """A member of the struct that a pointer points to: ``p->name``."""
     if isinstance(pointer, Prefix) and pointer.text == "&":
         return pointer.operand.field(name)
     return pointer.arrow(name)
 
 
 def minus(item: Code) -> Code:
-    """``-x``; never ``--x``."""
+    """``-x``, without ever writing ``--x``."""
     inner = at_least(item, UNARY)
     return Prefix("-", Parenthesized(inner) if isinstance(inner, Prefix) and inner.text == "-" else inner)
 
 
 def negated(condition: Code) -> Code:
-    """The opposite of a condition."""
+    """The negation of a condition."""
     match condition:
         case Prefix(text="!", operand=operand):
             return operand.operand if isinstance(operand, Parenthesized) else operand
@@ -365,7 +363,7 @@ def negated(condition: Code) -> Code:
 
 
 def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
-    """An operator that groups to the left."""
+    """A left-associative binary operation."""
     first, second = _PARENTHESES.operands(precedence, left, right)
     if isinstance(first, Chain) and first.precedence == precedence:
         return Chain(precedence, first.first, (*first.rest, (operator, second)))
@@ -373,7 +371,7 @@ def infix(operator: str, precedence: int, left: Code, right: Code) -> Code:
 
 
 def conditional(condition: Code, then: Code, otherwise: Code) -> Conditional:
-    """A choice of two values."""
+    """``condition ? then : otherwise``."""
     return Conditional(at_least(condition, UNARY), at_least(then, SUM), at_least(otherwise, SUM))
 
 
@@ -383,13 +381,13 @@ def assign(target: Code | str, value: Code | str, operator: str = "=") -> Assign
 
 
 def in_order(parts: tuple[Code, ...]) -> Code:
-    """The last part, with what has to be done before it."""
+    """The value of the last part, with the other parts evaluated before it."""
     *before, last = parts
     return Parenthesized(Sequence((*before, last))) if before else last
 
 
 def mentions_self(item: object) -> bool:
-    """Whether an expression or statements need the object that the function is about."""
+    """Whether an expression or statements use ``self``."""
     return any(isinstance(node, Own) or node == _SELF for node in nodes(item))
 
 

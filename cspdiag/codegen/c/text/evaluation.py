@@ -1,4 +1,4 @@
-"""When operands are evaluated: what has to be done before a statement, so that faults come in the order of the text."""
+"""The order in which operands are evaluated, so that faults occur in the order of the source text."""
 
 from __future__ import annotations
 
@@ -31,82 +31,82 @@ def _unexpected(name: str) -> Code:
     raise LookupError(f"{name} cannot be used here")
 
 
-def _sure(_: str) -> None:
+def _always_written(_: str) -> None:
     return None
 
 
 @record
 class Evaluation:
-    """An expression in C: what has to be done before the statement in which it stands, and whether it can note a fault
-    itself.
-    """
+    """An expression in C: the statements before the one that contains it, and whether it can note a fault itself."""
 
     setup: tuple[Statement, ...]
     code: Code
-    late: bool
+    faults_inside: bool
 
     @property
     def faults(self) -> bool:
-        """Whether a fault may have been noted when it has been evaluated."""
-        return self.late or bool(self.setup)
+        """Whether a fault may have been noted once it has been evaluated."""
+        return self.faults_inside or bool(self.setup)
 
 
 @dataclass
 class _Progress:
-    """What was printed since the last evaluation began."""
+    """What has been written since the present evaluation began."""
 
     setup: list[Statement] = field(default_factory=list)
     inside: list[Code] | None = None
-    """What has to be done first where no statement can stand, because it is evaluated only sometimes."""
-    unsure: bool = False
-    """Whether it is looked inside an expression whether a variable was written."""
+    """The expressions to evaluate first within an operand that is evaluated only sometimes, where no statement is
+    possible; None outside of such operands.
+    """
+    has_inner_check: bool = False
+    """Whether an expression itself checks that a variable was written."""
     numbers: Iterator[int] = field(default_factory=lambda: count(1))
 
 
 @dataclass(frozen=True)
 class Evaluator:
-    """Evaluates the expressions of one class; the functions give the C lvalue of a name where the expression stands.
+    """Evaluates the expressions of one class; the functions give the C lvalue of a name.
 
-    C does not say which operand comes first, so operands that can fault are evaluated before the statement, in their
-    order, where there is more than one. ``written`` gives a pointer to the flag whether a variable was written, where
-    that is not sure.
+    C does not define the order of operands, so if several operands can fault, all but the last of them are evaluated
+    before the statement, in order. ``written`` gives a pointer to the flag whether a variable was written, or None if
+    it always is before it is read.
     """
 
     types: CTypes
     parameter: Callable[[str], Code] = _unexpected
     signal: Callable[[str], Code] = _unexpected
     variable: Callable[[str], Code] = _unexpected
-    written: Callable[[str], Code | None] = _sure
+    written: Callable[[str], Code | None] = _always_written
     seconds: Callable[[str], Code] | None = None
     """A parameter of type ``time`` in seconds."""
     time: str | None = None
     constants_by_value: bool = False
-    """For static initializers, which C wants to be made of literals."""
+    """For static initializers, which have to be constant expressions in C."""
     progress: _Progress = field(default_factory=_Progress)
 
     def evaluate(self, expression: Expression) -> Evaluation:
-        """The expression at the place of a statement."""
-        return self._evaluated(expression, self._print)
+        """The C code of an expression that is part of a statement."""
+        return self._evaluate(expression, self._print)
 
     def opposite(self, condition: Expression) -> Evaluation:
-        """The opposite of a condition."""
-        return self._evaluated(condition, self._negated)
+        """The negation of a condition."""
+        return self._evaluate(condition, self._negated)
 
-    def _evaluated(self, expression: Expression, made: Callable[[Expression], Code]) -> Evaluation:
+    def _evaluate(self, expression: Expression, made: Callable[[Expression], Code]) -> Evaluation:
         progress = self.progress
         progress.setup.clear()
-        progress.unsure = False
+        progress.has_inner_check = False
         code = made(expression)
-        return Evaluation(tuple(progress.setup), code, progress.unsure or may_fault(expression))
+        return Evaluation(tuple(progress.setup), code, progress.has_inner_check or may_fault(expression))
 
     def plain(self, expression: Expression) -> Code:
-        """An expression before which nothing has to be done."""
+        """An expression that needs no statements before it."""
         evaluation = self.evaluate(expression)
-        assert not evaluation.setup, "it stands where no statement can be put in front"
+        assert not evaluation.setup, "no statement is possible before it"
         return evaluation.code
 
     def arguments(self, expressions: Sequence[Expression]) -> tuple[list[Statement], list[Code]]:
-        """Several expressions in one statement, and what has to be done before it."""
+        """Several expressions of one statement, and the statements before it."""
         self.progress.setup.clear()
         codes = self._in_order(expressions)
         return list(self.progress.setup), codes
@@ -122,7 +122,7 @@ class Evaluator:
         raise NotImplementedError
 
     def _negated(self, condition: Expression) -> Code:
-        """The opposite of a condition."""
+        """The negation of a condition."""
         raise NotImplementedError
 
     def _variable(self, channel: str) -> Code:
@@ -130,26 +130,26 @@ class Evaluator:
         if flag is not None:
             required, progress = call("csp_require_written", flag), self.progress
             if progress.inside is not None:
-                progress.unsure = True
+                progress.has_inner_check = True
                 progress.inside.append(required)
             elif run(required) not in progress.setup:
                 progress.setup.append(run(required))
         return self.variable(channel)
 
     def _in_order(self, expressions: Sequence[Expression]) -> list[Code]:
-        """The operands, so that faults come in order: of those that can fault only the last stays in place."""
+        """The operands; of those that can fault, all but the last are evaluated before the statement, in order."""
         faulting = [position for position, part in enumerate(expressions) if self.faults(part)]
         return [
-            self._kept(part) if position in faulting[:-1] else self._print(part)
+            self._saved(part) if position in faulting[:-1] else self._print(part)
             for position, part in enumerate(expressions)
         ]
 
-    def _kept(self, expression: Expression) -> Code:
-        """The value of an operand, known before the operands behind it are evaluated."""
+    def _saved(self, expression: Expression) -> Code:
+        """The value of an operand, saved before the operands after it are evaluated."""
         code = self._print(expression)
-        return code if isinstance(expression, VariableValue) else self._stored(code, expression.type)
+        return code if isinstance(expression, VariableValue) else self._save(code, expression.type)
 
-    def _stored(self, code: Code, type_: Type) -> Code:
+    def _save(self, code: Code, type_: Type) -> Code:
         progress = self.progress
         name, kind = f"csp_operand_{next(progress.numbers)}", self.types.type_name(type_)
         if progress.inside is None:
@@ -159,8 +159,8 @@ class Evaluator:
             progress.inside.append(assign(name, code))
         return Atom(name)
 
-    def _sometimes(self, expression: Expression) -> Code:
-        """An operand that is not always evaluated: what has to be done first is a part of it."""
+    def _conditionally_evaluated(self, expression: Expression) -> Code:
+        """An operand that is not always evaluated, with everything that has to be evaluated before it inside."""
         progress = self.progress
         outer = progress.inside
         before: list[Code] = []

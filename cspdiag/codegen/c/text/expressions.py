@@ -1,5 +1,5 @@
-"""Expressions of the network as C expressions: least parentheses, checked integers, IEEE reals, a defined order of
-faults.
+"""Expressions of the network as C expressions: with few parentheses, checked integer operations, IEEE reals, and a
+defined order of faults.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from cspdiag.codegen.c.text.evaluation import Evaluator
 from cspdiag.codegen.c.text.operands import (
     decided_by_ranges,
     folded,
+    is_int64,
     is_lvalue,
-    is_word,
+    is_undefined_in_c,
     known_result,
-    traps,
     widened,
 )
 from cspdiag.codegen.shared.operations import (
@@ -89,7 +89,7 @@ class Printer(Evaluator):
     """Prints the expressions of one class."""
 
     def _print(self, expression: Expression) -> Code:
-        """The C expression; it has the C type of the type of ``expression``."""
+        """The C expression; its type is the C type for that of ``expression``."""
         match expression:
             case LiteralValue():
                 return self._literal(expression)
@@ -139,7 +139,7 @@ class Printer(Evaluator):
         return self.types.literal(expression.value, expression.type, expression.span)
 
     def _negated(self, condition: Expression) -> Code:
-        """The opposite of a condition."""
+        """The negation of a condition."""
         other = opposite(condition)
         return negated(self._print(condition)) if other is None else self._print(other)
 
@@ -147,7 +147,7 @@ class Printer(Evaluator):
         code = self._print(expression.operand)
         if isinstance(expression.type, RealType):
             return minus(code)
-        if is_word(expression.type):
+        if is_int64(expression.type):
             return call("csp_negate", code) if needs_check(expression) else minus(code)
         return self._narrow(expression, minus(widened(code, expression.operand.type)))
 
@@ -155,7 +155,9 @@ class Printer(Evaluator):
         operator = expression.operator
         if operator in _LOGIC:
             symbol, precedence = _LOGIC[operator]
-            return infix(symbol, precedence, self._print(expression.left), self._sometimes(expression.right))
+            return infix(
+                symbol, precedence, self._print(expression.left), self._conditionally_evaluated(expression.right)
+            )
         if operator in COMPARISONS:
             return self._comparison(expression)
         left, right = self._in_order((expression.left, expression.right))
@@ -185,19 +187,19 @@ class Printer(Evaluator):
         if operator == "^":
             return self._narrow(expression, call("csp_power", left, right))
         by_zero = operator in "/%" and divisor_may_be_zero(expression)
-        if is_word(expression.type) and (by_zero or needs_check(expression) or traps(expression)):
+        if is_int64(expression.type) and (by_zero or needs_check(expression) or is_undefined_in_c(expression)):
             return call(_CHECKED[operator], left, right)
         if by_zero:
             return self._narrow(expression, call(_CHECKED[operator], left, right))
-        if is_word(expression.type):
+        if is_int64(expression.type):
             narrow = self._is_int(expression.left) and self._is_int(expression.right)
             return infix(operator, _ARITHMETIC[operator], cast("int64_t", left) if narrow else left, right)
         wide = widened(left, expression.left.type), widened(right, expression.right.type)
         return self._narrow(expression, infix(operator, _ARITHMETIC[operator], *wide))
 
     def _narrow(self, expression: Expression, code: Code) -> Code:
-        """The result of an operation that was made in a wider type, checked where it may not fit."""
-        if is_word(expression.type):
+        """The result of an operation in a wider type, converted back, with a check if it may be out of range."""
+        if is_int64(expression.type):
             return code
         checked = range_check(expression)
         if checked is not None:
@@ -205,7 +207,7 @@ class Printer(Evaluator):
         return cast(self.types.type_name(expression.type), code)
 
     def _is_int(self, expression: Expression) -> bool:
-        """Whether an operand is a literal that C takes for an ``int``."""
+        """Whether an operand is a literal of C type ``int``."""
         if not isinstance(expression, LiteralValue) or not isinstance(expression.type, IntType):
             return False
         named = expression.name is not None and expression.name in self.types.names.constants
@@ -227,7 +229,7 @@ class Printer(Evaluator):
         return infix(operator, precedence, first, second)
 
     def _known_comparison(self, expression: BinaryOperation) -> Code | None:
-        """A comparison whose result is known; compilers rightly complain about code that makes it."""
+        """The result of a comparison, if it is known: compilers rightly warn about code that compares anyway."""
         operator, left, right = expression.operator, expression.left, expression.right
         known = known_comparison(expression, by_name=True)
         if known is None and (self.faults(left) or self.faults(right)):
@@ -249,8 +251,12 @@ class Printer(Evaluator):
 
     def _choice(self, expression: ConditionalValue) -> Code:
         condition = self._print(expression.condition)
-        code = conditional(condition, self._sometimes(expression.then), self._sometimes(expression.otherwise))
-        if isinstance(expression.type, IntType) and not is_word(expression.type):
+        code = conditional(
+            condition,
+            self._conditionally_evaluated(expression.then),
+            self._conditionally_evaluated(expression.otherwise),
+        )
+        if isinstance(expression.type, IntType) and not is_int64(expression.type):
             return cast(self.types.type_name(expression.type), code)
         return code
 
@@ -271,7 +277,7 @@ class Printer(Evaluator):
             return self._narrow(expression, call("csp_absolute", codes[0]))
         name = _WHOLE_FUNCTIONS[function]
         code = folded(name, codes) if function in ("min", "max") else call(name, *codes)
-        return code if is_word(expression.type) else cast(self.types.type_name(expression.type), code)
+        return code if is_int64(expression.type) else cast(self.types.type_name(expression.type), code)
 
     def _conversion(self, expression: Conversion) -> Code:
         type_, operand = expression.type, expression.operand
@@ -293,7 +299,7 @@ class Printer(Evaluator):
         operand, index = self._in_order((expression.operand, expression.index))
         assert isinstance(expression.operand.type, ArrayType)
         if not is_lvalue(expression.operand):
-            operand = self._stored(operand, expression.operand.type)
+            operand = self._save(operand, expression.operand.type)
         if not index_fits(expression):
             index = call("csp_index", index, str(expression.operand.type.size))
         return Element(operand.field("at"), index)

@@ -8,8 +8,8 @@ from cspdiag.codegen.shared.plain_text import one_line
 
 
 def quoted(text: str) -> str:
-    """A string literal; it holds the text in UTF-8, and no trigraph. Of the name of a file, bytes that are no UTF-8
-    stay what they are.
+    """A string literal with the text in UTF-8 and without trigraphs. Bytes of a file name that are not UTF-8 are kept
+    as they are.
     """
     written = re.sub(r"(?<=\?)\?", r"\?", "".join(map(_character, text)))
     return f'"{written}"'
@@ -26,5 +26,5 @@ def _character(character: str) -> str:
 
 
 def in_comment(text: str) -> str:
-    """What stands in a comment, on one line: it neither ends the comment nor seems to begin another."""
+    """A text on one line for use in a comment: it neither ends the comment nor seems to begin another."""
     return one_line(text).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")

@@ -1,4 +1,4 @@
-"""What ends are in C: the kernel's types for channels, ports and reading ends."""
+"""Channels, ports and reading ends in C: the types of the kernel for them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from cspdiag.network.ir.network import LocalChannel, Medium, Port
 Access: TypeAlias = Literal[
     "variable", "constant", "discard", "channel", "any", "broadcast", "buffer", "sampled", "event", "latched", "direct"
 ]
-"""``channel`` is a rendezvous of one reader and one writer without guards, ``any`` every other rendezvous."""
+"""``channel`` is a rendezvous of one reader and one writer without guards, ``any`` is every other rendezvous."""
 
 
 @record
-class Spelling:
-    """An end as step functions write it.
+class EndInC:
+    """An end as it is written in step functions.
 
-    ``pointer`` is a pointer to the channel, port or reading end; of a variable or constant the lvalue. ``member`` is
-    what ``offsetof`` names, where ``indirect`` says that a pointer stands there. ``name`` is what states are called
-    after.
+    ``pointer`` is a pointer to the channel, port or reading end; for a variable or constant it is the lvalue.
+    ``member`` is the argument for ``offsetof``; with ``indirect``, that member is a pointer. ``name`` occurs in the
+    names of states.
     """
 
     access: Access
@@ -31,21 +31,21 @@ class Spelling:
     type: Type
     name: str
     written: Code | None = None
-    """A pointer to the flag whether a variable was written, where that is not sure."""
+    """A pointer to the flag whether a variable was written; None if it always is before it is read."""
 
     @property
-    def at_once(self) -> bool:
-        """Whether it never waits."""
+    def never_waits(self) -> bool:
+        """Whether communicating at this end never waits."""
         return self.access in ("variable", "constant", "discard", "latched", "direct")
 
     @property
     def medium(self) -> Code:
-        """A pointer to the ``csp_medium`` that it begins with."""
+        """A pointer to the ``csp_medium`` at the beginning of the object."""
         return address(member_of(self.pointer, "medium"))
 
 
 def access_of_channel(channel: LocalChannel) -> Access:
-    """What a channel of a class is."""
+    """The access to a channel of a class."""
     match channel.kind:
         case "var":
             return "variable"
@@ -59,7 +59,7 @@ def access_of_channel(channel: LocalChannel) -> Access:
 
 
 def access_of_medium(medium: Medium) -> Access:
-    """What a port is connected to."""
+    """The access to the medium behind a port."""
     match medium.kind:
         case "var":
             return "variable"
@@ -73,12 +73,12 @@ def access_of_medium(medium: Medium) -> Access:
 
 
 def accesses(port: Port) -> tuple[Access, ...]:
-    """Of a port, or of every element of an array of ports."""
+    """The access of a port, or of each element of an array of ports."""
     return tuple(access_of_medium(medium) for medium in port.media)
 
 
 def port_type(access: Access, type_name: str, *, writes: bool) -> str | None:
-    """The C type of a port, up to the name of the member; None where nothing is needed."""
+    """The C type of a port, up to the name of the member; None if it needs no member."""
     match access:
         case "variable":
             return f"{type_name} *" if writes else f"const {type_name} *"
@@ -129,4 +129,4 @@ READING_ENDS: dict[Access, str] = {
     "broadcast": "csp_broadcast_end",
     "event": "csp_event_end",
 }
-"""What a reader needs an object of its own for."""
+"""The types of reading ends: media for which each reader needs an object of its own."""

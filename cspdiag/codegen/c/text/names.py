@@ -1,4 +1,4 @@
-"""Names in generated C: what the text says, escaped where C or its library has the name already."""
+"""Names in generated C: those of the source text, changed where they clash with C or its library."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ RESERVED = words(
     linux unix i386 stdin int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t ptrdiff_t
     """
 )
-"""Keywords of C, and names of its library and of POSIX that compilers know or headers define."""
+"""Keywords of C, and names of its library and of POSIX that are built into compilers or defined in headers."""
 
 
 def identifier(text: str) -> str:
-    """A C name for a name of the text, or for several joined by dots and indexes (``pid.error``, ``cell[3]``)."""
+    """A C name for a name of the source text, or for a path with dots and indexes (``pid.error``, ``cell[3]``)."""
     joined = as_one_word(text)
     if not joined or joined[0].isdigit():
         joined = f"n{joined}"
@@ -57,7 +57,7 @@ _LIBRARIES = words(
     anl crypt nsl resolv mvec thread_db z bz2 lzma ssl crypto ncurses curses readline uuid ffi
     """
 )
-"""What ``-lNAME`` finds on machines and in tool chains: a library of ours beside it would be linked in its place, or to
+"""Common libraries of systems and tool chains: a package of the same name would be linked instead of one of them, or to
 itself.
 """
 
@@ -65,11 +65,11 @@ _TARGETS = words(
     "all clean depend edit_cache help install list_install_components package package_source preinstall rebuild_cache "
     "test zero_check"
 )
-"""Targets that CMake has itself."""
+"""Targets that CMake predefines."""
 
 
 def library_name(package: str) -> str:
-    """What the library of a package is called, ``lib`` and ``.a`` aside."""
+    """The name of the library of a package, without ``lib`` and ``.a``."""
     return f"{package}_" if package in _LIBRARIES | _TARGETS else package
 
 
@@ -85,8 +85,8 @@ HEADERS = words(
     "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore "
     "strings termios unistd"
 )
-"""Headers of the language and of POSIX: the folder of the package is searched first, so that a header of ours would
-stand in for one of these.
+"""Headers of C and POSIX: the folder of the package is searched first, so a generated header of the same name would
+hide the standard one.
 """
 
 FILES = (
@@ -101,22 +101,22 @@ FILES = (
     "values",
     "types_by_hand",
 )
-"""Stems of files of a package that no class may be stored in."""
+"""Stems of files of a package, which no class may be named after."""
 
-_OF_NETWORK = words("external present brought port_table process_name channel_name exception_names copy_name")
-"""Names in the file that builds the network, beside that of the outermost process."""
+_NETWORK_NAMES = words("external present brought port_table process_name channel_name exception_names copy_name")
+"""Names in the file that builds the network, besides that of the outermost process."""
 
 
 class PackageNames(Package):
     """The names that all files of one package share.
 
-    A class has one name: of its struct, its files, and what its functions begin with. A constant, and a literal of an
-    enum, is a name of the whole program in C.
+    A class has one name, which its struct and its files have and its functions begin with. Constants and enum literals
+    have global names in C.
     """
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
-        self._names = Names((*FILES, *HEADERS, *_OF_NETWORK))
+        self._names = Names((*FILES, *HEADERS, *_NETWORK_NAMES))
         self.types: Mapping[str, str] = {
             name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
         }

@@ -1,4 +1,4 @@
-"""The elements that the branches of a replicated parallel have by their numbers: ``worker[number]``."""
+"""Elements that branches of a replicated parallel select by their number: ``worker[number]``."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from cspdiag.codegen.shared.trees import nodes
 
 @record
 class Numbered(Code):
-    """``step * number + first``, where ``number`` is that of the branch among those of its class, and ``step`` at least
-    1. As an index it is unsigned; with ``type_name`` it is a value of that type.
+    """``step * number + first``, where ``number`` is the number of the branch and ``step`` at least 1. An index is
+    unsigned; with ``type_name`` it is a value of that type.
     """
 
     number: str
@@ -52,28 +52,28 @@ class Numbered(Code):
 
 
 def mentions_number(item: object) -> bool:
-    """Whether an expression or statements need the number of the branch."""
+    """Whether an expression or statements use the number of the branch."""
     return any(isinstance(node, Numbered) for node in nodes(item))
 
 
 def at_first(member: Code) -> Code:
-    """The member that the branch with number 0 has."""
+    """The member of the branch with number 0."""
     match member:
         case Element(operand=operand, index=Numbered(first=first)):
             return Element(at_first(operand), Count(first, "index"))
         case Element(operand=operand) | Postfix(operand=operand):
             return replaced(member, operand=at_first(operand))
-        case _:  # A member that no array is in.
+        case _:  # A member that is not in an array.
             return member
 
 
 def stride(struct: str, member: Code) -> Code | None:
-    """The bytes from the member that one branch has to that of the next; None for one that all have."""
+    """The distance in bytes from the member of one branch to that of the next; None for a member that all share."""
     match member:
         case Element(operand=array, index=Numbered(step=step)):
             bytes_ = call("CSP_STRIDE", f"struct {struct}", array)
             return bytes_ if step == 1 else infix("*", PRODUCT, unsigned(step), bytes_)
         case Element(operand=operand) | Postfix(operand=operand):
             return stride(struct, operand)
-        case _:  # A member that no array is in.
+        case _:  # A member that is not in an array.
             return None

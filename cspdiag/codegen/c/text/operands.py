@@ -1,4 +1,4 @@
-"""What is known of the operands of expressions: their width in C, and values that a compiler would see."""
+"""Properties of operands: their width in C, and values that are known at compile time."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.ranges import value_range
 
 
-def is_word(type_: Type) -> bool:
-    """Whether values of a type of whole numbers are ``int64_t``."""
+def is_int64(type_: Type) -> bool:
+    """Whether an integer type is ``int64_t`` in C."""
     return isinstance(type_, TimeType) or (isinstance(type_, IntType) and type_.bits == 64)
 
 
 def widened(code: Code, type_: Type) -> Code:
-    """An operand in a type in which no operation of two such operands overflows."""
+    """An operand, converted to a type in which no operation on two operands of ``type_`` overflows."""
     small = isinstance(type_, IntType) and (type_.bits == 8 or (type_.bits == 16 and type_.signed))
     return code if small else cast("int64_t", code)
 
@@ -48,7 +48,7 @@ def folded(function: str, codes: Sequence[Code]) -> Code:
 
 
 def decided_by_ranges(comparison: BinaryOperation) -> bool | None:
-    """What a comparison of whole numbers always says, whatever its operands are."""
+    """The result of a comparison of integers if the ranges of its operands decide it, else None."""
     if not isinstance(comparison.left.type, IntType | TimeType):
         return None
     (low, high), (least, greatest) = value_range(comparison.left), value_range(comparison.right)
@@ -65,8 +65,8 @@ def decided_by_ranges(comparison: BinaryOperation) -> bool | None:
 
 
 def known_result(expression: Expression) -> int | None:
-    """The value of an operation on literals, if it has one: compilers would see through it and complain of what
-    surrounds it.
+    """The value of an operation on literals, if it has one: compilers would compute it, too, and warn about the code
+    around it.
     """
     if isinstance(expression, LiteralValue) and expression.name is None and type(expression.value) is int:
         return expression.value
@@ -92,16 +92,14 @@ def known_result(expression: Expression) -> int | None:
     return value if expression.type.minimum <= value <= expression.type.maximum else None
 
 
-def traps(expression: BinaryOperation) -> bool:
-    """Whether an operation that has a value may be one that C leaves undefined: the remainder of the least whole number
-    and -1.
-    """
+def is_undefined_in_c(expression: BinaryOperation) -> bool:
+    """Whether an operation may be undefined in C although it has a value: the remainder of the least integer and -1."""
     low, high = value_range(expression.right)
     return expression.operator == "%" and low <= -1 <= high and value_range(expression.left)[0] == IntType().minimum
 
 
 def is_lvalue(expression: Expression) -> bool:
-    """Whether the C expression is an object, so that its elements are as well."""
+    """Whether the C expression is an lvalue, so its elements are as well."""
     match expression:
         case FieldValue(operand=operand):
             return is_lvalue(operand)

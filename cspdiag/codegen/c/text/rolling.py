@@ -1,4 +1,4 @@
-"""Finds the loop behind statements that were unrolled: groups that differ only in numbers that count."""
+"""Rolls repeated statements into loops: groups of statements that differ only in numbers that count up or down."""
 
 from __future__ import annotations
 
@@ -10,49 +10,49 @@ from cspdiag.codegen.c.text.statements import Block, For, Plain
 from cspdiag.codegen.shared.trees import LEAST, Outline, numbers_in, outline, refilled, repeated
 
 VARIABLE = "i"
-"""What counts."""
+"""The loop variable."""
 
 Rolled: TypeAlias = Plain | Block | For
-"""What a loop may replace, and the loop."""
+"""Statements that may be replaced by a loop, and the loop."""
 
 
 def rolled(groups: Sequence[Sequence[Plain]]) -> list[Rolled]:
-    """The statements of all groups, where at least three that count stand in a row as a loop."""
+    """The statements of all groups, with each run of at least three that count as a loop."""
     return rolled_from([outline(tuple(group)) for group in groups], lambda position: groups[position])
 
 
 def rolled_from(outlines: Sequence[Outline], make: Callable[[int], Sequence[Rolled]]) -> list[Rolled]:
-    """The same where ``make`` gives the statements of the group at a position: of a loop no more than two turns are
-    made.
+    """The same, with a function ``make`` from the position of a group to its statements: for a loop it is called for
+    the first two groups only.
     """
     result: list[Rolled] = []
     start = 0
     while start < len(outlines):
-        period, turns, _ = repeated(outlines, start, any)
-        if turns >= LEAST:
+        period, iterations, _ = repeated(outlines, start, any)
+        if iterations >= LEAST:
             first, second = (
                 tuple(statement for position in range(begin, begin + period) for statement in make(position))
                 for begin in (start, start + period)
             )
-            result += [_loop(first, second, turns)] if first else []
-            start += period * turns
+            result += [_loop(first, second, iterations)] if first else []
+            start += period * iterations
         else:
             result += make(start)
             start += 1
     return result
 
 
-def _loop(first: tuple[Rolled, ...], second: tuple[Rolled, ...], turns: int) -> For:
+def _loop(first: tuple[Rolled, ...], second: tuple[Rolled, ...], iterations: int) -> For:
     numbers: list[Count] = numbers_in(first)
     steps = [after - before.value for before, after in zip(numbers, outline(second).numbers, strict=True)]
     begin = next((number.value for number, step in zip(numbers, steps, strict=True) if step == 1), 0)
     values = (_value(number, step, begin) for number, step in zip(numbers, steps, strict=True))
     body = refilled(first, lambda _, __: next(values))
-    return For(Atom(VARIABLE), unsigned(begin + turns), body, begin=unsigned(begin), type_name="uint32_t")
+    return For(Atom(VARIABLE), unsigned(begin + iterations), body, begin=unsigned(begin), type_name="uint32_t")
 
 
 def _value(first: Count, step: int, begin: int) -> Code:
-    """The number that is ``first`` where the variable begins, and changes by ``step``."""
+    """The number that is ``first`` in the first iteration, and changes by ``step`` in each."""
     if step == 0:
         return first
     index: Code = Atom(VARIABLE)
@@ -70,6 +70,6 @@ def _value(first: Count, step: int, begin: int) -> Code:
     return cast("int64_t", value) if first.form == "argument" else value
 
 
-def marked(value: int) -> Code:
-    """A whole number as an argument that may count."""
+def countable(value: int) -> Code:
+    """An integer argument that may count in a loop."""
     return code(Count(value, "argument"))

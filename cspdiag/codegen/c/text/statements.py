@@ -14,7 +14,7 @@ from cspdiag.codegen.shared.document import Document, Fill, Nest, listed, render
 from cspdiag.codegen.shared.trees import nodes
 
 _LEAST_REMARK = 40
-"""The columns that a comment has, however deep it stands."""
+"""The columns that a comment may use at least, however deep its indentation."""
 
 
 @record
@@ -26,8 +26,8 @@ class Remark:
 
 @record
 class Plain:
-    """An expression statement, a definition, a jump. ``remark`` stands behind it, or above what does not fit on a line
-    with it.
+    """An expression statement, a definition or a jump. ``remark`` is written after it, or above it if the line would be
+    too long.
     """
 
     code: Code
@@ -38,14 +38,14 @@ class Plain:
 
 @record
 class Wait:
-    """A macro of the kernel in which the process can wait: there is a ``case`` of the step function in it."""
+    """A macro of the kernel in which the process can wait: it contains a ``case`` of the step function."""
 
     code: Code
 
 
 @record
 class Block:
-    """Statements in braces, behind ``head`` if there is one: the members of a struct, say, which ``tail`` closes."""
+    """Statements in braces, between ``head`` and ``tail``: the members of a struct, for example."""
 
     body: tuple[Statement, ...]
     head: str = ""
@@ -54,7 +54,7 @@ class Block:
 
 @record
 class If:
-    """Made by `choose`, so that no branch is empty."""
+    """A conditional statement; use `choose` to make one, which leaves no branch empty."""
 
     condition: Code
     then: tuple[Statement, ...]
@@ -63,7 +63,7 @@ class If:
 
 @record
 class While:
-    """A loop; without a condition it never ends by itself."""
+    """A loop; without a condition it is an endless loop."""
 
     condition: Code | None
     body: tuple[Statement, ...]
@@ -71,7 +71,7 @@ class While:
 
 @record
 class For:
-    """A loop that counts from ``begin`` up to ``limit``, which is not reached; with a type, it declares its counter."""
+    """A loop that counts from ``begin`` up to, but not including, ``limit``; with a type, it declares its counter."""
 
     counter: Code
     limit: Code
@@ -82,7 +82,7 @@ class For:
 
 @record
 class DoWhile:
-    """A loop that looks at its condition at its end."""
+    """A loop that evaluates its condition after each iteration."""
 
     body: tuple[Statement, ...]
     condition: Code
@@ -98,7 +98,7 @@ class Switch:
 
 @record
 class Label:
-    """Where a ``goto`` goes."""
+    """The target of a ``goto``."""
 
     name: str
 
@@ -124,7 +124,7 @@ class Blank:
 
 @record
 class Function:
-    """A function; ``head`` is what stands before its parameters."""
+    """A function; ``head`` is its return type and name."""
 
     head: str
     parameters: tuple[str, ...]
@@ -152,18 +152,18 @@ def define(type_name: str, name: str, value: Code | str | None = None, remark: s
     return Plain(declared if value is None else assign(declared, value), remark=remark, declares=True)
 
 
-def go(label: str) -> Plain:
+def goto(label: str) -> Plain:
     """``goto label;``."""
-    return Plain(Jump(label))
+    return Plain(Goto(label))
 
 
-def give(value: Code | str) -> Plain:
+def return_value(value: Code | str) -> Plain:
     """``return value;``."""
-    return Plain(Returned(code(value)))
+    return Plain(Return(code(value)))
 
 
 @record
-class Jump(Code):
+class Goto(Code):
     """``goto label``."""
 
     label: str
@@ -173,7 +173,7 @@ class Jump(Code):
 
 
 @record
-class Returned(Code):
+class Return(Code):
     """``return value``."""
 
     value: Code
@@ -183,7 +183,7 @@ class Returned(Code):
 
 
 def choose(condition: Code, then: Sequence[Statement], otherwise: Sequence[Statement] = ()) -> list[Statement]:
-    """A branch without empty bodies: what is only remarked of stands in front."""
+    """A conditional statement without empty branches; the comments of branches that do nothing are put before it."""
     if has_effect(then):
         if has_effect(otherwise):
             return [If(condition, tuple(then), tuple(otherwise))]
@@ -194,38 +194,38 @@ def choose(condition: Code, then: Sequence[Statement], otherwise: Sequence[State
 
 
 def has_effect(statements: Sequence[Statement]) -> bool:
-    """Whether anything is done."""
+    """Whether any of the statements does something."""
     return any(not isinstance(statement, Remark | Blank) for statement in statements)
 
 
 def in_block(statements: Sequence[Statement]) -> list[Statement]:
-    """Statements among others: in braces if they define names of their own."""
+    """Statements for use among others: in braces if they declare names."""
     declares = any(isinstance(statement, Plain) and statement.declares for statement in statements)
     return [Block(tuple(statements))] if declares else list(statements)
 
 
 def jumps_to(label: str, statements: Sequence[Statement]) -> bool:
-    """Whether anything in the statements goes to a label: by ``goto``, or as a macro of the kernel that is given the
-    label.
+    """Whether anything in the statements jumps to a label: a ``goto``, or a macro of the kernel with the label as an
+    argument.
     """
-    return any(isinstance(node, Jump) and node.label == label for node in nodes(tuple(statements))) or any(
+    return any(isinstance(node, Goto) and node.label == label for node in nodes(tuple(statements))) or any(
         isinstance(node, Call) and Atom(label) in node.arguments for node in nodes(tuple(statements))
     )
 
 
 def can_wait(statements: Sequence[Statement]) -> bool:
-    """Whether a state of the step function lies inside."""
+    """Whether the statements contain a state of the step function."""
     return any(isinstance(node, Wait | State) for node in nodes(statements))
 
 
 def signature(head: str, parameters: Sequence[str], tail: str = "") -> list[str]:
-    """The head of a function, or with a ``tail`` its declaration."""
+    """The head of a function; with ``;`` as ``tail``, its declaration."""
     given = listed(list(parameters) or ["void"])
     return render((f"{head}(", Nest(len(INDENT), Fill(given)), f"){tail}"), LINE_LENGTH)
 
 
 def lines(statements: Iterable[Statement], depth: int = 0) -> list[str]:
-    """The lines of statements."""
+    """The text of statements, as lines."""
     items = list(statements)
     return [line for position, item in enumerate(items) for line in _lines(item, depth, items[position + 1 :])]
 
@@ -284,7 +284,7 @@ def _lines(statement: Statement, depth: int, following: Sequence[Statement]) -> 
 
 
 def _is_labelled(following: Sequence[Statement]) -> bool:
-    """Whether the first of the statements can have a label: a declaration cannot, and neither can nothing."""
+    """Whether the first of the statements can be labelled; a declaration cannot, and an empty list has none."""
     first = next((item for item in following if not isinstance(item, Remark | Blank)), None)
     return first is not None and not isinstance(first, Directive) and not (isinstance(first, Plain) and first.declares)
 

@@ -30,8 +30,8 @@ _INT_MAXIMUM = 2**31 - 1
 
 
 class CTypes:
-    """The C types of a package. Every value can be assigned, passed and returned: an array is a struct with one member
-    ``at``.
+    """The C types of a package. Values of every type can be assigned, passed and returned: an array is a struct with
+    one member ``at``.
     """
 
     def __init__(self, names: PackageNames) -> None:
@@ -59,11 +59,11 @@ class CTypes:
             case ArrayType():
                 return f"struct {self._array(type_)}"
             case TextType() | UnknownType():
-                raise ValueError(f"{type_} is no type of C")
+                raise ValueError(f"{type_} has no C type")
         assert_never(type_)
 
     def suffix(self, type_: Type) -> str:
-        """What functions on values of a type are called after: ``pose``, ``double_4``."""
+        """The suffix of functions for a type: ``pose``, ``double_4``."""
         return re.sub(r"_t$", "", self.type_name(type_).rpartition(" ")[2])
 
     def _array(self, type_: ArrayType) -> str:
@@ -75,7 +75,7 @@ class CTypes:
 
     @property
     def arrays(self) -> list[ArrayType]:
-        """The array types that were named so far, inner ones first."""
+        """The array types that have been named so far, inner ones first."""
         return [type_ for _, type_ in self._arrays.values()]
 
     def field(self, name: str) -> str:
@@ -83,7 +83,7 @@ class CTypes:
         return identifier(name)
 
     def literal(self, value: Value, type_: Type, span: Span | None = None) -> Code:
-        """A value as an expression; numbers keep the spelling that they have at ``span``."""
+        """A value as an expression; numbers are spelled as in the source text at ``span``."""
         match type_:
             case BoolType():
                 return Atom("true" if value else "false")
@@ -106,13 +106,13 @@ class CTypes:
         assert_never(type_)
 
     def initial(self, value: Value, type_: Type) -> Code:
-        """A value as it stands behind ``=`` in a definition, also of something static."""
+        """A value as the initializer of a definition, which may be static."""
         return (
             self.initializer(value, type_) if isinstance(type_, StructType | ArrayType) else self.literal(value, type_)
         )
 
     def initializer(self, value: Value, type_: StructType | ArrayType) -> Aggregate:
-        """The same of a struct or an array."""
+        """The same for a struct or an array."""
         assert isinstance(value, tuple)
         if isinstance(type_, StructType):
             fields = zip(type_.fields, value, strict=True)
@@ -120,12 +120,12 @@ class CTypes:
         return Aggregate(((None, Aggregate(tuple((None, self.initial(part, type_.element)) for part in value))),))
 
     def has_reals(self, type_: Type) -> bool:
-        """Whether a value may hold a NaN."""
+        """Whether values of a type contain real numbers, which may be NaN."""
         return any(isinstance(part, RealType) for part in scalars(type_))
 
     def finite_check(self, type_: Type, value: Code, port: Code) -> Code | None:
-        """A call that notes a fault if a part of the value that is written to an external output is no finite number;
-        None if it always is.
+        """A call that notes a fault if a part of the value that is written to an external output is NaN or infinite;
+        None for types without real numbers.
 
         ``port`` is the name of the port as a string.
         """
@@ -137,7 +137,7 @@ class CTypes:
 
 
 def scalars(type_: Type) -> Iterator[Type]:
-    """The types of the numbers that a value consists of."""
+    """The types of the scalars that a value consists of."""
     match type_:
         case StructType(fields=fields):
             for _, field in fields:
@@ -151,7 +151,7 @@ def scalars(type_: Type) -> Iterator[Type]:
 
 
 def integer(value: int) -> Code:
-    """A whole number; larger ones than ``int`` is sure to hold say their type."""
+    """An integer literal, with an explicit type if it does not fit in 32 bits."""
     if value == -(2**63):
         return Atom("INT64_MIN")
     number = Atom(str(abs(value)) if abs(value) <= _INT_MAXIMUM else f"INT64_C({abs(value)})")
@@ -159,7 +159,7 @@ def integer(value: int) -> Code:
 
 
 def duration(nanoseconds: int) -> Code:
-    """A duration in its greatest unit: ``CSP_S``, ``2 * CSP_MS``."""
+    """A duration in its largest unit: ``CSP_S``, ``2 * CSP_MS``."""
     for unit, size in _UNITS:
         if nanoseconds != 0 and nanoseconds % size == 0:
             count = nanoseconds // size
@@ -168,7 +168,7 @@ def duration(nanoseconds: int) -> Code:
 
 
 def real(value: float, bits: int = 64, span: Span | None = None) -> Code:
-    """A real number that C reads as exactly this value, in the spelling of the text if that says the same."""
+    """A literal for exactly this real number, spelled as in the source text if that has the same value."""
     if math.isnan(value):
         return cast("float" if bits == 32 else "double", Atom("NAN"))
     if math.copysign(1.0, value) < 0:
@@ -188,7 +188,7 @@ def _positive(value: float, bits: int, text: str) -> Code:
 
 
 def _single(value: float) -> Code:
-    """A binary32, in the fewest digits that say it."""
+    """A binary32 literal with as few digits as possible."""
     try:
         rounded = struct.unpack("<f", struct.pack("<f", value))[0]
     except OverflowError:

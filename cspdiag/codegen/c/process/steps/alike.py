@@ -1,7 +1,7 @@
-"""Branches of an alternative that differ in nothing but their own number: they are written down once.
+"""Branches of an alternative that differ only in their number: they share one body in C.
 
 ``alt i < n : request[i] ? question -> reply[i] ! i`` has ``n`` branches in the network, and one body in C, with the
-number that was chosen in place of ``i``.
+number of the chosen branch in place of ``i``.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.walk import parts
 
 _POINTERS = {"channel": "csp_channel *", "any": "csp_any_channel *", "buffer": "csp_buffer *"}
-"""What a chosen element of an array of ports is kept as; other ports are no pointers, or objects of their reader."""
+"""The declaration of a pointer to the chosen element of an array of ports; other kinds of ports cannot be shared."""
 
 _PLAIN = (ir.SkipStep, ir.ReadValue, ir.WriteValue, ir.AssignValue, ir.WaitStep, ir.SequentialSteps, ir.IfElse)
-"""Steps whose states all branches can share."""
+"""Steps whose states can be shared by all branches."""
 
 
-class _UnlikeError(Exception):
-    """The branches differ in something else."""
+class _DifferentError(Exception):
+    """The branches differ in more than their number."""
 
 
 @record
-class _Found:
-    """The body for all, the ends in it that are chosen, and the variable of the number if it stands in values."""
+class _SharedBody:
+    """The body of all branches, the chosen ends in it, and the variable for the number if values in it need one."""
 
     body: ir.Action
     ends: tuple[ChosenEnd, ...]
@@ -39,21 +39,21 @@ class _Found:
 
 
 def shared_body(writer: Writer, step: ir.Choice, chosen: Code) -> list[Statement] | None:
-    """What all branches do once the number of the ``chosen`` one is known; None where they differ in more than that."""
+    """The body that all branches share, with ``chosen`` as their number; None if they differ in more than that."""
     try:
-        found = _Rolling(writer, step).found()
-    except _UnlikeError:
+        statements = _BodySharing(writer, step).shared_body()
+    except _DifferentError:
         return None
     setup: list[Statement] = []
-    if found.number is not None:
-        variable, type_ = writer.members.variable(found.number), IntType()
+    if statements.number is not None:
+        variable, type_ = writer.members.variable(statements.number), IntType()
         setup.append(store(variable, cast(writer.members.types.type_name(type_), chosen)))
-    for end in found.ends:
+    for end in statements.ends:
         setup.append(store(own(end.member), own(writer.members.names[end.port]).at(chosen)))
-    return [*setup, *writer.statements(found.body)]
+    return [*setup, *writer.statements(statements.body)]
 
 
-class _Rolling:
+class _BodySharing:
     def __init__(self, writer: Writer, step: ir.Choice) -> None:
         self.writer = writer
         self.members = writer.members
@@ -62,32 +62,32 @@ class _Rolling:
         self.number = f"number of {step.name}"
         self.is_numbered = False
 
-    def found(self) -> _Found:
+    def shared_body(self) -> _SharedBody:
         if not all(map(self._has_plain_guard, self.branches)):
-            raise _UnlikeError
+            raise _DifferentError
         if len({branch.event.target for branch in self.branches if isinstance(branch.event, ir.InputEvent)}) > 1:
-            raise _UnlikeError
+            raise _DifferentError
         if len({type(branch.event) for branch in self.branches}) > 1:
-            raise _UnlikeError
+            raise _DifferentError
         first, second, *others = (branch.body for branch in self.branches)
         if not all(isinstance(part, _PLAIN) for part in parts(first) if isinstance(part, ir.Step)):
-            raise _UnlikeError
-        _compare(first, second, second, 1)
+            raise _DifferentError
+        _require_similar(first, second, second, 1)
         for number, body in enumerate(others, 2):
-            _compare(first, second, body, number)
+            _require_similar(first, second, body, number)
         body = self._with_number(first, second)
         for end in self.ends.values():
             self.members.work.append(StructMember(f"{_POINTERS[self.members.access(end)]}{end.member}"))
         if self.is_numbered:
             declaration = f"{self.members.types.type_name(IntType())} {self.members.add_variable(self.number)}"
             self.members.work.append(StructMember(declaration))
-        return _Found(body, tuple(self.ends.values()), self.number if self.is_numbered else None)
+        return _SharedBody(body, tuple(self.ends.values()), self.number if self.is_numbered else None)
 
     def _has_plain_guard(self, branch: ir.Branch) -> bool:
-        """Whether its communication leaves nothing to be done for one branch alone."""
+        """Whether the guard of a branch needs no statements of its own at the beginning of the branch."""
         match branch.event:
             case ir.InputEvent(source=source, target=target):
-                return not target.indexes and not self.members.source(source).at_once
+                return not target.indexes and not self.members.source(source).never_waits
             case ir.ReadyEvent():
                 return True
             case ir.OutputEvent() | ir.AfterEvent() | ir.SkipEvent():
@@ -96,7 +96,7 @@ class _Rolling:
                 assert_never(branch.event)
 
     def _with_number(self, first: Any, second: Any) -> Any:
-        """The first body with what was chosen where the second differs from it."""
+        """The first body, with the chosen number or end wherever the second differs from it."""
         if isinstance(first, tuple):
             return tuple([self._with_number(one, other) for one, other in zip(first, second, strict=True)])
         if isinstance(first, ir.PortEnd):
@@ -110,7 +110,7 @@ class _Rolling:
 
     def _chosen_end(self, end: ir.PortEnd) -> ChosenEnd:
         if not self.members.layout.uniform[end.port] or self.members.access(end) not in _POINTERS:
-            raise _UnlikeError
+            raise _DifferentError
         key = (end.port, end.end)
         if key not in self.ends:
             member = self.members.names.fresh(f"chosen {end.port}")
@@ -119,44 +119,44 @@ class _Rolling:
 
     def _chosen_number(self, literal: LiteralValue) -> VariableValue:
         if literal.type != IntType():
-            raise _UnlikeError
+            raise _DifferentError
         self.is_numbered = True
         return VariableValue(type=literal.type, span=literal.span, channel=self.number)
 
 
-def _compare(first: Any, second: Any, other: Any, number: int) -> None:
-    """Raise unless all are the same but for indexes and whole numbers that are 0, 1 and ``number``."""
+def _require_similar(first: Any, second: Any, other: Any, number: int) -> None:
+    """Raises unless all are equal except for indexes and integers that are 0, 1 and ``number``."""
     if type(first) is not type(other):
-        raise _UnlikeError
+        raise _DifferentError
     if isinstance(first, tuple):
         if len(first) != len(other):
-            raise _UnlikeError
+            raise _DifferentError
         for one, next_one, another in zip(first, second, other, strict=True):
-            _compare(one, next_one, another, number)
+            _require_similar(one, next_one, another, number)
     elif isinstance(first, ir.PortEnd):
         if (first.port, first.end) != (other.port, other.end):
-            raise _UnlikeError
-        _count(first.index, second.index, other.index, number)
+            raise _DifferentError
+        _require_counting(first.index, second.index, other.index, number)
     elif isinstance(first, LiteralValue):
         if first.type != other.type:
-            raise _UnlikeError
-        _count(first.value, second.value, other.value, number)
+            raise _DifferentError
+        _require_counting(first.value, second.value, other.value, number)
     elif is_record(first):
         for name in _inside(first):
-            _compare(getattr(first, name), getattr(second, name), getattr(other, name), number)
+            _require_similar(getattr(first, name), getattr(second, name), getattr(other, name), number)
     elif first != other:
-        raise _UnlikeError
+        raise _DifferentError
 
 
-def _count(first: object, second: object, other: object, number: int) -> None:
-    """Raise unless all are equal, or 0, 1 and ``number``."""
+def _require_counting(first: object, second: object, other: object, number: int) -> None:
+    """Raises unless all are equal, or 0, 1 and ``number``."""
     if type(first) is not type(second) or type(first) is not type(other):
-        raise _UnlikeError
+        raise _DifferentError
     if first == second:
         if first != other:
-            raise _UnlikeError
+            raise _DifferentError
     elif type(first) is not int or (first, second, other) != (0, 1, number):
-        raise _UnlikeError
+        raise _DifferentError
 
 
 def _inside(item: object) -> tuple[str, ...]:

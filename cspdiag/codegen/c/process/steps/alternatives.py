@@ -1,4 +1,4 @@
-"""Alternatives: guards that are set up once, enabled at each selection, and the branch that was chosen."""
+"""Alternatives: guards that are initialized once and enabled before each selection, and the branch that was chosen."""
 
 from __future__ import annotations
 
@@ -6,13 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from cspdiag.codegen.c.process.flow import ends
+from cspdiag.codegen.c.process.flow import can_complete
 from cspdiag.codegen.c.process.steps.alike import shared_body
-from cspdiag.codegen.c.process.steps.plain_steps import finite_checked, hand_over, mark_written, put, size_of, take
+from cspdiag.codegen.c.process.steps.plain_steps import (
+    check_finite,
+    hand_over,
+    mark_written,
+    read_variable,
+    size_of,
+    store_value,
+)
 from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, address, call, code, infix, own, unsigned
-from cspdiag.codegen.c.text.media import Spelling
+from cspdiag.codegen.c.text.media import EndInC
 from cspdiag.codegen.c.text.rolling import rolled
 from cspdiag.codegen.c.text.statements import (
     Label,
@@ -21,7 +28,7 @@ from cspdiag.codegen.c.text.statements import (
     Switch,
     can_wait,
     choose,
-    go,
+    goto,
     has_effect,
     run,
     store,
@@ -29,29 +36,29 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputEvent, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.network.ir.faults import is_known_at_start
 
-FEW = 8
-"""Up to this number of branches each is tested in turn; with more the chosen one is jumped to."""
+_MAX_TESTED_BRANCHES = 8
+"""Up to this number of branches an ``if`` tests each in turn; with more, a ``switch`` jumps to the chosen one."""
 
-WORD = 64
-"""Guards that need no further words; on machines of 32 bits the words are always there."""
+_WORD_BITS = 64
+"""The largest size of a word of the kernel: up to half as many guards need no array of words on any machine."""
 
 
 @dataclass(eq=False)
 class Guard:
-    """One guard of an alternative or interrupt; guards of one text are not the same guard."""
+    """One guard of an alternative or interrupt; guards with equal text are different guards."""
 
     branch: Branch
     kept: Code | None = None
-    """The lvalue of what it writes or reads, where that is no variable of the process."""
+    """The lvalue for the value that it writes or reads, if that is not a variable of the process."""
 
     @property
     def event(self) -> Event:
-        """What it waits for."""
+        """The event that it waits for."""
         return self.branch.event
 
 
 def choice(writer: Writer, step: Choice) -> list[Statement]:
-    """Chooses one of the guards that are ready, and goes on with its process."""
+    """Chooses one of the guards that are ready, and continues with its process."""
     name = writer.members.names.fresh(step.name)
     member = own(name)
     alternative = address(member.field("alternative"))
@@ -59,7 +66,7 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     timers = [guard for guard in guards if isinstance(guard.event, AfterEvent)]
     writer.members.structs[name] = _fields(len(guards), len(timers))
     conditional = any(branch.condition is not None for branch in step.branches)
-    setup: list[Statement] = [_made(member, len(guards), prioritized=step.prioritized)]
+    setup: list[Statement] = [_initialized(member, len(guards), prioritized=step.prioritized)]
     positions = {guard: position for position, guard in enumerate(timers)}
     made: list[list[Plain]] = []
     for number, guard in enumerate(guards):
@@ -79,39 +86,39 @@ def choice(writer: Writer, step: Choice) -> list[Statement]:
     state = step.name.replace("choice", "chooses")
     place = writer.place(step, state, "ALTERNATIVE", member.member.field("alternative"))
     again = call("csp_select_again", "party", alternative)
-    waited = writer.wait(call("csp_select", "party", alternative), again, place)
+    waiting = writer.wait(call("csp_select", "party", alternative), again, place)
     number_chosen = member.field("alternative").field("chosen")
-    shared = shared_body(writer, step, number_chosen) if len(guards) > FEW else None
+    shared = shared_body(writer, step, number_chosen) if len(guards) > _MAX_TESTED_BRANCHES else None
     if shared is not None:
-        return [writer.remark(step), *enabling, waited, *taken(writer, guards[0]), *shared]
-    bodies = [[*taken(writer, guard), *writer.statements(guard.branch.body)] for guard in guards]
-    return [writer.remark(step), *enabling, waited, *_chosen(writer, number_chosen, guards, bodies)]
+        return [writer.remark(step), *enabling, waiting, *branch_beginning(writer, guards[0]), *shared]
+    bodies = [[*branch_beginning(writer, guard), *writer.statements(guard.branch.body)] for guard in guards]
+    return [writer.remark(step), *enabling, waiting, *_chosen(writer, number_chosen, guards, bodies)]
 
 
 def _fields(count: int, timers: int) -> list[StructMember]:
     """The members of an alternative with this number of guards."""
-    found = [StructMember("csp_alternative alternative"), StructMember(f"csp_guard guards[{count}]")]
+    members = [StructMember("csp_alternative alternative"), StructMember(f"csp_guard guards[{count}]")]
     if timers:
-        found.append(StructMember(f"csp_timer time_outs[{timers}]"))
-    if count > WORD // 2:
-        found.append(StructMember(f"csp_word words[2U * CSP_WORDS({count}U)]"))
-    return found
+        members.append(StructMember(f"csp_timer time_outs[{timers}]"))
+    if count > _WORD_BITS // 2:
+        members.append(StructMember(f"csp_word words[2U * CSP_WORDS({count}U)]"))
+    return members
 
 
-def _made(member: Code, count: int, *, prioritized: bool) -> Plain:
-    words = member.field("words") if count > WORD // 2 else code("NULL")
+def _initialized(member: Code, count: int, *, prioritized: bool) -> Plain:
+    words = member.field("words") if count > _WORD_BITS // 2 else code("NULL")
     alternative, guards = address(member.field("alternative")), member.field("guards")
     truth = "true" if prioritized else "false"
     return run(call("csp_alternative_init", alternative, guards, unsigned(count), words, truth))
 
 
 def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:
-    """A guard, with a place for what it reads or writes where that is needed."""
+    """A guard, with a member for the value that it reads or writes if it needs one."""
     guard, event = Guard(branch), branch.event
     match event:
         case InputEvent(source=source, target=target):
             end = writer.members.source(source)
-            if target.indexes and not end.at_once:
+            if target.indexes and not end.never_waits:
                 guard.kept = _kept(writer, name, end)
         case OutputEvent(sink=sink):
             guard.kept = _kept(writer, name, writer.members.sink(sink))
@@ -122,22 +129,22 @@ def make_guard(writer: Writer, branch: Branch, name: str) -> Guard:
     return guard
 
 
-def _kept(writer: Writer, name: str, end: Spelling) -> Code:
+def _kept(writer: Writer, name: str, end: EndInC) -> Code:
     member = writer.members.names.fresh(name)
     writer.members.work.append(StructMember(f"{writer.members.types.type_name(end.type)} {member}"))
     return own(member)
 
 
 def guard_call(writer: Writer, guard: Guard, alternative: Code, number: int, timer: Code) -> Code:
-    """The call that makes a guard; what never waits is a guard that is always ready."""
+    """The call that initializes a guard; a communication that never waits is a guard that is always ready."""
     event, members = guard.event, writer.members
     match event:
-        case InputEvent(source=source, target=target) if not (end := members.source(source)).at_once:
+        case InputEvent(source=source, target=target) if not (end := members.source(source)).never_waits:
             into = guard.kept or members.variable(target.channel)
             return call("csp_guard_read", alternative, unsigned(number), end.medium, address(into), size_of(into))
-        case ReadyEvent(source=source) if not (end := members.source(source)).at_once:
+        case ReadyEvent(source=source) if not (end := members.source(source)).never_waits:
             return call("csp_guard_ready", alternative, unsigned(number), end.medium)
-        case OutputEvent(sink=sink) if not (end := members.sink(sink)).at_once:
+        case OutputEvent(sink=sink) if not (end := members.sink(sink)).never_waits:
             assert guard.kept is not None
             value = guard.kept
             return call("csp_guard_write", alternative, unsigned(number), end.medium, address(value), size_of(value))
@@ -149,7 +156,7 @@ def guard_call(writer: Writer, guard: Guard, alternative: Code, number: int, tim
 
 
 def _enabled(writer: Writer, guard: Guard, alternative: Code, number: int, *, conditional: bool) -> list[Statement]:
-    """What a selection does for a guard beforehand, where its condition holds."""
+    """The statements before a selection that prepare a guard, and enable it if its condition holds."""
     prepared = prepare(writer, guard, alternative, number)
     condition = guard.branch.condition
     if conditional:
@@ -161,40 +168,40 @@ def _enabled(writer: Writer, guard: Guard, alternative: Code, number: int, *, co
 
 
 def prepare(writer: Writer, guard: Guard, alternative: Code, number: int, *, always: bool = False) -> list[Statement]:
-    """The value to be written, or the length of a time-out that varies (or ``always``)."""
+    """The statements that set the value to be written, or the length of a time-out that varies (or ``always``)."""
     event = guard.event
     where = writer.where(event)
     match event:
         case OutputEvent(value=value):
             assert guard.kept is not None
-            return writer.evaluated(guard.kept, value, where)
+            return writer.evaluate_into(guard.kept, value, where)
         case AfterEvent(duration=duration) if always or not is_known_at_start(duration):
             setup, known = writer.operand(duration, where, "duration")
             return [*setup, run(call("csp_delay", alternative, unsigned(number), known))]
     return []
 
 
-def taken(writer: Writer, guard: Guard) -> list[Statement]:
-    """What the branch of a guard begins with: the communication of what never waits, and values into elements of
-    arrays.
+def branch_beginning(writer: Writer, guard: Guard) -> list[Statement]:
+    """The statements at the beginning of a branch: communications that never wait, and assignments of values that were
+    read to elements of arrays.
     """
     event, where = guard.event, writer.where(guard.event)
     remark = writer.remark(event)
     match event:
         case InputEvent(source=source, target=target):
             end = writer.members.source(source)
-            if end.at_once:
-                return [remark, *take(writer, target, end, where)]
+            if end.never_waits:
+                return [remark, *read_variable(writer, target, end, where)]
             if guard.kept is not None:
-                return [remark, *put(writer, target, guard.kept, end.type, where)]
-            return [remark, *writer.wrote(target.channel)]
+                return [remark, *store_value(writer, target, guard.kept, end.type, where)]
+            return [remark, *writer.mark_written(target.channel)]
         case OutputEvent(sink=sink):
             end, value = writer.members.sink(sink), guard.kept
             assert value is not None
             if end.access == "variable":
                 return [remark, store(end.pointer, value), *mark_written(end)]
             if end.access in ("latched", "direct"):
-                return [remark, *finite_checked(writer, end, value, where), hand_over(end, value)]
+                return [remark, *check_finite(writer, end, value, where), hand_over(end, value)]
             return [remark]
         case ReadyEvent() | AfterEvent() | SkipEvent():
             return [remark]
@@ -205,29 +212,29 @@ def taken(writer: Writer, guard: Guard) -> list[Statement]:
 def _chosen(
     writer: Writer, chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]
 ) -> list[Statement]:
-    """The branches: as a ``switch`` where they do not wait, else as an ``if`` or a jump."""
+    """The branches: as a ``switch`` if they do not wait, else as an ``if`` or with jumps."""
     if len(bodies) == 1:
         return bodies[0]
     if not any(map(has_effect, bodies)):
         return []
     waits = any(map(can_wait, bodies))
-    if len(bodies) == 2 or (waits and len(bodies) <= FEW):
+    if len(bodies) == 2 or (waits and len(bodies) <= _MAX_TESTED_BRANCHES):
         return _tested(chosen, bodies)
     return _jumps(writer, chosen, guards, bodies) if waits else _switch(chosen, guards, bodies)
 
 
 def _tested(chosen: Code, bodies: Sequence[list[Statement]]) -> list[Statement]:
-    found = bodies[-1]
+    statements = bodies[-1]
     for number in range(len(bodies) - 2, -1, -1):
-        found = choose(infix("==", EQUALITY, chosen, unsigned(number)), bodies[number], found)
-    return found
+        statements = choose(infix("==", EQUALITY, chosen, unsigned(number)), bodies[number], statements)
+    return statements
 
 
 def _switch(chosen: Code, guards: Sequence[Guard], bodies: Sequence[list[Statement]]) -> list[Statement]:
     cases = []
     for number, (guard, body) in enumerate(zip(guards, bodies, strict=True)):
         label = f"case {number}" if number < len(bodies) - 1 else "default"
-        cases.append((label, (*body, *([run("break")] if ends(guard.branch.body) else []))))
+        cases.append((label, (*body, *([run("break")] if can_complete(guard.branch.body) else []))))
     return [Switch(chosen, tuple(cases))]
 
 
@@ -235,14 +242,14 @@ def _jumps(writer: Writer, chosen: Code, guards: Sequence[Guard], bodies: Sequen
     after = writer.states.fresh("chosen")
     labels = [writer.states.fresh(f"guard_{number}") for number in range(len(bodies))]
     cases = tuple(
-        (f"case {number}" if number < len(labels) - 1 else "default", (go(label),))
+        (f"case {number}" if number < len(labels) - 1 else "default", (goto(label),))
         for number, label in enumerate(labels)
     )
-    found: list[Statement] = [Switch(chosen, cases)]
+    statements: list[Statement] = [Switch(chosen, cases)]
     for guard, label, body in zip(guards, labels, bodies, strict=True):
-        found += [Label(label), *body]
-        if ends(guard.branch.body):
-            found.append(go(after))
-    if any(ends(guard.branch.body) for guard in guards):
-        found.append(Label(after))
-    return found
+        statements += [Label(label), *body]
+        if can_complete(guard.branch.body):
+            statements.append(goto(after))
+    if any(can_complete(guard.branch.body) for guard in guards):
+        statements.append(Label(after))
+    return statements

@@ -1,11 +1,11 @@
-"""Compositions as C: control flow with a state wherever the process can wait."""
+"""Compositions as C: control flow, with a state wherever the process can wait."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import assert_never
 
-from cspdiag.codegen.c.process.flow import ends
+from cspdiag.codegen.c.process.flow import can_complete
 from cspdiag.codegen.c.process.steps.alternatives import choice
 from cspdiag.codegen.c.process.steps.interrupts import interrupt
 from cspdiag.codegen.c.process.steps.laws_in_processes import (
@@ -31,7 +31,7 @@ from cspdiag.codegen.c.text.statements import (
     Wait,
     While,
     choose,
-    go,
+    goto,
     has_effect,
     run,
     store,
@@ -39,21 +39,19 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import SubmodelClass
 
-_OF_THE_KERNEL = {"Fault": "CSP_FAULT_EXCEPTION", "Timeout": "CSP_TIMEOUT_EXCEPTION"}
+_KERNEL_EXCEPTIONS = {"Fault": "CSP_FAULT_EXCEPTION", "Timeout": "CSP_TIMEOUT_EXCEPTION"}
 
 
 def exception_number(names: PackageNames, exception: str) -> str:
     """The constant for an exception of the language or of the program."""
-    return _OF_THE_KERNEL.get(exception) or names.exceptions[exception]
+    return _KERNEL_EXCEPTIONS.get(exception) or names.exceptions[exception]
 
 
 class CompositionWriter(Writer):
     """Writes the step functions of one process class."""
 
     def statements(self, action: ir.Action) -> list[Statement]:
-        """An action as statements; control does not reach their end where it does not reach the end of
-        the action.
-        """
+        """An action as statements; control reaches their end only if the action can complete."""
         match action:
             case ir.SkipStep():
                 return []
@@ -76,7 +74,7 @@ class CompositionWriter(Writer):
             case ir.WhileLoop():
                 return self._while(action)
             case ir.CountedLoop():
-                return self._turns(action)
+                return self._counted_loop(action)
             case ir.IfElse():
                 return self._if(action)
             case ir.CatchException():
@@ -108,20 +106,20 @@ class CompositionWriter(Writer):
         assert_never(action)
 
     def _sequence(self, steps: Sequence[ir.Action]) -> list[Statement]:
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for position, step in enumerate(steps):
             outer, self.inner = self.inner, _law_of(steps, position) or self.inner
-            found += self.statements(step)
+            statements += self.statements(step)
             self.inner = outer
-            if not ends(step):
+            if not can_complete(step):
                 break
-        return found
+        return statements
 
     def _raise(self, action: ir.RaiseException) -> list[Statement]:
         number = exception_number(self.names, action.exception)
         raised = run(ignored(call("csp_raise", "party", number, quoted(self.where(action)))))
         inner = [store("csp.error.inner", quoted(self.inner))] if self.inner is not None else []
-        return [self.remark(action), raised, *inner, go(self.failing())]
+        return [self.remark(action), raised, *inner, goto(self.failure_label())]
 
     def _run(self, action: ir.RunInstance) -> list[Statement]:
         class_ = self.class_of(action.instance)
@@ -132,40 +130,40 @@ class CompositionWriter(Writer):
         return [self.remark(action), Wait(call("CSP_CALL", address(own(member.field("process"))), place))]
 
     def _repeat(self, action: ir.Repeat) -> list[Statement]:
-        body, behind = self._body(action)
+        body, after = self._body(action)
         if action.until is None:
             return [While(None, tuple(body))]
-        if not ends(action.body):
+        if not can_complete(action.body):
             return body
         setup, condition = self.condition(action.until, action, opposite=True)
         if not setup:
-            return [DoWhile(tuple(body), condition), *behind]
+            return [DoWhile(tuple(body), condition), *after]
         leaving = choose(negated(condition), [run("break")])
-        return [While(None, (*body, *setup, *leaving)), *behind]
+        return [While(None, (*body, *setup, *leaving)), *after]
 
     def _while(self, action: ir.WhileLoop) -> list[Statement]:
         setup, condition = self.condition(action.condition, action)
-        body, behind = self._body(action)
+        body, after = self._body(action)
         if not setup:
-            return [While(condition, tuple(body)), *behind]
-        return [While(None, (*setup, *choose(negated(condition), [run("break")]), *body)), *behind]
+            return [While(condition, tuple(body)), *after]
+        return [While(None, (*setup, *choose(negated(condition), [run("break")]), *body)), *after]
 
     def _body(self, action: ir.Repeat | ir.WhileLoop) -> tuple[list[Statement], list[Statement]]:
-        """The body of a loop and what follows the loop: one in which the process cannot wait gets a comment, as no
-        state of the process shows it.
+        """The body of a loop, and the statements after the loop. A loop in which the process never waits is reported to
+        observers, because no state of the process shows it.
         """
         waiting = self._waiting_places()
         body = self.statements(action.body)
         if not body or self._waiting_places() > waiting:
             return body, []
-        return [_loops(quoted(self.where(action))), *body], [_loops("NULL")]
+        return [_observed_loop(quoted(self.where(action))), *body], [_observed_loop("NULL")]
 
     def _waiting_places(self) -> int:
         return sum(place.waiting != "NOTHING" for place in self.current.places)
 
-    def _turns(self, action: ir.CountedLoop) -> list[Statement]:
+    def _counted_loop(self, action: ir.CountedLoop) -> list[Statement]:
         body = self.statements(action.body)
-        if not body or not ends(action.body):
+        if not body or not can_complete(action.body):
             return body
         turn = self.add_member(self.members.names.fresh("turn"), "uint32_t")
         return [For(own(turn), unsigned(action.iterations), tuple(body), begin=unsigned(0))]
@@ -182,25 +180,25 @@ class CompositionWriter(Writer):
         inner = self.handler = self.new_handler(f"CATCHES_{action.exception}".upper())
         body = self.statements(action.body)
         self.handler = outer
-        if not (inner.reached or inner.needed):
+        if not (inner.is_jumped_to or inner.is_entered_by_kernel):
             return body
         caught = call("csp_catch", exception_number(self.names, action.exception))
-        missed = choose(negated(caught), [go(self.failing())])
+        missed = choose(negated(caught), [goto(self.failure_label())])
         handling = [*missed, *self.statements(action.handler)]
-        return self.protected(body, inner, handling, passes=ends(action.body), where=self.where(action))
+        return self.protected(body, inner, handling, passes=can_complete(action.body), where=self.where(action))
 
 
-def _loops(where: str) -> Plain:
+def _observed_loop(where: str) -> Plain:
     return run(call("csp_observe_loop", where))
 
 
 def _law_of(steps: Sequence[ir.Action], position: int) -> str | None:
-    """The inlined law that a step reads the inputs or writes the outputs of."""
+    """The inlined law whose inputs a step reads or whose outputs it writes."""
     match steps[position]:
         case ir.ReadInputs():
             around: Sequence[ir.Action] = steps[position:]
         case ir.WriteOutputs():
             around = steps[position::-1]
-        case _:  # Only these two stand apart from their law.
+        case _:  # Only these two steps are separate from their law.
             return None
     return next((step.law for step in around if isinstance(step, ir.RunLaw)), None)

@@ -1,8 +1,8 @@
-"""Interrupts: a body that runs as a branch, beside a guard that can end it."""
+"""Interrupts: a body that runs as a branch, and a guard that can end it."""
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.process.steps.alternatives import guard_call, make_guard, prepare, taken
+from cspdiag.codegen.c.process.steps.alternatives import branch_beginning, guard_call, make_guard, prepare
 from cspdiag.codegen.c.process.struct.members import StructMember
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import address, call, cast, own
@@ -13,8 +13,8 @@ from cspdiag.network.ir.actions import InterruptOn, RunInstance
 
 
 def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
-    """Runs the body; the guard's process follows if the guard has ended it. Without the guard, whose condition does not
-    hold, it is just called.
+    """Runs the body, followed by the process of the guard if the guard has ended it. If the condition of the guard does
+    not hold, the body is called like any process.
     """
     body = writer.branch(step.body)
     name = step.body.instance if isinstance(step.body, RunInstance) else branch_name(step.body)
@@ -33,7 +33,7 @@ def interrupt(writer: Writer, step: InterruptOn) -> list[Statement]:
     place = writer.place(step, f"interruptible_{identifier(name)}", "INTERRUPT", whole.member)
     begun = call("csp_interruptible", "party", address(whole))
     waited = writer.wait(begun, call("csp_interruptible_again", "party", address(whole)), place)
-    handler = [*taken(writer, guard), *writer.statements(step.branch.body)]
+    handler = [*branch_beginning(writer, guard), *writer.statements(step.branch.body)]
     guarded = [*prepared, waited, *choose(whole.field("taken"), handler)]
     if step.branch.condition is None:
         return [writer.remark(step), *guarded]

@@ -15,20 +15,20 @@ from cspdiag.network.ir.actions import Action, Group, ParallelSteps, RunInstance
 
 @dataclass
 class _Run:
-    """Branches that stand one behind the other in memory."""
+    """Branches at equal distances in memory."""
 
     member: Code
     stride: Code
     count: int
     level: int
     is_numbered: bool = False
-    """Whether they have one class, and numbers."""
+    """Whether they share a class and have numbers."""
 
 
 def parallel(writer: Writer, step: ParallelSteps) -> list[Statement]:
     """Starts the branches and waits for all of them."""
     runs = _runs(writer, step)
-    member = writer.single("parallel", "csp_parallel")
+    member = writer.shared_member("parallel", "csp_parallel")
     place = writer.place(step, "in_parallel", "PARALLEL", member)
     table = writer.states.fresh(f"{writer.struct}_{writer.prefixed('branches')}")
     entries = tuple((None, _entry(writer.struct, run)) for run in runs)
@@ -73,7 +73,7 @@ def _runs(writer: Writer, step: ParallelSteps) -> list[_Run]:
 
 
 def _replicas(writer: Writer, step: ParallelSteps, position: int) -> Replicas | None:
-    """Branches that share a step function; none among branches that share one already."""
+    """Branches that can share a step function; None within a step function that is shared already."""
     if step.prioritized or writer.current.count is not None:
         return None
     return replicas(writer.members, step.steps, position, writer.number)
@@ -88,7 +88,7 @@ def _name_of_replicated(writer: Writer, branch: Action) -> str | None:
 
 
 def _elements(writer: Writer, steps: Sequence[Action], start: int) -> int:
-    """How many steps from ``start`` run the elements of one array, one after the other."""
+    """The number of steps from ``start`` that run consecutive elements of one array."""
     first = steps[start]
     if not isinstance(first, RunInstance):
         return 1

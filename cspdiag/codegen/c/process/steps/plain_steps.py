@@ -1,4 +1,4 @@
-"""Reading, writing, assigning, waiting: the steps that a process does by itself."""
+"""Reading, writing, assigning, waiting: the basic steps of a process."""
 
 from __future__ import annotations
 
@@ -6,8 +6,19 @@ from math import isfinite
 
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import EQUALITY, Code, Own, address, call, code, ignored, infix, member_of, own
-from cspdiag.codegen.c.text.media import Spelling
-from cspdiag.codegen.c.text.statements import Block, Plain, Statement, Wait, choose, define, give, go, run, store
+from cspdiag.codegen.c.text.media import EndInC
+from cspdiag.codegen.c.text.statements import (
+    Block,
+    Plain,
+    Statement,
+    Wait,
+    choose,
+    define,
+    goto,
+    return_value,
+    run,
+    store,
+)
 from cspdiag.model.types import ArrayType, Type
 from cspdiag.network.ir.actions import ReadValue, Step, StopStep, Target, WaitStep, WriteValue
 from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
@@ -18,7 +29,7 @@ READS = {
     "buffer": "csp_buffer_read",
     "sampled": "csp_sampled_read", "event": "csp_event_read",
 }  # fmt: skip
-"""The function that reads an end; ends that are read at once have none."""
+"""The function that reads from an end; none for ends where reading never waits."""
 
 WRITES = {
     "channel": "csp_channel_write", "any": "csp_any_write", "broadcast": "csp_broadcast_write",
@@ -30,38 +41,38 @@ WRITES = {
 def read_value(writer: Writer, step: ReadValue) -> list[Statement]:
     """A communication that reads into a variable."""
     source, target = writer.members.source(step.source), step.target
-    if source.at_once:
-        return [writer.remark(step), *take(writer, target, source, writer.where(step))]
+    if source.never_waits:
+        return [writer.remark(step), *read_variable(writer, target, source, writer.where(step))]
     if not target.indexes:
         variable = writer.members.variable(target.channel)
-        return [writer.remark(step), receive(writer, step, source, variable), *writer.wrote(target.channel)]
+        return [writer.remark(step), receive(writer, step, source, variable), *writer.mark_written(target.channel)]
     received = writer.slot(source.name, source.type, "received")
-    stored = put(writer, target, received, source.type, writer.where(step))
+    stored = store_value(writer, target, received, source.type, writer.where(step))
     return [writer.remark(step), receive(writer, step, source, received), *stored]
 
 
-def receive(writer: Writer, step: Step, source: Spelling, into: Code) -> Wait:
-    """Waits for a value and puts it into an lvalue that outlives the wait."""
+def receive(writer: Writer, step: Step, source: EndInC, into: Code) -> Wait:
+    """Waits for a value and stores it in an lvalue that exists during the wait."""
     place = writer.place(step, f"reads_{source.name}", "READ", source.member, indirect=source.indirect)
     operation = READS[source.access]
     waits_outside = source.access in ("sampled", "event")
     writer.current.progress |= waits_outside
     macro = "CSP_TAKE" if waits_outside else "CSP_COMMUNICATE"
-    return Wait(call(macro, operation, source.pointer, into, place, writer.failing()))
+    return Wait(call(macro, operation, source.pointer, into, place, writer.failure_label()))
 
 
 def write_value(writer: Writer, step: WriteValue) -> list[Statement]:
     """A communication that writes a value."""
     sink, value, where = writer.members.sink(step.sink), step.value, writer.where(step)
     if sink.access == "variable":
-        return [writer.remark(step), *writer.stored(sink.pointer, value, where), *mark_written(sink)]
+        return [writer.remark(step), *writer.assign(sink.pointer, value, where), *mark_written(sink)]
     if sink.access == "discard":
         return discard(writer, value, where)
     own_variable = isinstance(value, VariableValue) and writer.members.is_own(value.channel)
     if writer.alone and own_variable and isinstance(value, VariableValue) and not writer.may_fault(value):
         return [writer.remark(step), *send(writer, step, sink, writer.members.variable(value.channel))]
     slot = writer.slot(sink.name, sink.type)
-    computed = writer.evaluated(slot, value, where)
+    computed = writer.evaluate_into(slot, value, where)
     return [writer.remark(step), *computed, *send(writer, step, sink, slot, finite=_is_finite(value))]
 
 
@@ -70,82 +81,82 @@ def _is_finite(value: Expression) -> bool:
 
 
 def discard(writer: Writer, value: Expression, where: str) -> list[Statement]:
-    """A value that nobody takes: it can only fault."""
+    """Evaluates a value that is not used, because it may fault."""
     if not writer.may_fault(value):
         return []
-    return writer.evaluated(writer.slot("unused", value.type), value, where)
+    return writer.evaluate_into(writer.slot("unused", value.type), value, where)
 
 
-def check(writer: Writer) -> Plain:
-    """Cancelled processes go no further, also where a communication never waits."""
-    return run(call("CSP_CHECK", writer.failing()), "")
+def check_cancelled(writer: Writer) -> Plain:
+    """The check whether the process was cancelled, for communications that never wait."""
+    return run(call("CSP_CHECK", writer.failure_label()), "")
 
 
-def send(writer: Writer, step: Step, sink: Spelling, value: Code, *, finite: bool = False) -> list[Statement]:
-    """Writes what is in an lvalue that outlives the wait; ``finite``: what is surely no NaN and no infinity."""
-    if sink.at_once:
-        checked = [] if finite else finite_checked(writer, sink, value, writer.where(step))
-        return [check(writer), *checked, hand_over(sink, value)]
+def send(writer: Writer, step: Step, sink: EndInC, value: Code, *, finite: bool = False) -> list[Statement]:
+    """Writes the value of an lvalue that exists during the wait; ``finite`` if it cannot be NaN or infinite."""
+    if sink.never_waits:
+        checked = [] if finite else check_finite(writer, sink, value, writer.where(step))
+        return [check_cancelled(writer), *checked, hand_over(sink, value)]
     place = writer.place(step, f"writes_{sink.name}", "WRITE", sink.member, indirect=sink.indirect)
-    return [Wait(call("CSP_COMMUNICATE", WRITES[sink.access], sink.pointer, value, place, writer.failing()))]
+    return [Wait(call("CSP_COMMUNICATE", WRITES[sink.access], sink.pointer, value, place, writer.failure_label()))]
 
 
-def hand_over(sink: Spelling, value: Code) -> Plain:
+def hand_over(sink: EndInC, value: Code) -> Plain:
     """Writes to an output of the program."""
     return run(ignored(call(WRITES[sink.access], "party", sink.pointer, address(value), size_of(value))))
 
 
 def size_of(value: Code) -> Code:
-    """The bytes of an object."""
+    """The size of an object in bytes."""
     return call("sizeof", value)
 
 
-def finite_checked(writer: Writer, sink: Spelling, value: Code, where: str) -> list[Plain]:
-    """Refuses a NaN or an infinity for an output of the program."""
-    looked = writer.members.types.finite_check(sink.type, value, sink.pointer.arrow("name"))
-    return [] if looked is None else [run(looked), writer.fault(where)]
+def check_finite(writer: Writer, sink: EndInC, value: Code, where: str) -> list[Plain]:
+    """The check that a value for an output of the program is neither NaN nor infinite."""
+    check = writer.members.types.finite_check(sink.type, value, sink.pointer.arrow("name"))
+    return [] if check is None else [run(check), writer.raise_noted_fault(where)]
 
 
 def assign_value(writer: Writer, target: Target, value: Expression, where: str) -> list[Statement]:
-    """Sets a variable, or an element of it once the value is known."""
+    """Assigns to a variable, or to an element of it after the value has been evaluated."""
     variable = writer.members.variable(target.channel)
     if not target.indexes:
-        return [*writer.stored(variable, value, where), *writer.wrote(target.channel)]
+        return [*writer.assign(variable, value, where), *writer.mark_written(target.channel)]
     computed, known = writer.operand(value, where, target.channel)
-    return [*computed, *put(writer, target, known, value.type, where)]
+    return [*computed, *store_value(writer, target, known, value.type, where)]
 
 
-def take(writer: Writer, target: Target, source: Spelling, where: str) -> list[Statement]:
-    """Reads a value that is available at once."""
-    return [*required(writer, source, where), *put(writer, target, source.pointer, source.type, where)]
+def read_variable(writer: Writer, target: Target, source: EndInC, where: str) -> list[Statement]:
+    """Reads from an end where a value is always available."""
+    return [*check_written(writer, source, where), *store_value(writer, target, source.pointer, source.type, where)]
 
 
-def required(writer: Writer, source: Spelling, where: str) -> list[Plain]:
-    """Looks whether a variable was written, where that is not sure."""
+def check_written(writer: Writer, source: EndInC, where: str) -> list[Plain]:
+    """The check that a variable was written, unless it always is before it is read."""
     if source.written is None:
         return []
-    return [run(call("csp_require_written", source.written)), writer.fault(where)]
+    return [run(call("csp_require_written", source.written)), writer.raise_noted_fault(where)]
 
 
-def mark_written(sink: Spelling) -> list[Statement]:
-    """Behind a write to a variable."""
+def mark_written(sink: EndInC) -> list[Statement]:
+    """The statements after a write to a variable: they set its flag, if it has one."""
     if sink.written is None:
         return []
     done = store(member_of(sink.written, "done"), "true")
-    if isinstance(sink.written, Own):  # a pointer in a port, NULL where the variable surely was written
+    if isinstance(sink.written, Own):  # a pointer in a port, NULL if the variable has no flag
         return choose(infix("!=", EQUALITY, sink.written, code("NULL")), [done])
     return [done]
 
 
-def put(writer: Writer, target: Target, value: Code, type_: Type, where: str) -> list[Statement]:
-    """Puts a value that is known into a variable or an element of it; an index out of range changes nothing."""
+def store_value(writer: Writer, target: Target, value: Code, type_: Type, where: str) -> list[Statement]:
+    """Stores a known value in a variable or an element of it; an index out of range changes nothing."""
     lvalue = writer.members.variable(target.channel)
     if not target.indexes:
-        return [store(lvalue, value), *writer.wrote(target.channel)]
+        return [store(lvalue, value), *writer.mark_written(target.channel)]
     setup: list[Statement] = []
     flag = writer.members.written(target.channel)
     if flag is not None:
-        setup += [run(call("csp_require_written", address(flag))), writer.fault(where)]
+        setup += [run(call("csp_require_written", address(flag))), writer.raise_noted_fault(where)]
     kind: Type = writer.members.channels[target.channel].type
     for number, index in enumerate(target.indexes, 1):
         assert isinstance(kind, ArrayType)
@@ -154,12 +165,15 @@ def put(writer: Writer, target: Target, value: Code, type_: Type, where: str) ->
             lvalue, kind = lvalue.at(index.value), kind.element
             continue
         name = "index" if len(target.indexes) == 1 else f"index_{number}"
-        computed, found = writer.operand(index, where, name, "place")  # beside the value, which is there already
+        computed, statements = writer.operand(index, where, name, "place")  # not in the slot of the value
         setup += computed
         if is_index_of(index, kind):
-            lvalue = lvalue.at(found)
+            lvalue = lvalue.at(statements)
         else:
-            setup += [define("const size_t", name, call("csp_index", found, str(kind.size))), writer.fault(where)]
+            setup += [
+                define("const size_t", name, call("csp_index", statements, str(kind.size))),
+                writer.raise_noted_fault(where),
+            ]
             lvalue = lvalue.at(code(name))
         kind = kind.element
     return [Block((*setup, store(lvalue, value)))] if setup else [store(lvalue, value)]
@@ -167,7 +181,7 @@ def put(writer: Writer, target: Target, value: Code, type_: Type, where: str) ->
 
 def wait(writer: Writer, step: WaitStep) -> list[Statement]:
     """A delay."""
-    delay = writer.single("delay", "csp_timer")
+    delay = writer.shared_member("delay", "csp_timer")
     place = writer.place(step, "waits", "DELAY", delay)
     first, duration = writer.operand(step.duration, writer.where(step), "duration")
     begun = call("csp_wait", "party", address(own(delay)), duration)
@@ -175,8 +189,8 @@ def wait(writer: Writer, step: WaitStep) -> list[Statement]:
 
 
 def stop(writer: Writer, step: StopStep) -> list[Statement]:
-    """Waits for nothing but cancellation."""
+    """Waits until the process is cancelled."""
     place = writer.place(step, "stops", "STOP")
     fails = infix("==", EQUALITY, code("csp_stop(party)"), code("CSP_FAILS"))
-    refused = choose(fails, [go(writer.failing())])
-    return [writer.remark(step), *refused, store("party->state", place), give("NULL")]
+    refused = choose(fails, [goto(writer.failure_label())])
+    return [writer.remark(step), *refused, store("party->state", place), return_value("NULL")]

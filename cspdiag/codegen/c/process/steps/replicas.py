@@ -1,7 +1,7 @@
-"""Branches of a parallel that differ in nothing but their number: they are written down once.
+"""Branches of a parallel that differ only in their number: they share one step function in C.
 
-``par i < n : (worker[i] || server[i])`` has ``n`` branches in the network, and one step function in C, which knows the
-number of the branch that it is run for.
+``par i < n : (worker[i] || server[i])`` has ``n`` branches in the network, and one step function in C, which reads the
+number of the branch that it runs.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ _PLAIN = (
     ir.SkipStep, ir.StopStep, ir.ReadValue, ir.WriteValue, ir.AssignValue, ir.WaitStep, ir.RaiseException,
     ir.SequentialSteps, ir.ParallelSteps, ir.Repeat, ir.WhileLoop, ir.CountedLoop, ir.IfElse, ir.CatchException,
 )  # fmt: skip
-"""Steps that have nothing of their own in the process but states, and members that a branch may have one each of."""
+"""Steps that need only states, and members of which each branch can have its own."""
 
 _LARGE = 1 << 62
-"""From here on the difference of two numbers may have no place in an ``int``."""
+"""From here on the difference of two numbers may not fit in an ``int``."""
 
 
 @record
 class Replicas:
-    """How many branches in a row are alike, and what all of them do."""
+    """The number of consecutive branches that are alike, and the body that they share."""
 
     count: int
     body: ir.Action
@@ -58,7 +58,7 @@ class _End(Counted):
 
 @record
 class _Number(Counted):
-    """A whole number."""
+    """An integer."""
 
     type: Type
     span: Span | None
@@ -66,10 +66,10 @@ class _Number(Counted):
 
 
 def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: str) -> Replicas | None:
-    """The branches from ``start`` that are alike; None if they are too few, or processes of their own."""
+    """The branches from ``start`` that are alike; None if they are too few, or if they are instances of processes."""
     if isinstance(steps[start], ir.RunInstance):
         return None
-    marked = _Marked(members)
+    marked = _CountableTree(members)
     count, before, changes = 0, None, None
     for position in range(start, len(steps)):
         found = marked.outline(steps[position])
@@ -87,15 +87,17 @@ def replicas(members: Members, steps: Sequence[ir.Action], start: int, number: s
     return Replicas(count, numbering.filled(marked.tree(steps[start])))
 
 
-class _Marked:
-    """Actions as trees in which counts what may count."""
+class _CountableTree:
+    """Actions as trees whose names, ends and integers are nodes that may count."""
 
     def __init__(self, members: Members) -> None:
         self._members = members
         self._flagged = members.unwritten.variables[members.process.name]
 
     def outline(self, action: ir.Action) -> Outline | None:
-        """Branches of one shape may share what they become if their numbers count; None: it can share nothing."""
+        """The shape of an action and its numbers: branches of the same shape whose numbers count can share their code.
+        None if the action cannot share any.
+        """
         plain = all(map(self._is_plain_step, all_actions(action))) and all(map(self._is_plain_part, parts(action)))
         return outline(self.tree(action)) if plain else None
 
@@ -114,11 +116,11 @@ class _Marked:
                 return channel not in self._flagged
             case ir.PortEnd(port=port, index=index):
                 return not members.unwritten.has_port(members.process.name, port, index)
-            case _:  # No part that a flag belongs to.
+            case _:  # Not a part with a flag.
                 return True
 
     def tree(self, item: Any) -> Any:
-        """The same with nodes that count."""
+        """The same, with nodes that may count."""
         match item:
             case str():
                 array, index = self._members.arrays.place(item)
@@ -131,13 +133,13 @@ class _Marked:
                 return _Number(item.type, item.span, value)
             case _ if is_record(item):
                 return replaced(item, **{name: self.tree(getattr(item, name)) for name in _inside(item)})
-            case _:  # A number, a truth value or nothing.
+            case _:  # A number, a Boolean or None.
                 return item
 
 
 class _Numbering:
-    """Makes the body of the first branch that of all, in which stands by what each number changes from one to the
-    next.
+    """Turns the body of the first branch into that of all branches, given by how much each number changes from one
+    branch to the next.
     """
 
     def __init__(self, members: Members, number: str, count: int, changes: Iterator[int]) -> None:
@@ -147,7 +149,7 @@ class _Numbering:
         self._changes = changes
 
     def filled(self, item: Any) -> Any:
-        """The tree with its nodes that may count replaced."""
+        """The tree with the nodes that may count replaced."""
         if isinstance(item, Counted):
             return self._made(item, next(self._changes))
         if isinstance(item, tuple):

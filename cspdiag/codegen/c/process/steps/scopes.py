@@ -1,32 +1,30 @@
-"""Named groups, and processes that were flattened into the one that ran them: what observers are notified of, and ends
-that close.
-"""
+"""Named groups and flattened processes: notifications of observers, and reading ends that are closed."""
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.process.flow import ends
+from cspdiag.codegen.c.process.flow import can_complete
 from cspdiag.codegen.c.process.writer import Writer
 from cspdiag.codegen.c.text.code import SUM, Aggregate, Code, Parenthesized, address, call, code, infix, own, unsigned
 from cspdiag.codegen.c.text.names import identifier
-from cspdiag.codegen.c.text.statements import Directive, Plain, Remark, Statement, go, run
+from cspdiag.codegen.c.text.statements import Directive, Plain, Remark, Statement, goto, run
 from cspdiag.codegen.shared.trees import nodes
 from cspdiag.network.ir.actions import Group, ProcessScope, ReportCommunication
 
 
 def group(writer: Writer, step: Group) -> list[Statement]:
-    """A labelled part: observers are notified when it begins and ends, however it ends."""
+    """A named group: observers are notified when it begins, and when it ends, also by an exception."""
     return _watched(writer, step, step.label, [])
 
 
 def scope(writer: Writer, step: ProcessScope) -> list[Statement]:
-    """The body of another process; its reading ends close with it."""
+    """The body of a flattened process; its reading ends are closed at its end."""
     samples = writer.members.samples_of_scope(step.instance)
     closing = [run(call("csp_ends_close", address(own(samples))))] if samples is not None else []
     outer = writer.inner, writer.scope
     writer.inner = writer.scope = step.instance
-    found = _watched(writer, step, step.instance, closing)
+    statements = _watched(writer, step, step.instance, closing)
     writer.inner, writer.scope = outer
-    return found
+    return statements
 
 
 def _watched(writer: Writer, step: Group | ProcessScope, name: str, closing: list[Plain]) -> list[Statement]:
@@ -40,17 +38,17 @@ def _watched(writer: Writer, step: Group | ProcessScope, name: str, closing: lis
     body = writer.statements(step.body)
     writer.handler = outer
     ending: list[Statement] = [*closing, run(call("csp_observe_end", number))]
-    passes = ends(step.body)
+    passes = can_complete(step.body)
     doc = step.doc if isinstance(step, ProcessScope) else None
     text = f"{name}: {' '.join(doc.split())}" if doc else f"{name}:"
     begun: list[Statement] = [Remark(f"{text} ({writer.where(step)})"), run(call("csp_observe_begin", number))]
     whole = [*begun, *body, *(ending if passes else [])]
-    failed = [*ending, go(writer.failing())] if inner.reached or inner.needed else []
+    failed = [*ending, goto(writer.failure_label())] if inner.is_jumped_to or inner.is_entered_by_kernel else []
     return writer.protected(whole, inner, failed, passes=passes, where=writer.where(step))
 
 
 def report(writer: Writer, step: ReportCommunication) -> list[Statement]:
-    """Tells the trace of a communication that is no more than an assignment."""
+    """Reports a communication that became an assignment to the trace."""
     number = writer.members.report(step.channel, step.value.type)
     slot = writer.slot(step.channel, step.value.type, "reported")
     first: Code = own("first_report")
@@ -59,6 +57,6 @@ def report(writer: Writer, step: ReportCommunication) -> list[Statement]:
         value = writer.printed(step.value)
         has_braces = any(isinstance(node, Aggregate) for node in nodes(value))
         return [run(call("CSP_REPORT", channel, slot, Parenthesized(value) if has_braces else value))]
-    found = writer.evaluated(slot, step.value, writer.where(step))
+    statements = writer.evaluate_into(slot, step.value, writer.where(step))
     observed = run(call("csp_observe", channel, address(slot), "party->number", "party->number"))
-    return [Directive("#if CSP_TRACE"), *found, observed, Directive("#endif")]
+    return [Directive("#if CSP_TRACE"), *statements, observed, Directive("#endif")]

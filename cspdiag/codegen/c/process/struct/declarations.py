@@ -1,4 +1,4 @@
-"""The declarations in the struct of a process class, and in the one in which it is given its ports."""
+"""The declarations of the struct of a process class, and of the struct through which it receives its ports."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ T = TypeVar("T", LocalChannel, InstanceOf)
 
 
 def port_members(members: Members) -> list[StructMember]:
-    """The members of the struct in which a process is given its ports."""
+    """The members of the struct through which a process receives its ports."""
     found: list[StructMember] = []
     for port in members.process.ports:
         whole = port.size is not None and members.layout.uniform[port.name]
@@ -70,7 +70,7 @@ def _port_declarations(members: Members) -> Iterator[StructMember]:
 
 
 def _flag_pointers(members: Members, port: Port, indexes: Sequence[int | None]) -> list[StructMember]:
-    """Pointers to the flags whether the variables behind a port were written."""
+    """Pointers to the flags whether the variables that are connected to a port were written."""
     constant = "const " if port.direction == "in" else ""
     flagged = [i for i in indexes if members.unwritten.has_port(members.process.name, port.name, i)]
     names = (members.layout.written(port, index) for index in flagged)

@@ -1,4 +1,4 @@
-"""The members of the struct of a process class, and how step functions write what the class refers to."""
+"""The members of the struct of a process class, and how step functions refer to them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.media import (
     READING_ENDS,
     Access,
-    Spelling,
+    EndInC,
     access_of_channel,
     access_of_medium,
 )
@@ -40,7 +40,7 @@ from cspdiag.network.ir.walk import PartsByType
 
 @record
 class StructMember:
-    """A member of the struct: its declaration without the semicolon, and its comment."""
+    """A member of a struct: its declaration without the semicolon, and its comment."""
 
     declaration: str
     comment: str | None = None
@@ -48,21 +48,23 @@ class StructMember:
 
 @record
 class ChosenEnd(PortEnd):
-    """The element of an array of ports that an alternative has chosen; ``member`` points to what it is attached to."""
+    """The element of an array of ports that an alternative has chosen; ``member`` points to what it is connected to."""
 
     member: str = ""
 
 
 @record
 class NumberedEnd(PortEnd):
-    """The element of an array of ports that the present branch has by its number; ``index`` is that of the first."""
+    """The element of an array of ports that the present branch selects by its number; ``index`` is that of the first
+    branch.
+    """
 
     number: Numbered = Numbered("")
 
 
 @dataclass
 class Members:
-    """What the struct of one process class has; ``work`` is what the generation of its composition adds."""
+    """The contents of the struct of one process class; ``work`` are the members that its composition adds."""
 
     process: ProcessClass
     network: Network
@@ -70,11 +72,11 @@ class Members:
     unwritten: Unwritten
     work: list[StructMember] = field(default_factory=list)
     structs: dict[str, list[StructMember]] = field(default_factory=dict)
-    """Members that are structs: what an alternative consists of."""
+    """Members that are structs, one for each alternative."""
     made_choices: dict[str, list[Statement]] = field(default_factory=dict)
-    """How the alternatives are made, by name."""
+    """The statements that initialize the alternatives, by name."""
     reports: dict[str, tuple[int, Type]] = field(default_factory=dict)
-    """Channels that are no more, by path, with their number and type."""
+    """Channels that were optimized away, by path, with their number and type."""
 
     def __post_init__(self) -> None:
         process = self.process
@@ -91,7 +93,7 @@ class Members:
         self.plain = {
             item.name: self.names[self.arrays.base(item.name)] for item in (*process.channels, *process.instances)
         }
-        """The members of channels and instances: of elements of arrays the arrays."""
+        """The members of channels and instances; elements of arrays have the member of the array."""
         self._elements_by_number: dict[str, tuple[str, Numbered]] = {}
         self._numbers: dict[str, Code] = {}
         self.classes = {entry.name: entry for entry in self.network.classes}
@@ -121,7 +123,7 @@ class Members:
         self.local_signals = {name: local.fresh(name) for name in self.signal_types if name not in self.signal_members}
 
     def _own_variables(self) -> set[str]:
-        """Variables that no process inside has at a port."""
+        """Variables that are not connected to a port of an instance."""
         processes = (i for i in self.process.instances if isinstance(self.classes[i.class_name], ProcessClass))
         return self.channels.keys() - channels_of(processes)
 
@@ -142,12 +144,12 @@ class Members:
         return [(port, index) for port, index in places if (port.name, index) in used]
 
     def ends_of_laws(self) -> Iterator[object]:
-        """What the submodels of the class are attached to."""
+        """What the submodels of the class are connected to."""
         for instance in self.process.instances:
             if isinstance(self.classes[instance.class_name], SubmodelClass):
                 yield from (connection.attachment for connection in instance.connections)
 
-    # How things are written
+    # How members are written in expressions
 
     def member(self, name: str) -> Code:
         """The member of a channel or instance: ``cell[3]``."""
@@ -164,7 +166,7 @@ class Members:
         return self._numbers[name] if name in self._numbers else own(self.member(name))
 
     def numbered(self, array: str, index: Numbered) -> str:
-        """A name for the element that a branch has by its number, of an array of channels or instances."""
+        """A name for the element of an array of channels or instances that a branch selects by its number."""
         name = f"{array}[]"
         while self._elements_by_number.setdefault(name, (array, index)) != (array, index):
             name += "[]"
@@ -177,24 +179,24 @@ class Members:
         return name
 
     def number(self, value: Numbered) -> str:
-        """A name for a whole number that a branch has by its own, as if it were a variable."""
+        """A name, as of a variable, for an integer that follows from the number of the branch."""
         typed = replaced(value, type_name=self.types.type_name(IntType()))
         self._numbers[str(typed)] = typed
         return str(typed)
 
     def add_variable(self, name: str) -> str:
-        """The member for a variable of the generator; its name is none that the text can have."""
+        """The member for a variable of the generator, whose name cannot occur in the source text."""
         self.plain[name] = self.names.fresh(name)
         return self.plain[name]
 
     def written(self, name: str) -> Code | None:
-        """The member that says whether a variable was written; None where that is sure."""
+        """The flag whether a variable was written; None if it always is before it is read."""
         if name not in self.unwritten.variables[self.process.name]:
             return None
         return own(self._element(self.names[f"{self.plain[name]} written"], name))
 
     def _flag(self, name: str) -> Code | None:
-        """A pointer to it."""
+        """A pointer to the flag whether a variable was written."""
         written = self.written(name)
         return None if written is None else address(written)
 
@@ -213,12 +215,12 @@ class Members:
 
     @property
     def initial_printer(self) -> Printer:
-        """For expressions in the function that initializes the process."""
+        """The printer for expressions in the initialization function."""
         return Printer(self.types, parameter=self.initial_parameter, signal=self.signal, variable=self.variable)
 
     @property
     def running_printer(self) -> Printer:
-        """For expressions in step functions."""
+        """The printer for expressions in step functions."""
         return Printer(
             self.types,
             parameter=self.running_parameter,
@@ -228,7 +230,7 @@ class Members:
         )
 
     def is_own(self, variable: str) -> bool:
-        """Whether only this process has the variable."""
+        """Whether a variable is used by this process only."""
         return variable in self._own
 
     def samples(self, end: End) -> str:
@@ -241,35 +243,35 @@ class Members:
         return self.scope_samples.get(scope)
 
     def report(self, channel: str, type_: Type) -> int:
-        """The number, among those of the class, of a channel that is no more."""
+        """The number, within the class, of a channel that was optimized away."""
         return self.reports.setdefault(channel, (len(self.reports), type_))[0]
 
     def access(self, end: End) -> Access:
-        """What an end belongs to."""
+        """The access to what an end belongs to."""
         if isinstance(end, ChannelEnd):
             return access_of_channel(self.channels[end.channel])
         return access_of_medium(self.ports[end.port].media[end.index or 0])
 
     def type(self, end: End) -> Type:
-        """The type of the values."""
+        """The type of the values at an end."""
         return self.channels[end.channel].type if isinstance(end, ChannelEnd) else self.ports[end.port].type
 
-    def source(self, end: End) -> Spelling:
-        """An end that is read."""
-        return self._spelled(end, reads=True)
+    def source(self, end: End) -> EndInC:
+        """The C text of an end that is read."""
+        return self._end_in_c(end, reads=True)
 
-    def sink(self, end: End) -> Spelling:
-        """An end that is written."""
-        return self._spelled(end, reads=False)
+    def sink(self, end: End) -> EndInC:
+        """The C text of an end that is written."""
+        return self._end_in_c(end, reads=False)
 
-    def _spelled(self, end: End, *, reads: bool) -> Spelling:
+    def _end_in_c(self, end: End, *, reads: bool) -> EndInC:
         access, type_, name = self.access(end), self.type(end), name_of(end)
         if isinstance(end, ChosenEnd):
-            return Spelling(access, own(end.member), code(end.member), True, type_, name)
+            return EndInC(access, own(end.member), code(end.member), True, type_, name)
         if reads and access in READING_ENDS:
             member = self.end_member(end)
             indirect = access == "event"
-            return Spelling(access, own(member) if indirect else address(own(member)), member, indirect, type_, name)
+            return EndInC(access, own(member) if indirect else address(own(member)), member, indirect, type_, name)
         if isinstance(end, ChannelEnd):
             member = self.member(end.channel)
             pointer = own(member) if access == "variable" else address(own(member))
@@ -279,10 +281,10 @@ class Members:
             pointer = target(own(member)) if access == "variable" else own(member)
             flagged = self.unwritten.has_port(self.process.name, end.port, end.index)
             written = own(self.layout.written(self.ports[end.port], end.index)) if flagged else None
-        return Spelling(access, pointer, member, isinstance(end, PortEnd), type_, name, written)
+        return EndInC(access, pointer, member, isinstance(end, PortEnd), type_, name, written)
 
     def end_member(self, end: End) -> Code:
-        """The member of a reading end that is an object of its own, or of the pointer to a latch of an event input."""
+        """The member for a reading end: the object itself, or for an event input the pointer to its latch."""
         base = self.end_name(end)
         return self.layout.element(base, self.ports[end.port], _place(end)) if isinstance(end, PortEnd) else code(base)
 
@@ -299,10 +301,10 @@ class Members:
                     f"{end.channel}_end{'' if end.end == 0 else f'_{end.end + 1}'}"
                 )
 
-    # Members beside others
+    # Members that belong to others
 
     def end_name(self, end: End) -> str:
-        """The member of a reading end, or the array of those of an array of ports."""
+        """The member for a reading end, or for those of an array of ports."""
         return self._end_names[_whole(end)]
 
     def latch_name(self, base: str) -> str:
@@ -310,23 +312,23 @@ class Members:
         return self.names[f"{base} latch"]
 
     def latch(self, end: PortEnd) -> Code:
-        """The member for the latch that a reader of an event input may have for itself."""
+        """The member for the latch that a reader of an event input may have of its own."""
         base, uniform = self.end_name(end), self.layout.uniform[end.port]
         if end.index is None or uniform:
             return self.layout.element(self.latch_name(base), self.ports[end.port], end.index)
         return code(self.latch_name(f"{base}_{end.index}"))
 
     def storage_name(self, channel: str) -> str:
-        """The member for the values in a buffer, or the array of those of an array of buffers."""
+        """The name of the member for the values of a buffer, or of an array of buffers."""
         return self.names[f"{self.plain[channel]} values"]
 
     def storage(self, channel: str) -> Code:
-        """The member for the values in a buffer."""
+        """The member for the values of a buffer."""
         return self._element(self.storage_name(channel), channel)
 
 
 def name_of(end: End) -> str:
-    """What an end is called in names of states."""
+    """The name of an end as part of the names of states."""
     return end.port if isinstance(end, PortEnd) else end.channel
 
 

@@ -1,4 +1,4 @@
-"""How the struct is laid out in which a process is given its ports."""
+"""The layout of the struct through which a process receives its ports."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from cspdiag.network.ir.network import Port, ProcessClass
 TAKEN = frozenset(
     {"process", "party", "progress", "condition", "numbers", "ports", "samples", "first_report", "index", "i"}
 )
-"""Names that generated functions use themselves."""
+"""Names of local variables and parameters of generated functions."""
 
 
 class PortLayout:
-    """The members for the ports of one class; an array of ports is an array where all elements are connected in one
-    way.
+    """The members for the ports of one class; an array of ports is an array in C if all elements have the same kind of
+    connection.
     """
 
     def __init__(self, process: ProcessClass) -> None:
@@ -35,23 +35,23 @@ class PortLayout:
         return self.element(self.names[port.name], port, index)
 
     def written(self, port: Port, index: int | None) -> str:
-        """The member for the pointer to the flag whether the variable behind a port was written."""
+        """The member for the pointer to the flag whether the variable that is connected to a port was written."""
         suffix = "" if index is None else f"_{index}"
         return self.names[f"{self.names[port.name]}{suffix} written"]
 
     def element(self, base: str, port: Port, index: int | Code | None) -> Code:
-        """The member with a name of its own for each port, or for each element."""
+        """The member with the given base name for a port, or for an element of an array of ports."""
         if index is None:
             return code(base)
         return code(base).at(index) if self.uniform[port.name] else code(f"{base}_{index}")
 
     def designator(self, port: str, index: int | None) -> Code | None:
-        """What an initializer names; None for a port that needs nothing."""
+        """The designator of a port in an initializer; None for a port that has no member."""
         found = self.ports[port]
         type_ = port_type(access_of_medium(found.media[index or 0]), "", writes=found.direction == "out")
         return None if type_ is None else self.member(found, index)
 
 
 def elements(port: Port) -> Sequence[int | None]:
-    """The indexes of an array of ports; None for a port alone."""
+    """The indexes of an array of ports; for a single port, None only."""
     return [None] if port.size is None else range(port.size)

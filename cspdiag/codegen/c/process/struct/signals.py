@@ -1,6 +1,4 @@
-"""Signals of control laws that were inlined into a process: which are members of its struct, and which
-local variables.
-"""
+"""Signals of inlined control laws: which are members of the struct of the process, and which local variables."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from cspdiag.network.ir.walk import PartsByType, all_actions
 
 
 def made_signals(body: Action) -> dict[str, Type]:
-    """What reads of inputs and runs of laws make, with the types."""
+    """The signals that reads of inputs and runs of laws compute, with their types."""
     found: dict[str, Type] = {}
     for action in all_actions(body):
         match action:
@@ -25,13 +23,13 @@ def made_signals(body: Action) -> dict[str, Type]:
             case RunLaw():
                 found.update(run_law_signals(action))
             case _:
-                pass  # Nothing else makes signals.
+                pass  # Nothing else computes signals.
     return found
 
 
 def kept_signals(process: ProcessClass, made: Iterable[str], inside: PartsByType) -> list[str]:
-    """The constants and the states, and of the signals that its composition makes those that have to outlive a wait:
-    inputs, and what is used outside the run that makes it.
+    """The constants and the states, and those signals of the composition that have to be kept while the process waits:
+    inputs, and signals that are used outside the run that computes them.
     """
     read = {read.name for step in inside.of(ReadInputs) for read in step.reads}
     used = _used(inside)

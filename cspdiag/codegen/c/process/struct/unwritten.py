@@ -1,4 +1,4 @@
-"""Variables that may be read before they were written: which need a flag, and which ports a pointer to one."""
+"""Variables that may be read before they are written: which ones need a flag, and which ports a pointer to one."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ Place = tuple[str, int | None]
 
 
 class Unwritten:
-    """What is known of a network."""
+    """The variables and ports of a network that may be read before they are written."""
 
     def __init__(self, network: Network) -> None:
         self._network = network
 
     @cached_property
     def variables(self) -> dict[str, frozenset[str]]:
-        """By class, the variables with a flag."""
+        """The variables with a flag, by class."""
         return may_be_unwritten(self._network)
 
     @cached_property
@@ -29,7 +29,7 @@ class Unwritten:
 
     @cached_property
     def _outputs(self) -> dict[str, set[Place]]:
-        """By class, the outputs that write a variable with a flag in some instance."""
+        """The outputs that write a variable with a flag in at least one instance, by class."""
         found: dict[str, set[Place]] = {entry.name: set() for entry in self._network.classes}
         if not any(self.variables.values()):
             return found
@@ -52,5 +52,5 @@ class Unwritten:
         return found
 
     def has_port(self, class_: str, port: str, index: int | None) -> bool:
-        """Whether a port of a class is given a pointer to a flag; it is NULL where the variable surely was written."""
+        """Whether a port of a class has a pointer to a flag; it is NULL if the variable always is written before."""
         return (port, index) in self._inputs[class_] or (port, index) in self._outputs[class_]
