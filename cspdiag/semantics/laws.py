@@ -73,7 +73,8 @@ class Law:
         """
         following = {name: self.value(value, signals) for name, value in self.cls.next_values} if discrete else {}
         if self.cls.derivatives:
-            following.update({name: _finite(value) for name, value in self._integrated(signals, duration).items()})
+            for moved, value in self._integrated(signals, duration).items():
+                following[moved] = _finite(value)
         self.states.update(following)
         self.time += duration
 

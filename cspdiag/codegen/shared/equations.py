@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
+from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue
-from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.network.ir.network import ProcessClass, SubmodelClass, SubmodelState
 from cspdiag.network.ir.walk import parts
 
 Equation = SubmodelEquation | ExternalCall
@@ -74,6 +75,11 @@ def held(class_: SubmodelClass) -> list[str]:
     moving |= {constant.name for constant in class_.constants}
     read = signals((class_.derivatives, *(equation.value for equation in class_.derivative_equations)))
     return [name for name in read if name not in moving]
+
+
+def changes(class_: ProcessClass | SubmodelClass) -> dict[str, SubmodelState]:
+    """The states by name, each at the place where its next value or derivative is given."""
+    return {state.name: replaced(state, span=state.change or state.span) for state in class_.states}
 
 
 def read_after_change(next_values: Iterable[tuple[str, Expression]]) -> dict[str, int]:

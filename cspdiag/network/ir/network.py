@@ -147,11 +147,15 @@ def channels_of(instances: Iterable[InstanceOf]) -> frozenset[str]:
 
 @record(kw_only=True)
 class SubmodelState(Declared):
-    """A state of a control law; ``continuous`` ones have a derivative, the others a next value."""
+    """A state of a control law; ``continuous`` ones have a derivative, the others a next value.
+
+    ``change`` is where that is given, if it is not given with the state.
+    """
 
     type: Type
     initial: Expression
     continuous: bool
+    change: Span | None = None
 
 
 @record

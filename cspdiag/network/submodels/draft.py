@@ -63,6 +63,8 @@ class Draft:
         self.states: dict[str, SubmodelState] = {}
         self.next_values: dict[str, Expression] = {}
         self.derivatives: dict[str, Expression] = {}
+        self.changes: dict[str, Span] = {}
+        """Where next values and derivatives are given."""
         self.linear_operators: list[LinearOperator] = []
         self.held: set[str] = set()
         """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""

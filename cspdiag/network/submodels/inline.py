@@ -151,9 +151,12 @@ class Inlining(SubmodelSignals):
             case ast.Next():
                 name = self.prefix + item.name.text
                 self.draft.next_values[name] = self.value(item.value, "")
+                self.draft.changes[name] = item.span
             case ast.Derivative():
                 self.draft.sample_period()
-                self.draft.derivatives[self.prefix + item.name.text] = self.value(item.value, "")
+                name = self.prefix + item.name.text
+                self.draft.derivatives[name] = self.value(item.value, "")
+                self.draft.changes[name] = item.span
             case ast.Equation():
                 self._equation(item)
 

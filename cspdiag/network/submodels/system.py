@@ -61,7 +61,7 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
         system,
         parameters=tuple(draft.parameters.values()),
         constants=constants,
-        states=tuple(draft.states.values()),
+        states=tuple(replaced(state, change=draft.changes.get(name)) for name, state in draft.states.items()),
         equations=equations,
         next_values=next_values,
         derivative_equations=tuple(moving),
@@ -85,8 +85,8 @@ def _computed_first(
             continue
         is_late = may_fault(value) or not draft.derivatives.keys().isdisjoint(signals_read(value))
         if is_late and not draft.closed:
-            local = draft.unique(f"{name}_next")
-            computed.append(SubmodelEquation(name=local, type=state.type, value=value, span=state.span))
+            local, span = draft.unique(f"{name}_next"), draft.changes.get(name, state.span)
+            computed.append(SubmodelEquation(name=local, type=state.type, value=value, span=span))
             value = SignalValue(type=state.type, name=local)
         next_values.append((name, value))
     return tuple(computed), tuple(next_values)

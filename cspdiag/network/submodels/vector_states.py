@@ -24,6 +24,7 @@ def split_vector_states(draft: Draft) -> None:
             element = draft.unique(f"{name}{suffix}")
             draft.states[element] = replaced(state, name=element, type=kind, initial=initial)
             draft.derivatives[element] = moving
+            draft.changes[element] = draft.changes[name]
             values[suffix] = SignalValue(type=kind, name=element)
         whole = _whole(state.type, "", values)
         draft.equations[name] = SubmodelEquation(

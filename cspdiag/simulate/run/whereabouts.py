@@ -87,8 +87,11 @@ class _Found:
                 assert isinstance(owner, ProcessInstance)
                 name = next(name for name, other in owner.submodels.items() if other is law)
                 self.path, self.span = f"{owner.path}.{name}", law.cls.span
-            case Law():
+            case Law() as law:
                 self._at(local.get("expression"))
+                self.span = next(
+                    (state.change for state in law.cls.states if state.name == local.get("moved")), self.span
+                )
             case _:
                 pass  # Frames of the interpreter itself.
 

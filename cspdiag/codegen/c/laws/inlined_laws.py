@@ -13,7 +13,7 @@ from cspdiag.codegen.c.text.code import PRODUCT, Code, call, cast, code, infix
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.c.text.names import Names, identifier
 from cspdiag.codegen.c.text.statements import Block, Statement, define, store
-from cspdiag.codegen.shared.equations import read_after_change, signals, values
+from cspdiag.codegen.shared.equations import changes, read_after_change, signals, values
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
@@ -128,7 +128,7 @@ class _Run:
         return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name)
 
     def _state_place(self, name: str) -> str:
-        return next(self.place(state) for state in self.class_.states if state.name == name)
+        return self.place(changes(self.class_)[name])
 
     def _hoisted(self) -> list[str]:
         """States that are read after they have changed."""
@@ -152,6 +152,7 @@ class _Run:
             held=tuple(name for name in read if name not in moving and name not in own),
             equations=action.derivative_equations,
             derivatives=action.derivatives,
+            changes=changes(self.class_),
             method=action.method,
         )
 
@@ -187,8 +188,8 @@ class _Run:
         statements += integration.steps(self.printer.signal, count)
         for state in integration.states:
             moved = code(integration.local(state))
-            statements.append(store(moved, call("csp_real", moved)))
-        statements += [*self.check(self.place(action.equations[-1]) if action.equations else ""), *following]
+            statements += [store(moved, call("csp_real", moved)), *record_fault_place(self._state_place(state))]
+        statements[-1:] = [*self.check(self._state_place(integration.states[-1])), *following]
         for state in integration.states:
             moved = code(integration.local(state))
             single = self.types_of[state] == RealType(32)

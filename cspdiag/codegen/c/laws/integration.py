@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 from cspdiag.base.record import record
@@ -34,6 +34,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.network import SubmodelState
 from cspdiag.network.ir.walk import PartsByType
 
 LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
@@ -46,7 +47,8 @@ class Integration:
 
     ``name`` is the name of the function, ``owner`` the struct that contains constants and parameters. ``local`` gives
     the C name of every signal that changes or is held, ``types`` their types. ``states`` are the continuous states,
-    ``held`` the other signals that the slopes read, which do not change during the step.
+    ``held`` the other signals that the slopes read, which do not change during the step. ``changes`` has the place of
+    each derivative.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Integration:
     held: tuple[str, ...]
     equations: tuple[SubmodelEquation, ...]
     derivatives: tuple[tuple[str, Expression], ...]
+    changes: Mapping[str, SubmodelState]
     method: str
 
     @property
@@ -107,15 +110,18 @@ class Integration:
             lambda name: LocalVariable(f"const {printer.types.type_name(signal_types[name])}", self.local(name)),
         )
         by_state = dict(self.derivatives)
-        # As everywhere, a statement without a place of its own has that of the statement before it.
-        place = writer.place(equations[-1]) if equations else ""
+
+        def place(state: str) -> str:
+            return writer.place(self.changes[state])
+
         if not self.has_several_states:
-            body += writer.assign(LocalVariable("const double", "slope"), by_state[self.states[0]], None, place)
+            (state,) = self.states
+            body += writer.assign(LocalVariable("const double", "slope"), by_state[state], None, place(state))
             body.append(return_value("slope"))
         else:
             body.append(define(f"struct {self.name}", "slopes"))
             for state in self.states:
-                body += writer.assign(code("slopes").field(self.local(state)), by_state[state], None, place)
+                body += writer.assign(code("slopes").field(self.local(state)), by_state[state], None, place(state))
             body.append(return_value("slopes"))
         return [*statements, Function(f"static inline {result} {self.name}", tuple(parameters), tuple(body))]
 

@@ -4,7 +4,7 @@ sample.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
@@ -30,6 +30,7 @@ from cspdiag.codegen.c.text.statements import (
 )
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.codegen.shared.equations import (
+    changes,
     constants_needed,
     defined,
     evaluated_in_runs,
@@ -291,6 +292,7 @@ class LawFiles:
             held=tuple(held(class_)),
             equations=class_.derivative_equations,
             derivatives=class_.derivatives,
+            changes=changes(class_),
             method=class_.method,
         )
 
@@ -318,9 +320,9 @@ class LawFiles:
             variable = self._variable(name, fixed=name not in self._continuous)
             statements.append(define(variable.type_name, variable.name, own(self.members[name])))
         statements += writer.equations(equations, target)
-        places = {state.name: self._place(state) for state in class_.states}
+        places = {name: self._place(state) for name, state in changes(class_).items()}
         if class_.derivatives:
-            statements += self._integration_statements(printer, self._place(equations[-1]) if equations else "")
+            statements += self._integration_statements(printer, places)
         for name, value in class_.next_values:
             statements += writer.assign(own(self.members[name]), value, places[name])
         statements += self._state_updates()
@@ -332,15 +334,15 @@ class LawFiles:
         kind = self.types.type_name(self.signal_types[name])
         return LocalVariable(f"const {kind}" if fixed else kind, self.members[name])
 
-    def _integration_statements(self, printer: Printer, place: str) -> list[Statement]:
+    def _integration_statements(self, printer: Printer, places: Mapping[str, str]) -> list[Statement]:
         step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])
         count = own(_STEPS) if self._sub_steps else None
         statements: list[Statement] = [define("const double", "h", step)]
         statements += self._integration.steps(printer.signal, count)
         for name in self._continuous:
             integrated = code(self.members[name])
-            statements.append(store(integrated, call("csp_real", integrated)))
-        return [*statements, *self._writer(printer).check(place)]
+            statements += [store(integrated, call("csp_real", integrated)), *record_fault_place(places[name])]
+        return [*statements[:-1], *self._writer(printer).check(places[self._continuous[-1]])]
 
     def _state_updates(self) -> list[Statement]:
         """The assignments of continuous states, which follow those of the discrete ones: nothing can fault then."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from cspdiag.base.record import record
@@ -45,6 +45,7 @@ from cspdiag.codegen.c.text.statements import (
 from cspdiag.codegen.c.text.types import CTypes, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
+    changes,
     constants_needed,
     defined,
     held,
@@ -196,6 +197,7 @@ class EnvironmentFiles:
             held=tuple(held(system)),
             equations=system.derivative_equations,
             derivatives=system.derivatives,
+            changes=changes(system),
             method=system.method,
         )
 
@@ -253,7 +255,7 @@ class EnvironmentFiles:
             variable = self._variable(name, fixed=name not in continuous)
             statements.append(define(variable.type_name, variable.name, self._signal(name)))
         statements += writer.equations(equations, self._variable)
-        places = {state.name: self._place(state) for state in system.states}
+        places = {name: self._place(state) for name, state in changes(system).items()}
         if system.next_values:
             phase = infix("%", PRODUCT, code("now"), duration(self.environment.step))
             updates: list[Statement] = []
@@ -261,8 +263,7 @@ class EnvironmentFiles:
                 updates += writer.assign(self._signal(name), value, places[name])
             statements += choose(infix("==", EQUALITY, phase, code("0")), updates)
         if integrates:
-            last = [self._place(equation) for equation in equations] + [places[name] for name, _ in system.next_values]
-            statements += self._integration_statements(system, printer, last[-1] if last else None)
+            statements += self._integration_statements(system, printer, places)
         return statements
 
     def _read_late(self, system: SubmodelClass) -> list[str]:
@@ -276,7 +277,9 @@ class EnvironmentFiles:
         kind = self.types.type_name(self._signal_types[name])
         return LocalVariable(f"const {kind}" if fixed else kind, self._members[name])
 
-    def _integration_statements(self, system: SubmodelClass, printer: Printer, place: str | None) -> list[Statement]:
+    def _integration_statements(
+        self, system: SubmodelClass, printer: Printer, places: Mapping[str, str]
+    ) -> list[Statement]:
         elapsed = infix("-", SUM, code("now"), _plant("now"))
         interval = call("csp_seconds", elapsed)
         count: Code | None = None
@@ -294,10 +297,10 @@ class EnvironmentFiles:
         states = self._integration.states
         for state in states:
             variable = code(self._members[state])
-            statements.append(store(variable, call("csp_real", variable)))
+            statements += [store(variable, call("csp_real", variable)), *record_fault_place(places[state])]
         if states:
-            recorded = [run(ignored(call("csp_fault_at", quoted(place))))] if place is not None else []
-            statements += choose(code("csp_faulted()"), [*recorded, return_value("false")])
+            recorded = run(ignored(call("csp_fault_at", quoted(places[states[-1]]))))
+            statements[-1:] = choose(code("csp_faulted()"), [recorded, return_value("false")])
         for state in states:
             single = self.types.type_name(self._signal_types[state]) == "float"
             variable = code(self._members[state])

@@ -42,12 +42,12 @@ def assigned(
     yield Assign(target, value, annotation=annotation)
 
 
-def refused_unless_finite(value: Code, imports: Imports) -> Statement:
+def refused_unless_finite(value: Code, imports: Imports, place: str | None = None) -> Statement:
     """Raise a fault if a real in a local variable is infinite or NaN: only then its difference from itself is
     not zero.
     """
     difference = infix("!=", COMPARISON, infix("-", SUM, value, value), Constant("0.0"))
-    return if_(difference, run(call(imports.runtime("finite"), value)))
+    return if_(difference, run(call(imports.runtime("finite"), value), place))
 
 
 def _rounded(printer: FastPrinter, operand: Expression, step: Code | None, place: str | None) -> tuple[Statement, Code]:

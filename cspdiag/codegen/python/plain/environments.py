@@ -34,6 +34,7 @@ from cspdiag.codegen.python.text.statements import Assign, Function, Statement, 
 from cspdiag.codegen.python.text.types import annotation, duration, literal
 from cspdiag.codegen.shared.equations import (
     Equation,
+    changes,
     constants_needed,
     defined,
     inputs,
@@ -247,7 +248,7 @@ class EnvironmentWriter:
             if isinstance(equation, SubmodelEquation):
                 yield from self._assigned(Name(self.names[equation.name]), printer, equation)
         if system.next_values:
-            places = {state.name: self._place(state) for state in system.states}
+            places = {name: self._place(state) for name, state in changes(system).items()}
             updates = tuple(
                 assign(own(self.names[name]), printer.print(value), places[name]) for name, value in system.next_values
             )
@@ -268,8 +269,10 @@ class EnvironmentWriter:
             yield assign("steps", call(ceil, ratio))
             yield assign("h", infix("/", PRODUCT, interval, Name("steps")))
             yield from integration.loop(Name("steps"))
-        for state in integration.states:
-            yield assign(own(state), call(self.imports.runtime("finite"), Name(state)))
+        for name, state in changes(system).items():
+            if state.continuous:
+                moved = self.names[name]
+                yield assign(own(moved), call(self.imports.runtime("finite"), Name(moved)), self._place(state))
 
     def _seconds(self, nanoseconds: Code) -> Code:
         return infix("/", PRODUCT, nanoseconds, Name(self.imports.runtime("s")))

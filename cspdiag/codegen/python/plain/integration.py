@@ -9,8 +9,10 @@ from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Name, WholeNumber, call, code, counted_to, infix, own
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import For, Function, Statement, Statements, assign, change, return_, unpack
-from cspdiag.codegen.shared.equations import held, needed, signals, uses_time
+from cspdiag.codegen.shared.equations import changes, held, needed, signals, uses_time
+from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import SubmodelEquation
+from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
 
 
@@ -18,12 +20,12 @@ from cspdiag.network.ir.network import SubmodelClass
 class Integration:
     """Writes the derivatives of a class as a method, and the Runge-Kutta (or Euler) step that calls it.
 
-    ``names`` gives the Python name of every signal; ``place`` the source place of an equation.
+    ``names`` gives the Python name of every signal; ``place`` the source place of an equation or a state.
     """
 
     class_: SubmodelClass
     names: Names
-    place: Callable[[SubmodelEquation], str]
+    place: Callable[[Declared], str]
 
     @property
     def states(self) -> list[str]:
@@ -52,13 +54,26 @@ class Integration:
         parameters += [f"{self.names[name]}: {annotations[name]}" for name in self.held]
         parameters += ["time: float"] if self.timed else []
         by_state = dict(self.class_.derivatives)
-        results = [printer.print(by_state[state.name]) for state in self.class_.states if state.continuous]
         body: list[Statement] = [
             assign(self.names[equation.name], printer.print(equation.value), self.place(equation))
             for equation in needed(self.class_.derivative_equations, wanted)
             if isinstance(equation, SubmodelEquation)
         ]
-        returns = "float" if len(results) == 1 else f"tuple[{', '.join('float' for _ in results)}]"
+        moved = [(state, by_state[name]) for name, state in changes(self.class_).items() if state.continuous]
+        if len(moved) == 1:
+            ((state, slope),) = moved
+            place = self.place(state) if may_fault(slope) else None
+            body.append(return_(printer.print(slope), comment=place))
+            return Function(self.method, ("self", *parameters), tuple(body), "float")
+        results: list[Code] = []
+        for state, slope in moved:
+            result = printer.print(slope)
+            if may_fault(slope):  # It gets a line of its own, with its place.
+                name = self.names.fresh(f"{self.names[state.name]}_slope")
+                body.append(assign(name, result, self.place(state)))
+                result = Name(name)
+            results.append(result)
+        returns = f"tuple[{', '.join('float' for _ in results)}]"
         return Function(self.method, ("self", *parameters), (*body, return_(*results)), returns)
 
     def loop(self, steps: Code | None) -> Statements:

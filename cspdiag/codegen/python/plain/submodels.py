@@ -30,6 +30,7 @@ from cspdiag.codegen.python.text.statements import Assign, Function, Statement, 
 from cspdiag.codegen.python.text.types import annotation, duration
 from cspdiag.codegen.shared.equations import (
     Equation,
+    changes,
     constants_needed,
     defined,
     evaluated_in_runs,
@@ -43,7 +44,8 @@ from cspdiag.codegen.shared.equations import (
     values,
 )
 from cspdiag.model.types import TimeType
-from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall
 from cspdiag.network.ir.network import SubmodelClass
 
 INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
@@ -98,8 +100,8 @@ class _SubmodelWriter:
             bodies,
         )
 
-    def _place(self, equation: SubmodelEquation | ExternalCall) -> str:
-        return self.package.place(equation.span.file, equation.span.line)
+    def _place(self, item: Declared) -> str:
+        return self.package.place(item.span.file, item.span.line)
 
     def _annotations(self) -> dict[str, str]:
         return {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
@@ -231,8 +233,9 @@ class _SubmodelWriter:
         statements += [self._equation(equation, printer) for equation in equations]
         if class_.derivatives:
             statements += self._integrate()
+        states = changes(class_)
         statements += [
-            assign(own(self.names[name]), printer.print(value), self._next_place(name))
+            assign(own(self.names[name]), printer.print(value), self._place(states[name]))
             for name, value in class_.next_values
         ]
         statements += [assign(own(state), Name(state)) for state in self._moved]
@@ -246,9 +249,6 @@ class _SubmodelWriter:
         parameters_ = [f"{self.names[name]}: {types[name]}" for name in given]
         returned = _return_annotation([types[name] for name in results])
         return Function("calculate", ("self", *parameters_), tuple(statements), returned)
-
-    def _next_place(self, name: str) -> str | None:
-        return next((self.package.place(s.span.file, s.span.line) for s in self.class_.states if s.name == name), None)
 
     def _equation(self, equation: Equation, printer: Printer) -> Statement:
         if isinstance(equation, ExternalCall):
@@ -282,8 +282,10 @@ class _SubmodelWriter:
         else:
             yield assign("h", own("_h"))
             yield from self.integration.loop(own("_steps"))
-        for state in self.integration.states:
-            yield assign(state, call(self.imports.runtime("finite"), Name(state)))
+        for name, state in changes(self.class_).items():
+            if state.continuous:
+                moved = self.names[name]
+                yield assign(moved, call(self.imports.runtime("finite"), Name(moved)), self._place(state))
 
     @property
     def _moved(self) -> list[str]:

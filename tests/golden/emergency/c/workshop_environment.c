@@ -48,7 +48,7 @@ static inline double workshop_environment_slopes(double wheel_w, double wheel_vo
     const double wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0; /* emergency.csp:49 */
     const double wheel_braked = wheel_brake ? 0.002 * wheel_w : 0.0; /* emergency.csp:50 */
     const double slope = csp_divide(wheel_motor - wheel_braked, plant.wheel_inertia);
-    csp_fault_in("emergency.csp:50");
+    csp_fault_in("emergency.csp:51");
     return slope;
 }
 
@@ -89,7 +89,7 @@ static bool workshop_environment_advance(int64_t now)
     wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     wheel_w = csp_real(wheel_w);
     if (csp_faulted()) {
-        (void)csp_fault_at("emergency.csp:69");
+        (void)csp_fault_at("emergency.csp:51");
         return false;
     }
     plant.wheel_w = wheel_w;

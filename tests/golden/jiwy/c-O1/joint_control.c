@@ -52,19 +52,19 @@ static bool joint_control_align_l_velocity_calculate(struct joint_control *self)
     const double held =
         pressing ? self->alignL_velocity_pressed + self->alignL_velocity_sample : 0.0;
     self->alignL_velocity_stop = held >= 0.1; /* laws.csp:118 */
-    const double filtered_next = csp_real(velocity); /* laws.csp:99 */
-    CSP_CHECK_LAW("laws.csp:99");
-    /* laws.csp:100 */
+    const double filtered_next = csp_real(velocity); /* laws.csp:112 */
+    CSP_CHECK_LAW("laws.csp:112");
+    /* laws.csp:113 */
     const double ui_next =
         csp_real((sum == self->alignL_velocity_control) ? i : self->alignL_velocity_ui);
-    CSP_CHECK_LAW("laws.csp:100");
-    const double pressed_next = csp_real(held); /* laws.csp:101 */
-    CSP_CHECK_LAW("laws.csp:101");
-    self->alignL_velocity_moving = true; /* laws.csp:97 */
-    self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:98 */
-    self->alignL_velocity_filtered = filtered_next; /* laws.csp:99 */
-    self->alignL_velocity_ui = ui_next; /* laws.csp:100 */
-    self->alignL_velocity_pressed = pressed_next; /* laws.csp:101 */
+    CSP_CHECK_LAW("laws.csp:113");
+    const double pressed_next = csp_real(held); /* laws.csp:117 */
+    CSP_CHECK_LAW("laws.csp:117");
+    self->alignL_velocity_moving = true; /* laws.csp:110 */
+    self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:111 */
+    self->alignL_velocity_filtered = filtered_next; /* laws.csp:112 */
+    self->alignL_velocity_ui = ui_next; /* laws.csp:113 */
+    self->alignL_velocity_pressed = pressed_next; /* laws.csp:117 */
     return true;
 }
 
@@ -98,19 +98,19 @@ static bool joint_control_align_r_velocity_calculate(struct joint_control *self)
     const double held =
         pressing ? self->alignR_velocity_pressed + self->alignR_velocity_sample : 0.0;
     self->alignR_velocity_stop = held >= 0.1; /* laws.csp:118 */
-    const double filtered_next = csp_real(velocity); /* laws.csp:99 */
-    CSP_CHECK_LAW("laws.csp:99");
-    /* laws.csp:100 */
+    const double filtered_next = csp_real(velocity); /* laws.csp:112 */
+    CSP_CHECK_LAW("laws.csp:112");
+    /* laws.csp:113 */
     const double ui_next =
         csp_real((sum == self->alignR_velocity_control) ? i : self->alignR_velocity_ui);
-    CSP_CHECK_LAW("laws.csp:100");
-    const double pressed_next = csp_real(held); /* laws.csp:101 */
-    CSP_CHECK_LAW("laws.csp:101");
-    self->alignR_velocity_moving = true; /* laws.csp:97 */
-    self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:98 */
-    self->alignR_velocity_filtered = filtered_next; /* laws.csp:99 */
-    self->alignR_velocity_ui = ui_next; /* laws.csp:100 */
-    self->alignR_velocity_pressed = pressed_next; /* laws.csp:101 */
+    CSP_CHECK_LAW("laws.csp:113");
+    const double pressed_next = csp_real(held); /* laws.csp:117 */
+    CSP_CHECK_LAW("laws.csp:117");
+    self->alignR_velocity_moving = true; /* laws.csp:110 */
+    self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:111 */
+    self->alignR_velocity_filtered = filtered_next; /* laws.csp:112 */
+    self->alignR_velocity_ui = ui_next; /* laws.csp:113 */
+    self->alignR_velocity_pressed = pressed_next; /* laws.csp:117 */
     return true;
 }
 
@@ -164,24 +164,24 @@ static bool joint_control_motion_control_servo_calculate(struct joint_control *s
             < self->gains.tolerance)
         ? self->motionControl_servo_arrived + self->motionControl_servo_sample
         : 0.0;
-    const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
-    CSP_CHECK_LAW("laws.csp:33");
-    const double pid_e1_next = csp_real(pid_error); /* laws.csp:10 */
-    CSP_CHECK_LAW("laws.csp:10");
-    const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
-    CSP_CHECK_LAW("laws.csp:11");
-    /* laws.csp:12 */
+    const double profile_last_next = csp_real(profile_angle); /* laws.csp:39 */
+    CSP_CHECK_LAW("laws.csp:39");
+    const double pid_e1_next = csp_real(pid_error); /* laws.csp:20 */
+    CSP_CHECK_LAW("laws.csp:20");
+    const double pid_ud_next = csp_real(pid_d); /* laws.csp:21 */
+    CSP_CHECK_LAW("laws.csp:21");
+    /* laws.csp:22 */
     const double pid_ui_next =
         csp_real((pid_sum == pid_output) ? pid_i : self->motionControl_servo_pid_ui);
-    CSP_CHECK_LAW("laws.csp:12");
-    const double arrived_next = csp_real(standing); /* laws.csp:69 */
-    CSP_CHECK_LAW("laws.csp:69");
-    self->motionControl_servo_profile_moving = true; /* laws.csp:32 */
-    self->motionControl_servo_profile_last = profile_last_next; /* laws.csp:33 */
-    self->motionControl_servo_pid_e1 = pid_e1_next; /* laws.csp:10 */
-    self->motionControl_servo_pid_ud = pid_ud_next; /* laws.csp:11 */
-    self->motionControl_servo_pid_ui = pid_ui_next; /* laws.csp:12 */
-    self->motionControl_servo_arrived = arrived_next; /* laws.csp:69 */
+    CSP_CHECK_LAW("laws.csp:22");
+    const double arrived_next = csp_real(standing); /* laws.csp:81 */
+    CSP_CHECK_LAW("laws.csp:81");
+    self->motionControl_servo_profile_moving = true; /* laws.csp:38 */
+    self->motionControl_servo_profile_last = profile_last_next; /* laws.csp:39 */
+    self->motionControl_servo_pid_e1 = pid_e1_next; /* laws.csp:20 */
+    self->motionControl_servo_pid_ud = pid_ud_next; /* laws.csp:21 */
+    self->motionControl_servo_pid_ui = pid_ui_next; /* laws.csp:22 */
+    self->motionControl_servo_arrived = arrived_next; /* laws.csp:81 */
     return true;
 }
 
@@ -232,24 +232,24 @@ static bool joint_control_homing_servo_calculate(struct joint_control *self)
             ? self->homing_servo_arrived + self->homing_servo_sample
             : 0.0;
     self->homing_servo_stop = standing >= 0.1; /* laws.csp:82 */
-    const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
-    CSP_CHECK_LAW("laws.csp:33");
-    const double pid_e1_next = csp_real(pid_error); /* laws.csp:10 */
-    CSP_CHECK_LAW("laws.csp:10");
-    const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
-    CSP_CHECK_LAW("laws.csp:11");
-    /* laws.csp:12 */
+    const double profile_last_next = csp_real(profile_angle); /* laws.csp:39 */
+    CSP_CHECK_LAW("laws.csp:39");
+    const double pid_e1_next = csp_real(pid_error); /* laws.csp:20 */
+    CSP_CHECK_LAW("laws.csp:20");
+    const double pid_ud_next = csp_real(pid_d); /* laws.csp:21 */
+    CSP_CHECK_LAW("laws.csp:21");
+    /* laws.csp:22 */
     const double pid_ui_next =
         csp_real((pid_sum == pid_output) ? pid_i : self->homing_servo_pid_ui);
-    CSP_CHECK_LAW("laws.csp:12");
-    const double arrived_next = csp_real(standing); /* laws.csp:69 */
-    CSP_CHECK_LAW("laws.csp:69");
-    self->homing_servo_profile_moving = true; /* laws.csp:32 */
-    self->homing_servo_profile_last = profile_last_next; /* laws.csp:33 */
-    self->homing_servo_pid_e1 = pid_e1_next; /* laws.csp:10 */
-    self->homing_servo_pid_ud = pid_ud_next; /* laws.csp:11 */
-    self->homing_servo_pid_ui = pid_ui_next; /* laws.csp:12 */
-    self->homing_servo_arrived = arrived_next; /* laws.csp:69 */
+    CSP_CHECK_LAW("laws.csp:22");
+    const double arrived_next = csp_real(standing); /* laws.csp:81 */
+    CSP_CHECK_LAW("laws.csp:81");
+    self->homing_servo_profile_moving = true; /* laws.csp:38 */
+    self->homing_servo_profile_last = profile_last_next; /* laws.csp:39 */
+    self->homing_servo_pid_e1 = pid_e1_next; /* laws.csp:20 */
+    self->homing_servo_pid_ud = pid_ud_next; /* laws.csp:21 */
+    self->homing_servo_pid_ui = pid_ui_next; /* laws.csp:22 */
+    self->homing_servo_arrived = arrived_next; /* laws.csp:81 */
     return true;
 }
 

@@ -113,10 +113,10 @@ static inline struct bench_environment_slopes bench_environment_slopes(double pa
     struct bench_environment_slopes slopes;
     slopes.pan_angle = pan_speed;
     slopes.pan_speed = csp_divide(pan_torque - pan_friction, plant.pan_mass);
-    csp_fault_in("plant.csp:42");
+    csp_fault_in("plant.csp:48");
     slopes.tilt_angle = tilt_speed;
     slopes.tilt_speed = csp_divide(tilt_torque - tilt_friction, plant.tilt_mass);
-    csp_fault_in("plant.csp:42");
+    csp_fault_in("plant.csp:48");
     return slopes;
 }
 
@@ -221,11 +221,14 @@ static bool bench_environment_advance(int64_t now)
             sixth * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
     }
     pan_angle = csp_real(pan_angle);
+    csp_fault_in("plant.csp:47");
     pan_speed = csp_real(pan_speed);
+    csp_fault_in("plant.csp:48");
     tilt_angle = csp_real(tilt_angle);
+    csp_fault_in("plant.csp:47");
     tilt_speed = csp_real(tilt_speed);
     if (csp_faulted()) {
-        (void)csp_fault_at("jiwy.csp:174");
+        (void)csp_fault_at("plant.csp:48");
         return false;
     }
     plant.pan_angle = pan_angle;

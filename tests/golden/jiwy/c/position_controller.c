@@ -70,22 +70,22 @@ bool position_controller_calculate(struct position_controller *self)
         ? self->arrived + self->sample
         : 0.0;
     self->stop = standing >= self->dwell; /* laws.csp:82 */
-    const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
-    CSP_CHECK_LAW("laws.csp:33");
-    const double pid_e1_next = csp_real(pid_error); /* laws.csp:10 */
-    CSP_CHECK_LAW("laws.csp:10");
-    const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
-    CSP_CHECK_LAW("laws.csp:11");
-    /* laws.csp:12 */
+    const double profile_last_next = csp_real(profile_angle); /* laws.csp:39 */
+    CSP_CHECK_LAW("laws.csp:39");
+    const double pid_e1_next = csp_real(pid_error); /* laws.csp:20 */
+    CSP_CHECK_LAW("laws.csp:20");
+    const double pid_ud_next = csp_real(pid_d); /* laws.csp:21 */
+    CSP_CHECK_LAW("laws.csp:21");
+    /* laws.csp:22 */
     const double pid_ui_next = csp_real((pid_sum == pid_output) ? pid_i : self->pid_ui);
-    CSP_CHECK_LAW("laws.csp:12");
-    const double arrived_next = csp_real(standing); /* laws.csp:69 */
-    CSP_CHECK_LAW("laws.csp:69");
-    self->profile_moving = true; /* laws.csp:32 */
-    self->profile_last = profile_last_next; /* laws.csp:33 */
-    self->pid_e1 = pid_e1_next; /* laws.csp:10 */
-    self->pid_ud = pid_ud_next; /* laws.csp:11 */
-    self->pid_ui = pid_ui_next; /* laws.csp:12 */
-    self->arrived = arrived_next; /* laws.csp:69 */
+    CSP_CHECK_LAW("laws.csp:22");
+    const double arrived_next = csp_real(standing); /* laws.csp:81 */
+    CSP_CHECK_LAW("laws.csp:81");
+    self->profile_moving = true; /* laws.csp:38 */
+    self->profile_last = profile_last_next; /* laws.csp:39 */
+    self->pid_e1 = pid_e1_next; /* laws.csp:20 */
+    self->pid_ud = pid_ud_next; /* laws.csp:21 */
+    self->pid_ui = pid_ui_next; /* laws.csp:22 */
+    self->arrived = arrived_next; /* laws.csp:81 */
     return true;
 }

@@ -48,16 +48,16 @@ bool velocity_controller_calculate(struct velocity_controller *self)
     const double held = pressing ? self->pressed + self->sample : 0.0; /* laws.csp:116 */
     self->stop = held >= self->dwell; /* laws.csp:118 */
     self->max = self->feedback; /* laws.csp:119 */
-    const double filtered_next = csp_real(velocity); /* laws.csp:99 */
-    CSP_CHECK_LAW("laws.csp:99");
-    const double ui_next = csp_real((sum == self->control) ? i : self->ui); /* laws.csp:100 */
-    CSP_CHECK_LAW("laws.csp:100");
-    const double pressed_next = csp_real(held); /* laws.csp:101 */
-    CSP_CHECK_LAW("laws.csp:101");
-    self->moving = true; /* laws.csp:97 */
-    self->last = self->feedback; /* laws.csp:98 */
-    self->filtered = filtered_next; /* laws.csp:99 */
-    self->ui = ui_next; /* laws.csp:100 */
-    self->pressed = pressed_next; /* laws.csp:101 */
+    const double filtered_next = csp_real(velocity); /* laws.csp:112 */
+    CSP_CHECK_LAW("laws.csp:112");
+    const double ui_next = csp_real((sum == self->control) ? i : self->ui); /* laws.csp:113 */
+    CSP_CHECK_LAW("laws.csp:113");
+    const double pressed_next = csp_real(held); /* laws.csp:117 */
+    CSP_CHECK_LAW("laws.csp:117");
+    self->moving = true; /* laws.csp:110 */
+    self->last = self->feedback; /* laws.csp:111 */
+    self->filtered = filtered_next; /* laws.csp:112 */
+    self->ui = ui_next; /* laws.csp:113 */
+    self->pressed = pressed_next; /* laws.csp:117 */
     return true;
 }

@@ -30,6 +30,7 @@ from cspdiag.codegen.python.text.code import (
 )
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.statements import For, Function, Statement, assign, if_, run
+from cspdiag.codegen.shared.equations import changes
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Value
@@ -86,6 +87,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             states=[state.name for state in system.states if state.continuous],
             equations=system.derivative_equations,
             derivatives=dict(system.derivatives),
+            changes=changes(system),
             method=system.method,
             printer=printer,
             local=self.names.__getitem__,
@@ -106,9 +108,11 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             counter = "step" if inline.timed else "_"
             clock = (assign("t", begin_of_step()),) if inline.timed else ()
             yield For(counter, own("_steps"), (*clock, *within))
-        for state in integration.states:
-            yield refused_unless_finite(Name(state), self.imports)
-            yield assign(own(state), Name(state))
+        for name, state in changes(system).items():
+            if state.continuous:
+                moved = self.names[name]
+                yield refused_unless_finite(Name(moved), self.imports, self._place(state))
+                yield assign(own(moved), Name(moved))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
         present = [state.name for state in system.states if state.continuous] if system.derivatives else []

@@ -27,7 +27,7 @@ from cspdiag.codegen.python.text.code import (
 from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import For, Statement, assign, unpack
 from cspdiag.codegen.python.text.types import real
-from cspdiag.codegen.shared.equations import defined, read_after_change
+from cspdiag.codegen.shared.equations import changes, defined, read_after_change
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
@@ -111,7 +111,7 @@ class InlineLaw:
         return unpack(targets, calculated, self.place(item))
 
     def _place_of_state(self, name: str) -> str | None:
-        return next((self.place(state) for state in self.class_.states if state.name == name), None)
+        return next((self.place(state) for state in changes(self.class_).values() if state.name == name), None)
 
     # Integration
 
@@ -157,6 +157,7 @@ class InlineLaw:
             states=self._continuous,
             equations=self.law.derivative_equations,
             derivatives=dict(self.law.derivatives),
+            changes=changes(self.class_),
             method=self.law.method,
             printer=self.printer,
             local=local.__getitem__,
@@ -169,7 +170,7 @@ class InlineLaw:
         else:
             yield For("_", counted_to(self._steps), tuple(inline.statements()))
         for name, copy in local.items():
-            yield refused_unless_finite(Name(copy), self.printer.imports)
+            yield refused_unless_finite(Name(copy), self.printer.imports, self._place_of_state(name))
             moved.append(assign(self.printer.signal(name), Name(copy)))
 
 

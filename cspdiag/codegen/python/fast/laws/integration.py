@@ -18,8 +18,11 @@ from cspdiag.codegen.python.text.code import PRODUCT, SUM, Code, Constant, Name,
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import Statement, assign, change
 from cspdiag.codegen.shared.equations import needed, signals, uses_time
+from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.network import SubmodelState
 
 
 @record
@@ -37,17 +40,18 @@ class InlineIntegration:
 
     ``states`` are their names in the text, in order, and ``local`` gives the local variable of each. ``step`` is the
     sub-step in seconds; if the derivatives depend on time, the local variable ``t`` is the instant in seconds at which
-    it begins. ``names`` makes the further variables that are needed.
+    it begins. ``names`` makes the further variables that are needed. ``changes`` has the place of each derivative.
     """
 
     states: Sequence[str]
     equations: Sequence[SubmodelEquation]
     derivatives: Mapping[str, Expression]
+    changes: Mapping[str, SubmodelState]
     method: Literal["rk4", "euler"]
     printer: FastPrinter
     local: Callable[[str], str]
     names: Names
-    place: Callable[[SubmodelEquation], str]
+    place: Callable[[Declared], str]
     step: SubStep
 
     @property
@@ -86,7 +90,8 @@ class InlineIntegration:
         for equation in self._needed:
             yield from assigned(Name(self._locals[equation.name]), printer, equation.value, self.place(equation))
         for name, slope in zip(self.states, slopes[stage], strict=True):
-            yield assign(slope, printer.print(self.derivatives[name]))
+            value = self.derivatives[name]
+            yield assign(slope, printer.print(value), self.place(self.changes[name]) if may_fault(value) else None)
 
     @cached_property
     def _needed(self) -> list[SubmodelEquation]:

@@ -59,6 +59,6 @@ class CurrentController(Submodel):
         i = ui + self.sample * self.ki * error  # cascade.csp:13
         sum_ = self.kp * error + i  # cascade.csp:14
         control = finite(limit(sum_, -voltage, voltage))  # cascade.csp:15
-        ui_next = finite(i if sum_ == control else ui)  # cascade.csp:11
-        self.ui = ui_next  # cascade.csp:11
+        ui_next = finite(i if sum_ == control else ui)  # cascade.csp:16
+        self.ui = ui_next  # cascade.csp:16
         return control

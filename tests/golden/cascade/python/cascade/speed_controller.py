@@ -59,6 +59,6 @@ class SpeedController(Submodel):
         i = ui + self.sample * self.ki * error  # cascade.csp:26
         sum_ = self.kp * error + i  # cascade.csp:27
         control = finite(limit(sum_, -current, current))  # cascade.csp:28
-        ui_next = finite(i if sum_ == control else ui)  # cascade.csp:24
-        self.ui = ui_next  # cascade.csp:24
+        ui_next = finite(i if sum_ == control else ui)  # cascade.csp:29
+        self.ui = ui_next  # cascade.csp:29
         return control

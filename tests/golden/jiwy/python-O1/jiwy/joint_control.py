@@ -276,10 +276,10 @@ class JointControl(Routine):
                         else 0.0
                     )
                     alignL_velocity_stop = alignL_velocity_held >= 0.1  # laws.csp:118
-                    alignL_velocity_filtered_next = alignL_velocity_velocity  # laws.csp:99
+                    alignL_velocity_filtered_next = alignL_velocity_velocity  # laws.csp:112
                     if alignL_velocity_filtered_next - alignL_velocity_filtered_next != 0.0:
                         finite(alignL_velocity_filtered_next)
-                    # laws.csp:100
+                    # laws.csp:113
                     alignL_velocity_ui_next = (
                         alignL_velocity_i
                         if alignL_velocity_sum == alignL_velocity_control
@@ -287,14 +287,14 @@ class JointControl(Routine):
                     )
                     if alignL_velocity_ui_next - alignL_velocity_ui_next != 0.0:
                         finite(alignL_velocity_ui_next)
-                    alignL_velocity_pressed_next = alignL_velocity_held  # laws.csp:101
+                    alignL_velocity_pressed_next = alignL_velocity_held  # laws.csp:117
                     if alignL_velocity_pressed_next - alignL_velocity_pressed_next != 0.0:
                         finite(alignL_velocity_pressed_next)
-                    alignL_velocity_moving = True  # laws.csp:97
-                    alignL_velocity_last = alignL_velocity_feedback  # laws.csp:98
-                    alignL_velocity_filtered = alignL_velocity_filtered_next  # laws.csp:99
-                    alignL_velocity_ui = alignL_velocity_ui_next  # laws.csp:100
-                    alignL_velocity_pressed = alignL_velocity_pressed_next  # laws.csp:101
+                    alignL_velocity_moving = True  # laws.csp:110
+                    alignL_velocity_last = alignL_velocity_feedback  # laws.csp:111
+                    alignL_velocity_filtered = alignL_velocity_filtered_next  # laws.csp:112
+                    alignL_velocity_ui = alignL_velocity_ui_next  # laws.csp:113
+                    alignL_velocity_pressed = alignL_velocity_pressed_next  # laws.csp:117
                     # laws.csp:88  outputs of alignL.velocity
                     if me.cancelled:
                         raise Cancelled
@@ -377,10 +377,10 @@ class JointControl(Routine):
                         else 0.0
                     )
                     alignR_velocity_stop = alignR_velocity_held >= 0.1  # laws.csp:118
-                    alignR_velocity_filtered_next = alignR_velocity_velocity  # laws.csp:99
+                    alignR_velocity_filtered_next = alignR_velocity_velocity  # laws.csp:112
                     if alignR_velocity_filtered_next - alignR_velocity_filtered_next != 0.0:
                         finite(alignR_velocity_filtered_next)
-                    # laws.csp:100
+                    # laws.csp:113
                     alignR_velocity_ui_next = (
                         alignR_velocity_i
                         if alignR_velocity_sum == alignR_velocity_control
@@ -388,14 +388,14 @@ class JointControl(Routine):
                     )
                     if alignR_velocity_ui_next - alignR_velocity_ui_next != 0.0:
                         finite(alignR_velocity_ui_next)
-                    alignR_velocity_pressed_next = alignR_velocity_held  # laws.csp:101
+                    alignR_velocity_pressed_next = alignR_velocity_held  # laws.csp:117
                     if alignR_velocity_pressed_next - alignR_velocity_pressed_next != 0.0:
                         finite(alignR_velocity_pressed_next)
-                    alignR_velocity_moving = True  # laws.csp:97
-                    alignR_velocity_last = alignR_velocity_feedback  # laws.csp:98
-                    alignR_velocity_filtered = alignR_velocity_filtered_next  # laws.csp:99
-                    alignR_velocity_ui = alignR_velocity_ui_next  # laws.csp:100
-                    alignR_velocity_pressed = alignR_velocity_pressed_next  # laws.csp:101
+                    alignR_velocity_moving = True  # laws.csp:110
+                    alignR_velocity_last = alignR_velocity_feedback  # laws.csp:111
+                    alignR_velocity_filtered = alignR_velocity_filtered_next  # laws.csp:112
+                    alignR_velocity_ui = alignR_velocity_ui_next  # laws.csp:113
+                    alignR_velocity_pressed = alignR_velocity_pressed_next  # laws.csp:117
                     # laws.csp:88  outputs of alignR.velocity
                     if me.cancelled:
                         raise Cancelled
@@ -524,16 +524,16 @@ class JointControl(Routine):
                         else 0.0
                     )
                     homing_servo_stop = homing_servo_standing >= 0.1  # laws.csp:82
-                    homing_servo_profile_last_next = homing_servo_profile_angle  # laws.csp:33
+                    homing_servo_profile_last_next = homing_servo_profile_angle  # laws.csp:39
                     if homing_servo_profile_last_next - homing_servo_profile_last_next != 0.0:
                         finite(homing_servo_profile_last_next)
-                    homing_servo_pid_e1_next = homing_servo_pid_error  # laws.csp:10
+                    homing_servo_pid_e1_next = homing_servo_pid_error  # laws.csp:20
                     if homing_servo_pid_e1_next - homing_servo_pid_e1_next != 0.0:
                         finite(homing_servo_pid_e1_next)
-                    homing_servo_pid_ud_next = homing_servo_pid_d  # laws.csp:11
+                    homing_servo_pid_ud_next = homing_servo_pid_d  # laws.csp:21
                     if homing_servo_pid_ud_next - homing_servo_pid_ud_next != 0.0:
                         finite(homing_servo_pid_ud_next)
-                    # laws.csp:12
+                    # laws.csp:22
                     homing_servo_pid_ui_next = (
                         homing_servo_pid_i
                         if homing_servo_pid_sum == homing_servo_pid_output
@@ -541,15 +541,15 @@ class JointControl(Routine):
                     )
                     if homing_servo_pid_ui_next - homing_servo_pid_ui_next != 0.0:
                         finite(homing_servo_pid_ui_next)
-                    homing_servo_arrived_next = homing_servo_standing  # laws.csp:69
+                    homing_servo_arrived_next = homing_servo_standing  # laws.csp:81
                     if homing_servo_arrived_next - homing_servo_arrived_next != 0.0:
                         finite(homing_servo_arrived_next)
-                    homing_servo_profile_moving = True  # laws.csp:32
-                    homing_servo_profile_last = homing_servo_profile_last_next  # laws.csp:33
-                    homing_servo_pid_e1 = homing_servo_pid_e1_next  # laws.csp:10
-                    homing_servo_pid_ud = homing_servo_pid_ud_next  # laws.csp:11
-                    homing_servo_pid_ui = homing_servo_pid_ui_next  # laws.csp:12
-                    homing_servo_arrived = homing_servo_arrived_next  # laws.csp:69
+                    homing_servo_profile_moving = True  # laws.csp:38
+                    homing_servo_profile_last = homing_servo_profile_last_next  # laws.csp:39
+                    homing_servo_pid_e1 = homing_servo_pid_e1_next  # laws.csp:20
+                    homing_servo_pid_ud = homing_servo_pid_ud_next  # laws.csp:21
+                    homing_servo_pid_ui = homing_servo_pid_ui_next  # laws.csp:22
+                    homing_servo_arrived = homing_servo_arrived_next  # laws.csp:81
                     # laws.csp:56  outputs of homing.servo
                     if me.cancelled:
                         raise Cancelled
@@ -784,7 +784,7 @@ class JointControl(Routine):
                                     < gains.tolerance
                                     else 0.0
                                 )
-                                # laws.csp:33
+                                # laws.csp:39
                                 motionControl_servo_profile_last_next = (
                                     motionControl_servo_profile_angle
                                 )
@@ -794,7 +794,7 @@ class JointControl(Routine):
                                     != 0.0
                                 ):
                                     finite(motionControl_servo_profile_last_next)
-                                # laws.csp:10
+                                # laws.csp:20
                                 motionControl_servo_pid_e1_next = motionControl_servo_pid_error
                                 if (
                                     motionControl_servo_pid_e1_next
@@ -802,7 +802,7 @@ class JointControl(Routine):
                                     != 0.0
                                 ):
                                     finite(motionControl_servo_pid_e1_next)
-                                # laws.csp:11
+                                # laws.csp:21
                                 motionControl_servo_pid_ud_next = motionControl_servo_pid_d
                                 if (
                                     motionControl_servo_pid_ud_next
@@ -810,7 +810,7 @@ class JointControl(Routine):
                                     != 0.0
                                 ):
                                     finite(motionControl_servo_pid_ud_next)
-                                # laws.csp:12
+                                # laws.csp:22
                                 motionControl_servo_pid_ui_next = (
                                     motionControl_servo_pid_i
                                     if motionControl_servo_pid_sum == motionControl_servo_pid_output
@@ -822,7 +822,7 @@ class JointControl(Routine):
                                     != 0.0
                                 ):
                                     finite(motionControl_servo_pid_ui_next)
-                                # laws.csp:69
+                                # laws.csp:81
                                 motionControl_servo_arrived_next = motionControl_servo_standing
                                 if (
                                     motionControl_servo_arrived_next
@@ -830,18 +830,18 @@ class JointControl(Routine):
                                     != 0.0
                                 ):
                                     finite(motionControl_servo_arrived_next)
-                                motionControl_servo_profile_moving = True  # laws.csp:32
-                                # laws.csp:33
+                                motionControl_servo_profile_moving = True  # laws.csp:38
+                                # laws.csp:39
                                 motionControl_servo_profile_last = (
                                     motionControl_servo_profile_last_next
                                 )
-                                # laws.csp:10
+                                # laws.csp:20
                                 motionControl_servo_pid_e1 = motionControl_servo_pid_e1_next
-                                # laws.csp:11
+                                # laws.csp:21
                                 motionControl_servo_pid_ud = motionControl_servo_pid_ud_next
-                                # laws.csp:12
+                                # laws.csp:22
                                 motionControl_servo_pid_ui = motionControl_servo_pid_ui_next
-                                # laws.csp:69
+                                # laws.csp:81
                                 motionControl_servo_arrived = motionControl_servo_arrived_next
                                 # laws.csp:56  outputs of motionControl.servo
                                 if me.cancelled:

@@ -130,15 +130,15 @@ class PositionController(Submodel):
         # laws.csp:80
         standing = self.arrived + sample if abs(reference - feedback) < gains.tolerance else 0.0
         stop = standing >= self.dwell  # laws.csp:82
-        profile_last_next = finite(profile_angle)  # laws.csp:33
-        pid_e1_next = finite(pid_error)  # laws.csp:10
-        pid_ud_next = finite(pid_d)  # laws.csp:11
-        pid_ui_next = finite(pid_i if pid_sum == pid_output else pid_ui)  # laws.csp:12
-        arrived_next = finite(standing)  # laws.csp:69
-        self.profile_moving = True  # laws.csp:32
-        self.profile_last = profile_last_next  # laws.csp:33
-        self.pid_e1 = pid_e1_next  # laws.csp:10
-        self.pid_ud = pid_ud_next  # laws.csp:11
-        self.pid_ui = pid_ui_next  # laws.csp:12
-        self.arrived = arrived_next  # laws.csp:69
+        profile_last_next = finite(profile_angle)  # laws.csp:39
+        pid_e1_next = finite(pid_error)  # laws.csp:20
+        pid_ud_next = finite(pid_d)  # laws.csp:21
+        pid_ui_next = finite(pid_i if pid_sum == pid_output else pid_ui)  # laws.csp:22
+        arrived_next = finite(standing)  # laws.csp:81
+        self.profile_moving = True  # laws.csp:38
+        self.profile_last = profile_last_next  # laws.csp:39
+        self.pid_e1 = pid_e1_next  # laws.csp:20
+        self.pid_ud = pid_ud_next  # laws.csp:21
+        self.pid_ui = pid_ui_next  # laws.csp:22
+        self.arrived = arrived_next  # laws.csp:81
         return control, reference, stop

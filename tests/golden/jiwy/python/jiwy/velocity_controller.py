@@ -91,12 +91,12 @@ class VelocityController(Submodel):
         held = self.pressed + sample if pressing else 0.0  # laws.csp:116
         stop = held >= self.dwell  # laws.csp:118
         max_ = feedback  # laws.csp:119
-        filtered_next = finite(velocity)  # laws.csp:99
-        ui_next = finite(i if sum_ == control else ui)  # laws.csp:100
-        pressed_next = finite(held)  # laws.csp:101
-        self.moving = True  # laws.csp:97
-        self.last = feedback  # laws.csp:98
-        self.filtered = filtered_next  # laws.csp:99
-        self.ui = ui_next  # laws.csp:100
-        self.pressed = pressed_next  # laws.csp:101
+        filtered_next = finite(velocity)  # laws.csp:112
+        ui_next = finite(i if sum_ == control else ui)  # laws.csp:113
+        pressed_next = finite(held)  # laws.csp:117
+        self.moving = True  # laws.csp:110
+        self.last = feedback  # laws.csp:111
+        self.filtered = filtered_next  # laws.csp:112
+        self.ui = ui_next  # laws.csp:113
+        self.pressed = pressed_next  # laws.csp:117
         return control, max_, stop

@@ -68,8 +68,8 @@ class Bench:
             )
             motor_i += sixth * (k1_motor_i + 2 * k2_motor_i + 2 * k3_motor_i + k4_motor_i)
             motor_w += sixth * (k1_motor_w + 2 * k2_motor_w + 2 * k3_motor_w + k4_motor_w)
-        self.motor_i = finite(motor_i)
-        self.motor_w = finite(motor_w)
+        self.motor_i = finite(motor_i)  # cascade.csp:107
+        self.motor_w = finite(motor_w)  # cascade.csp:108
         self.now = now
         self._evaluate()
 
@@ -91,8 +91,12 @@ class Bench:
     ) -> tuple[float, float]:
         trial_load = 0.0 if time < 0.3 else 0.05  # cascade.csp:119
         motor_load = trial_load  # cascade.csp:127
-        return (
-            (motor_voltage - motor_resistance * motor_i - motor_constant * motor_w)
-            / motor_inductance,
-            (motor_constant * motor_i - motor_friction * motor_w - motor_load) / motor_inertia,
-        )
+        # cascade.csp:107
+        motor_i_slope = (
+            motor_voltage - motor_resistance * motor_i - motor_constant * motor_w
+        ) / motor_inductance
+        # cascade.csp:108
+        motor_w_slope = (
+            motor_constant * motor_i - motor_friction * motor_w - motor_load
+        ) / motor_inertia
+        return motor_i_slope, motor_w_slope

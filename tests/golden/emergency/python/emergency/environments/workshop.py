@@ -55,7 +55,7 @@ class Workshop:
         k3 = self._derivative(wheel_w + half * k2, wheel_voltage, wheel_brake)
         k4 = self._derivative(wheel_w + h * k3, wheel_voltage, wheel_brake)
         wheel_w += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
-        self.wheel_w = finite(wheel_w)
+        self.wheel_w = finite(wheel_w)  # emergency.csp:51
         self.now = now
         self._evaluate()
 
@@ -72,4 +72,4 @@ class Workshop:
     def _derivative(self, wheel_w: float, wheel_voltage: float, wheel_brake: bool) -> float:
         wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0  # emergency.csp:49
         wheel_braked = 0.002 * wheel_w if wheel_brake else 0.0  # emergency.csp:50
-        return (wheel_motor - wheel_braked) / wheel_inertia
+        return (wheel_motor - wheel_braked) / wheel_inertia  # emergency.csp:51

@@ -124,8 +124,9 @@ class Worn:
                 else -0.0104
             )
             k1_pan_angle = pan_speed
-            k1_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327
+            k1_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327  # plant.csp:48
             k1_tilt_angle = tilt_speed
+            # plant.csp:48
             k1_tilt_speed = (tilt_torque_within - tilt_friction_within) / 0.00032893269999999996
             pan_angle_at = pan_angle + half * k1_pan_angle
             pan_speed_at = pan_speed + half * k1_pan_speed
@@ -195,8 +196,9 @@ class Worn:
                 else -0.0104
             )
             k2_pan_angle = pan_speed_at
-            k2_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327
+            k2_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327  # plant.csp:48
             k2_tilt_angle = tilt_speed_at
+            # plant.csp:48
             k2_tilt_speed = (tilt_torque_within - tilt_friction_within) / 0.00032893269999999996
             pan_angle_at = pan_angle + half * k2_pan_angle
             pan_speed_at = pan_speed + half * k2_pan_speed
@@ -266,8 +268,9 @@ class Worn:
                 else -0.0104
             )
             k3_pan_angle = pan_speed_at
-            k3_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327
+            k3_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327  # plant.csp:48
             k3_tilt_angle = tilt_speed_at
+            # plant.csp:48
             k3_tilt_speed = (tilt_torque_within - tilt_friction_within) / 0.00032893269999999996
             pan_angle_at = pan_angle + h * k3_pan_angle
             pan_speed_at = pan_speed + h * k3_pan_speed
@@ -337,8 +340,9 @@ class Worn:
                 else -0.0104
             )
             k4_pan_angle = pan_speed_at
-            k4_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327
+            k4_pan_speed = (pan_torque_within - pan_friction_within) / 0.0010289327  # plant.csp:48
             k4_tilt_angle = tilt_speed_at
+            # plant.csp:48
             k4_tilt_speed = (tilt_torque_within - tilt_friction_within) / 0.00032893269999999996
             pan_angle += sixth * (
                 k1_pan_angle + 2.0 * k2_pan_angle + 2.0 * k3_pan_angle + k4_pan_angle
@@ -353,16 +357,16 @@ class Worn:
                 k1_tilt_speed + 2.0 * k2_tilt_speed + 2.0 * k3_tilt_speed + k4_tilt_speed
             )
         if pan_angle - pan_angle != 0.0:
-            finite(pan_angle)
+            finite(pan_angle)  # plant.csp:47
         self.pan_angle = pan_angle
         if pan_speed - pan_speed != 0.0:
-            finite(pan_speed)
+            finite(pan_speed)  # plant.csp:48
         self.pan_speed = pan_speed
         if tilt_angle - tilt_angle != 0.0:
-            finite(tilt_angle)
+            finite(tilt_angle)  # plant.csp:47
         self.tilt_angle = tilt_angle
         if tilt_speed - tilt_speed != 0.0:
-            finite(tilt_speed)
+            finite(tilt_speed)  # plant.csp:48
         self.tilt_speed = tilt_speed
         self.now = now
         time = now / 1_000_000_000

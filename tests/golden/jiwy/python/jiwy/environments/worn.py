@@ -122,10 +122,10 @@ class Worn:
             tilt_speed += sixth * (
                 k1_tilt_speed + 2 * k2_tilt_speed + 2 * k3_tilt_speed + k4_tilt_speed
             )
-        self.pan_angle = finite(pan_angle)
-        self.pan_speed = finite(pan_speed)
-        self.tilt_angle = finite(tilt_angle)
-        self.tilt_speed = finite(tilt_speed)
+        self.pan_angle = finite(pan_angle)  # plant.csp:47
+        self.pan_speed = finite(pan_speed)  # plant.csp:48
+        self.tilt_angle = finite(tilt_angle)  # plant.csp:47
+        self.tilt_speed = finite(tilt_speed)  # plant.csp:48
         self.now = now
         self._evaluate()
 
@@ -202,9 +202,6 @@ class Worn:
             if tilt_speed > 0.0
             else -tilt_coulomb
         )
-        return (
-            pan_speed,
-            (pan_torque - pan_friction) / pan_mass,
-            tilt_speed,
-            (tilt_torque - tilt_friction) / tilt_mass,
-        )
+        pan_speed_slope = (pan_torque - pan_friction) / pan_mass  # plant.csp:48
+        tilt_speed_slope = (tilt_torque - tilt_friction) / tilt_mass  # plant.csp:48
+        return pan_speed, pan_speed_slope, tilt_speed, tilt_speed_slope

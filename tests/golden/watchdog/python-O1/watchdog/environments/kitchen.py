@@ -48,9 +48,9 @@ class Kitchen:
         chamber_contact = time - 10.0 * chamber_round < 9.8 - 0.2 * chamber_round  # watchdog.csp:72
         chamber_heater = heater  # watchdog.csp:84
         if now % self.step == 0:
-            # watchdog.csp:68
+            # watchdog.csp:75
             self.chamber_shown = chamber_temperature if chamber_contact else chamber_shown
-            # watchdog.csp:69
+            # watchdog.csp:76
             self.chamber_number = (
                 (n1 if (n1 := chamber_number + 1) <= 9223372036854775807 else int64(n1))
                 if chamber_contact
@@ -62,12 +62,16 @@ class Kitchen:
         h = self._h
         half = self._half
         sixth = self._sixth
+        # watchdog.csp:74
         k1_chamber_temperature = (chamber_heater - 0.5 * (chamber_temperature - 293.0)) / 20.0
         chamber_temperature_at = chamber_temperature + half * k1_chamber_temperature
+        # watchdog.csp:74
         k2_chamber_temperature = (chamber_heater - 0.5 * (chamber_temperature_at - 293.0)) / 20.0
         chamber_temperature_at = chamber_temperature + half * k2_chamber_temperature
+        # watchdog.csp:74
         k3_chamber_temperature = (chamber_heater - 0.5 * (chamber_temperature_at - 293.0)) / 20.0
         chamber_temperature_at = chamber_temperature + h * k3_chamber_temperature
+        # watchdog.csp:74
         k4_chamber_temperature = (chamber_heater - 0.5 * (chamber_temperature_at - 293.0)) / 20.0
         chamber_temperature += sixth * (
             k1_chamber_temperature
@@ -76,7 +80,7 @@ class Kitchen:
             + k4_chamber_temperature
         )
         if chamber_temperature - chamber_temperature != 0.0:
-            finite(chamber_temperature)
+            finite(chamber_temperature)  # watchdog.csp:74
         self.chamber_temperature = chamber_temperature
         self.now = now
         # watchdog.csp:77

@@ -51,9 +51,9 @@ class Kitchen:
         chamber_contact = time - 10.0 * chamber_round < 9.8 - 0.2 * chamber_round  # watchdog.csp:72
         chamber_heater = heater  # watchdog.csp:84
         if now % self.step == 0:
-            # watchdog.csp:68
+            # watchdog.csp:75
             self.chamber_shown = chamber_temperature if chamber_contact else chamber_shown
-            # watchdog.csp:69
+            # watchdog.csp:76
             self.chamber_number = int64(chamber_number + 1) if chamber_contact else chamber_number
         h = (now - self.now) / s
         half = h / 2
@@ -63,7 +63,7 @@ class Kitchen:
         k3 = self._derivative(chamber_temperature + half * k2, chamber_heater)
         k4 = self._derivative(chamber_temperature + h * k3, chamber_heater)
         chamber_temperature += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
-        self.chamber_temperature = finite(chamber_temperature)
+        self.chamber_temperature = finite(chamber_temperature)  # watchdog.csp:74
         self.now = now
         self._evaluate()
 
@@ -73,6 +73,7 @@ class Kitchen:
         self.thermometer.value = chamber_thermometer  # watchdog.csp:83
 
     def _derivative(self, chamber_temperature: float, chamber_heater: float) -> float:
+        # watchdog.csp:74
         return (
             chamber_heater - chamber_leak * (chamber_temperature - chamber_room)
         ) / chamber_capacity

@@ -1,0 +1,123 @@
+"""A fault in a control law or an environment names the line of the statement that it is in, on every target."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import cspdiag
+from cspdiag.simulate.native.build import CompilerError, find_compiler
+
+LAW = """
+submodel Law {{
+  in  x : double
+  out y : double
+
+  {declared}
+
+  {statement}
+  {output}
+}}
+"""
+PROGRAM = """
+process Main {
+  in  a : double @ 10 ms
+  out b : double
+
+  communication {
+    law : Outer
+    a -> law.x
+    law.y -> b
+  }
+
+  composition {
+    mu law
+  }
+}
+
+environment Bench for Main step 10 ms {
+  plant : Plant
+  plant.y -> a
+  b -> plant.x
+}
+"""
+OUTER = """
+submodel Outer {
+  in  x : double
+  out y : double
+
+  law : Law
+  law.x = x
+  y = law.y
+}
+"""
+STATEMENTS = {
+    "next": ("state n : int = 0", "next n =\n    int(1 / int(x - 1))", "y = double(n)"),
+    "next of an array": ("state n : int[2] = [0, 0]", "next n =\n    [n[0], int(1 / int(x - 1))]", "y = double(n[0])"),
+    "derivative": ("state n : double = 0", "der n =\n    1<1/s> * double(int(1 / int(x - 1)))", "y = n"),
+    "infinite next": ("state n : double = 1e300", "next n =\n    n * 1e12", "y = n"),
+    "infinite state": ("state n : double = 1e300", "der n =\n    n * 1e12<1/s>", "y = n"),
+    "infinite state among others": (
+        "state m : double = 0\n  state n : double = 1e300\n  state o : double = 0",
+        "der n =\n    n * 1e12<1/s>",
+        "der m = 1<1/s>\n  der o = 2<1/s>\n  y = n + m + o",
+    ),
+    "derivative among others": (
+        "state m : double = 0\n  state n : double = 0\n  state o : double = 0",
+        "der n =\n    1<1/s> * double(int(1 / int(x - 1)))",
+        "der m = 1<1/s>\n  der o = 2<1/s>\n  y = n + m + o",
+    ),
+    "let": ("", "let n =\n    int(1 / int(x - 1))", "y = double(n)"),
+    "output": ("", "y =\n    double(int(1 / int(x - 1)))", ""),
+}
+WHERE = {
+    "law": "submodel Outer {\n  in x : double\n  out y : double\n  law : Law\n  law.x = x\n  y = law.y\n}\n"
+    "submodel Plant {\n  in x : double\n  out y : double\n  y = 1\n}\n",
+    "environment": "submodel Outer {\n  in x : double\n  out y : double\n  y = x\n}\n"
+    "submodel Plant {\n  in x : double\n  out y : double\n  law : Law\n  law.x = 1\n"
+    "  y = law.y\n}\n",
+}
+
+
+def program(kind: str, where: str) -> str:
+    declared, statement, output = STATEMENTS[kind]
+    law = LAW.format(declared=declared, statement=statement, output=output)
+    return law + WHERE[where] + PROGRAM
+
+
+def place_of(kind: str, where: str, **how: object) -> str:
+    run = cspdiag.parse(program(kind, where), "case.csp").run(until="50 ms", **how)  # type: ignore[arg-type]
+    assert run.outcome.error is not None
+    return re.findall(r"case\.csp:\d+", run.summary().splitlines()[0])[-1]
+
+
+def line_of(kind: str, where: str, number: int = 0) -> str:
+    _, statement, _ = STATEMENTS[kind]
+    line = statement.splitlines()[number].strip()
+    return f"case.csp:{1 + [line.strip() for line in program(kind, where).splitlines()].index(line)}"
+
+
+@pytest.mark.parametrize("where", WHERE)
+@pytest.mark.parametrize("kind", STATEMENTS)
+def test_a_fault_in_python_names_its_statement(kind: str, where: str) -> None:
+    places = {level: place_of(kind, where, level=level) for level in (0, 1)}
+    assert places == dict.fromkeys(places, line_of(kind, where))
+
+
+@pytest.mark.parametrize("where", WHERE)
+@pytest.mark.parametrize("kind", STATEMENTS)
+def test_the_reference_names_the_line_in_the_statement(kind: str, where: str) -> None:
+    line = 0 if kind.startswith("infinite state") else 1
+    assert place_of(kind, where, level="reference") == line_of(kind, where, line)
+
+
+@pytest.mark.parametrize("where", WHERE)
+@pytest.mark.parametrize("kind", STATEMENTS)
+def test_a_fault_in_c_names_its_statement(kind: str, where: str) -> None:
+    try:
+        find_compiler()
+    except CompilerError as problem:
+        pytest.skip(str(problem))
+    places = {level: place_of(kind, where, target="c", level=level) for level in (0, 1)}
+    assert places == dict.fromkeys(places, line_of(kind, where))
