@@ -1,1 +1,1 @@
-"""Programs → pictures: what is drawn, where, and how it looks."""
+"""Programs → pictures: the elements of diagrams, their layout, and their look."""

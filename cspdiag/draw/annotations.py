@@ -1,4 +1,4 @@
-"""What surrounds a picture: its heading, its legend, and the messages that its marks refer to."""
+"""What surrounds a picture: the heading, the legend, and the messages to which its marks refer."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def first_sentence(doc: str) -> str:
 
 
 def wrapped(text: str, size: float, width: float, face: Face = Face.SANS) -> list[str]:
-    """Lines of words, none wider than ``width`` pixels but for single words."""
+    """Lines of words, none wider than ``width`` pixels unless it is a single word."""
     lines: list[str] = []
     for word in text.split():
         if lines and text_width(f"{lines[-1]} {word}", size, face) <= width:
@@ -74,7 +74,7 @@ def wrapped(text: str, size: float, width: float, face: Face = Face.SANS) -> lis
 
 
 def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[tuple[TextRun, ...]]:
-    """Lines no wider than ``width`` pixels, but for single words; what is between backticks is set as code, without
+    """Lines no wider than ``width`` pixels, except for single words; text between backticks is set as code, without
     them.
     """
     words: list[list[TextRun]] = []
@@ -98,7 +98,7 @@ def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[t
 
 
 def _merged(runs: list[TextRun]) -> tuple[TextRun, ...]:
-    """Neighbours with the same look as one run."""
+    """The runs, with adjacent ones of the same look merged."""
     merged: list[TextRun] = []
     for run in runs:
         if merged and (merged[-1].face, merged[-1].ink) == (run.face, run.ink):
@@ -109,7 +109,7 @@ def _merged(runs: list[TextRun]) -> tuple[TextRun, ...]:
 
 
 def has_badge(mark: Mark) -> bool:
-    """Whether a mark has a badge at its element; one that only highlights has it for numbers."""
+    """Whether a mark has a badge at its element; one that only highlights has a badge only if it has numbers."""
     return mark.kind != "highlighted" or bool(mark.numbers)
 
 

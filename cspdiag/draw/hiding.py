@@ -19,7 +19,7 @@ class Hidden:
     names: frozenset[str] = frozenset()
 
     def hides(self, sort: str, name: str = "") -> bool:
-        """Whether labels of a sort are hidden, or that of this name."""
+        """Whether all labels of a sort are hidden, or the one of this name."""
         return sort in self.names or (bool(name) and name in self.names)
 
 
@@ -28,5 +28,5 @@ ALL_LABELS = Hidden(frozenset(KINDS_OF_LABELS) - {"legend"})
 
 
 def hidden(words: Iterable[str]) -> Hidden:
-    """What comma-separated words hide; spaces around them do not count."""
+    """The labels that comma-separated words hide; spaces around them do not count."""
     return Hidden(frozenset(word.strip() for given in words for word in given.split(",") if word.strip()))

@@ -55,13 +55,11 @@ class Pictures:
 
     @cached_property
     def facts(self) -> Facts:
-        """What the compiler has found out."""
+        """The compiler's results about the program."""
         return Facts(self.program, self.analysis)
 
     def drawn(self, *, imported: bool = False) -> list[Drawn]:
-        """The processes and environments of the main file in text order; also those of imported files where that is
-        wished.
-        """
+        """The processes and environments of the main file in text order; also those of imported files if requested."""
         own = set(self.program.main.items)
         return [
             definition
@@ -76,8 +74,8 @@ class Pictures:
         return found if isinstance(found, Drawn) else None
 
     def outermost(self) -> Drawn | None:
-        """What is drawn when nothing is named: the process of the first environment, or else what the other commands
-        take for the outermost.
+        """What is drawn when nothing is named: the process of the first environment, or else the outermost process of
+        the other commands.
         """
         drawn = self.drawn()
         for definition in drawn:
@@ -122,7 +120,7 @@ class Pictures:
         return composition_diagram(self.program.definitions, definition, depth)
 
     def scene(self, definition: Drawn, wish: Wish = DEFAULT, links: Mapping[str, str] | None = None) -> Scene:
-        """The picture of a process or an environment. Raises what ``lay_out`` raises."""
+        """The picture of a process or an environment. Raises the same exceptions as ``lay_out``."""
         found = self.concerned(definition)
         composition = None if wish.which == "communication" else self.composition(definition, wish.depth)
         steps = {} if composition is None else {element.key: element.spans for element in composition.elements()}
@@ -148,9 +146,7 @@ class Pictures:
 
 
 def places_of(diagram: CommunicationDiagram, prefix: str = "") -> dict[str, tuple[Span, ...]]:
-    """The places in the text of all elements of a diagram and of what it shows inside, under the names that
-    marks have.
-    """
+    """The places in the text of all elements of a diagram and of those inside it, by the names that marks use."""
     places: dict[str, tuple[Span, ...]] = {}
     for element in diagram.elements():
         places[f"{prefix}{element.key}"] = element.spans

@@ -113,7 +113,7 @@ def chapters(pictures: Pictures) -> list[Chapter]:
     """The definitions of the main file and all that they use: processes from the outermost inwards, environments,
     submodels, drivers.
 
-    Raises what ``lay_out`` raises.
+    Raises the same exceptions as ``lay_out``.
     """
     described = _described(pictures)
     links = {name: f"#{anchor(name)}" for name in described}
@@ -206,7 +206,7 @@ def _figures(pictures: Pictures, definition: Drawn, links: Mapping[str, str]) ->
         wishes.append(("Composition", Wish(which="composition")))
     figures: list[Figure] = []
     for kind, wish in wishes:
-        # The messages are those of both: the last figure has them.
+        # The messages concern both figures; the last one shows them.
         left_out = {"heading"} if kind == wishes[-1][0] else {"heading", "messages"}
         scene = _without(pictures.scene(definition, wish, links), left_out, f"{definition.name.text}-{kind}")
         figures.append(Figure(kind, embedded_svg(scene)))
@@ -214,7 +214,7 @@ def _figures(pictures: Pictures, definition: Drawn, links: Mapping[str, str]) ->
 
 
 def _without(scene: Scene, kinds: set[str], name: str) -> Scene:
-    """A drawing without the groups of some kinds; its heading the page has in words."""
+    """A drawing without the groups of some kinds, and without its heading, which the page has as text."""
     kept = [item for item in scene.items if not (isinstance(item, Group) and item.kind in kinds)]
     return fitted(kept, margin=2, title=scene.title, description=scene.description, name=name)
 

@@ -1,4 +1,4 @@
-"""Program text in pieces of one look, for pages."""
+"""Splits program text into pieces of one look each, for highlighting on pages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ def _scanner() -> Scanner:
 
 
 def highlighted(text: str, links: Mapping[str, str]) -> list[list[Piece]]:
-    """The lines of a text; names of ``links`` lead to their addresses. Any text has pieces, and they add up to it."""
+    """The lines of a text in pieces; names in ``links`` lead to their addresses. This works for any text, and the
+    pieces add up to it.
+    """
     pieces: list[Piece] = []
     at = 0
     before = ""

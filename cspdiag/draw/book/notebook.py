@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 def notebook(program: Program | None, found: Sequence[Diagnostic]) -> str | None:
-    """The messages about a program and its diagrams, those of the outermost process unfolded; None where there is
-    nothing to show.
+    """The messages about a program and its diagrams, those of the outermost process unfolded; None if there is nothing
+    to show.
 
-    ``program`` is None where it cannot be read. What has errors is drawn as far as it can be read, with marks. Raises
-    what ``lay_out`` raises.
+    ``program`` is None if it cannot be read. A program with errors is drawn as far as it can be read, with marks.
+    Raises the same exceptions as ``lay_out``.
     """
     from cspdiag.base.render.text import render
 

@@ -14,7 +14,7 @@ from cspdiag.draw.scene.palette import MONO, SANS, Scheme
 
 
 def _visible(value: object) -> object:
-    """Text from outside as it can be shown; markup is made here, and as it should be."""
+    """Text from outside in a form that can be shown; markup is made here, and needs no treatment."""
     return visible(value) if type(value) is str else value
 
 
@@ -22,7 +22,7 @@ def book(pictures: Pictures) -> str:
     """The page: every process and environment with both diagrams, submodels and drivers, their texts, ports and
     parameters, and links between them.
 
-    Raises what ``lay_out`` raises.
+    Raises the same exceptions as ``lay_out``.
     """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 

@@ -44,7 +44,7 @@ ROW_GAP = 24.0
 GAP = 26.0
 """Between heading, drawing, legend and messages."""
 CORNER_RISE = 2.0
-"""How far the middle of a badge at a corner is outside of the shape, so that it leaves the text within free."""
+"""How far the middle of a badge at a corner is outside the shape, so it does not cover the text inside."""
 TEXT_MARGIN = 3.0
 """Between the side of a node that is only a text, where its arrows end, and the text."""
 
@@ -57,10 +57,11 @@ def draw_communication(
     diagnostics: Mapping[int, Diagnostic] | None = None,
     links: Mapping[str, str] | None = None,
 ) -> Scene:
-    """A communication diagram with its heading, a legend of what occurs, and the messages that the marks refer to.
+    """A communication diagram with its heading, a legend of the symbols that occur, and the messages to which the marks
+    refer.
 
     ``marks`` are by the key of the element, below that of the box around it (``horizontal/alignL``), and by WHOLE for
-    the diagram as a whole; ``links`` lead from a definition to an address. Raises what ``lay_out`` raises.
+    the diagram as a whole; ``links`` lead from a definition to an address. Raises the same exceptions as ``lay_out``.
     """
     marks = dict(marks or {})
     mark_of_whole = marks.pop(WHOLE, None)
@@ -80,7 +81,7 @@ def draw_communication(
 
 
 def _with_row(layout: Layout, apart: Sequence[Node]) -> Layout:
-    """The layout with further nodes in rows below it."""
+    """The layout, with further nodes in rows below it."""
     nodes = dict(layout.nodes)
     x, y = 0.0, layout.height + ROW_GAP if layout.nodes else 0.0
     for node in apart:
@@ -104,7 +105,7 @@ def _title(diagram: CommunicationDiagram) -> tuple[TextRun, ...]:
 
 
 class _Drawing:
-    """Puts shapes and texts where the layout says."""
+    """Draws shapes and texts at the places of the layout."""
 
     def __init__(self, made: CommunicationGraph, layout: Layout, marks: Marks, links: Mapping[str, str]) -> None:
         self.made = made
@@ -115,10 +116,10 @@ class _Drawing:
         self.symbols = {name: symbols.symbol_of(arrow) for name, arrow in made.arrows.items()}
         self.pieces = symbol_pieces(self.routes, self.symbols)
         self.corners: list[Rectangle] = []
-        """Where there are badges at corners."""
+        """The places of badges at corners."""
 
     def picture(self) -> tuple[Item, ...]:
-        """Boxes, outer ones first, then the arrows above them, then badges."""
+        """The boxes, outer ones first, then the arrows on top of them, then badges."""
         boxes = [self._vertex(name, vertex) for name, vertex in self.made.vertices.items()]
         arrows = [self._arrow(name, arrow) for name, arrow in self.made.arrows.items()]
         badges = [self._badge(name, mark) for name, mark in self.marks.items()]
@@ -220,7 +221,7 @@ class _Drawing:
         return port is not None and port.direction == direction
 
     def _badge(self, name: str, mark: Mark) -> Item | None:
-        """At a corner of a shape, the upper right one where that is free, and beside a text or a line."""
+        """A badge at a corner of a shape, the upper right one if it is free, or next to a text or a line."""
         vertex, place = self.made.vertices.get(name), self.layout.nodes.get(name)
         if not has_badge(mark):
             return None
@@ -237,7 +238,7 @@ class _Drawing:
         return None
 
     def _free(self, candidates: Sequence[Point], half: float) -> Point:
-        """The first place where a badge lies on no label and on no other badge, or else the first."""
+        """The first place where a badge overlaps no label and no other badge, or else the first place."""
         taken = [*self.layout.labels.values(), *self.corners]
         rooms = [Rectangle(at.x - half, at.y - BADGE, 2 * half, 2 * BADGE) for at in candidates]
         free = [place for place, room in enumerate(rooms) if not any(room.overlaps(other) for other in taken)]
@@ -247,8 +248,8 @@ class _Drawing:
 
 
 def _corners(place: Rectangle, half: float) -> list[Point]:
-    """Where the middle of a badge may be that sits on a corner of a shape: the right ones first, and the upper ones of
-    those.
+    """Possible places of the middle of a badge on a corner of a shape: the right corners first, and of those the upper
+    one.
     """
     left, right = place.x - BADGE + BADGE_GAP + half, place.right + BADGE - BADGE_GAP - half
     return [Point(x, y) for x in (right, left) for y in (place.y - CORNER_RISE, place.bottom + CORNER_RISE)]

@@ -1,4 +1,4 @@
-"""The elements of a communication diagram → the graph that is laid out, with the texts that it reserves room for."""
+"""The elements of a communication diagram → the graph that is laid out, with the texts for which it reserves room."""
 
 from __future__ import annotations
 
@@ -44,17 +44,17 @@ STORE_GAP = 12.0
 BADGE_GAP = 4.0
 """Between a text and the badge beside it."""
 BADGE_HEIGHT = 2 * BADGE + HEADROOM
-"""Of labels with a badge: unlike letters it fills all of its room."""
+"""The extra height of labels with a badge: unlike letters it fills all of its room."""
 
 
 @record
 class Caption:
-    """A text to be set where the layout has left room for it: a line for each tuple of runs."""
+    """A text for which the layout leaves room: a line for each tuple of runs."""
 
     lines: tuple[tuple[TextRun, ...], ...]
     size: float
     mark: Mark | None = None
-    """The mark whose badge is next to the text; it takes room even without a text."""
+    """The mark whose badge is next to the text; the badge takes room even without a text."""
 
     @property
     def text_width(self) -> float:
@@ -85,7 +85,7 @@ class CommunicationGraph:
 
     graph: Graph = field(default_factory=lambda: Graph(()))
     apart: tuple[Node, ...] = ()
-    """What no arrow leads to or from, such as variables that only the composition uses: it is below the rest."""
+    """Nodes without arrows, such as variables that only the composition uses; they are drawn below the rest."""
     captions: dict[str, Caption] = field(default_factory=dict)
     vertices: dict[str, Vertex] = field(default_factory=dict)
     ports: dict[str, BoxPort] = field(default_factory=dict)
@@ -93,11 +93,9 @@ class CommunicationGraph:
 
 
 def communication_graph(diagram: CommunicationDiagram, hidden: Hidden, marks: Marks) -> CommunicationGraph:
-    """The graph of a diagram and of everything that it shows inside its boxes.
-
-    An element has its key as identifier, below that of the box around it: ``horizontal/alignL``. A port of a box is
-    ``horizontal/alignL|max``. Badges of ``marks`` get room beside texts and lines; at the corner of a shape they need
-    none.
+    """The graph of a diagram and of everything that it shows inside its boxes. The identifier of an element is its key
+    after that of the box around it: ``horizontal/alignL``. A port of a box is ``horizontal/alignL|max``. Badges of
+    ``marks`` get room next to texts and lines; at the corner of a shape they need none.
     """
     made = CommunicationGraph()
     nodes, edges = _Level(made, hidden, marks, "").level(diagram)
@@ -117,7 +115,7 @@ class _Level:
         self.prefix = prefix
         self.around = around
         self.at_border: dict[str, list[BoxPort]] = {}
-        """For parent ports the ports of the box around that are they, or elements of them."""
+        """By parent port: the ports of the box around that represent it, or elements of it."""
 
     def level(self, diagram: CommunicationDiagram) -> tuple[tuple[Node, ...], tuple[Edge, ...]]:
         if self.around is not None:
@@ -186,7 +184,9 @@ class _Level:
     def _small(
         self, name: str, caption: Caption | None, width: float, height: float, layer: Layer, is_used: bool
     ) -> Node:
-        """A node without ports of its own: arrows end in the middle of its left side and begin in that of its right."""
+        """A node without ports of its own: arrows end in the middle of its left side and begin in the middle of its
+        right side.
+        """
         if caption is not None:
             self.made.captions[name] = caption
         ports = (Port(f"{name}|<", Side.WEST), Port(f"{name}|>", Side.EAST))
@@ -232,7 +232,7 @@ class _Level:
             caption = replaced(caption, mark=self._badged(name))
         label = self._label(f"{name}#label", caption) if caption.width > 0 else None
         if arrow.key in self.parting:
-            # The symbol stands below the label, where the arrow runs alone.
+            # The symbol is drawn below the label, where the arrow runs alone.
             label = replaced(label or self._label(f"{name}#label", caption), width=max(caption.width, SYMBOL_ROOM))
         sources = tuple(dict.fromkeys(place for end in arrow.sources for place in self._end(end, ">")))
         sinks = tuple(dict.fromkeys(place for end in arrow.sinks for place in self._end(end, "<")))
@@ -244,9 +244,7 @@ class _Level:
         return any(end in self.marks and isinstance(self.made.vertices.get(end), WrittenValue) for end in ends)
 
     def _end(self, end: End, side: str) -> list[str]:
-        """Where an arrow begins or ends: at several ports of the box around where it is connected element by
-        element.
-        """
+        """Where an arrow begins or ends: at several ports of the box around, if connected element by element."""
         if end.element in self.at_border:
             outer = self.prefix.removesuffix("/")
             return [f"{outer}|{port.key}" for port in elements_of(self.at_border[end.element], end.port or "")]
@@ -310,14 +308,14 @@ class _Level:
     def _type_of(self, arrow: Arrow) -> str | None:
         ports = [(end.element, end.port or "") for end in (*arrow.sources, *arrow.sinks)]
         if any(port not in self.types for port in ports):
-            # The port or variable at that end shows its type itself.
+            # The port or variable at that end shows the type itself.
             return None
         return arrow.type or next((self.types[port] for port in ports if self.types[port] != "?"), None)
 
 
 def elements_of(ports: Sequence[BoxPort], index: str) -> Sequence[BoxPort]:
-    """The ports of a box that the element ``[2]`` of a port may be, as it is called inside the box: the one with this
-    number, or else those whose numbers a replicator gives, or else all.
+    """The ports of a box that may be the element ``[2]`` of a port, as seen from inside the box: the one with this
+    number, or else those whose numbers come from a replicator, or else all.
     """
     if not _NUMBERS.fullmatch(index):
         return ports
@@ -342,7 +340,7 @@ def box_caption(box: Box) -> Caption:
 
 
 def port_caption(port: BoxPort) -> Caption:
-    """The local name of a port, with the default that it was left to."""
+    """The local name of a port, with its default if it is not connected."""
     runs = [TextRun(port.key, ink=Ink.FAINT)]
     if port.default is not None:
         runs.append(TextRun(f" = {port.default}", Face.ITALIC, Ink.FAINT))

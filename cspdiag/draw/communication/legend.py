@@ -14,7 +14,7 @@ from cspdiag.draw.scene.text_metrics import ASCENT, line_height, text_width
 
 SIZE = 11.0
 SAMPLE = 34.0
-"""The width of what is explained."""
+"""The width of a sample."""
 ROW = 22.0
 SPACE = 22.0
 """Between two entries of a row."""
@@ -40,7 +40,9 @@ def legend(vertices: Iterable[Vertex], arrows: Iterable[Arrow], width: float) ->
 
 
 def in_rows(entries: Sequence[Entry], width: float) -> Group | None:
-    """Words with samples, in rows not wider than ``width``, from the origin; None if there is nothing to explain."""
+    """Samples with their explanations, in rows not wider than ``width``, from the origin; None if there is nothing to
+    explain.
+    """
     if not entries:
         return None
     items: list[Item] = []

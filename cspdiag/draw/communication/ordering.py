@@ -1,4 +1,4 @@
-"""The order in which elements are handed to the layout, which keeps it within a layer."""
+"""The order in which elements are passed to the layout, which keeps it within a layer."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from cspdiag.draw.elements.diagram import Box, CommunicationDiagram, End, Vertex
 
 
 def ordered(diagram: CommunicationDiagram) -> list[Vertex]:
-    """Instances in text order, and everything else beside the ports that it is connected to.
-
-    The box number ``n`` has the position ``n``, its ports lie around that. An element with one neighbour is next to its
-    port, one with several at their mean position, neighbours of boxes first. What is connected to no box comes last.
+    """Instances in text order, and everything else next to the ports to which it is connected. Box number ``n`` has
+    position ``n``, with its ports around that. An element with one neighbour is next to its port, one with several at
+    their mean position, neighbours of boxes first. What is connected to no box comes last.
     """
     positions = _box_positions(diagram)
     neighbours: dict[str, list[End]] = {vertex.key: [] for vertex in diagram.vertices}

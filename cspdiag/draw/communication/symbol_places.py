@@ -1,5 +1,5 @@
-"""Where the symbols of arrows stand: at the beginning, or, where arrows of several kinds leave one port together, on
-each behind the place at which it parts from the others.
+"""The places of the symbols of arrows: at the beginning, or, if arrows of several kinds leave one port together, on
+each arrow after it has parted from the others.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from cspdiag.draw.scene.outline import ARROW_LENGTH
 CORNER = 5.0
 """The radius of the bends of arrows."""
 SYMBOL_ROOM = 30.0
-"""The length of a straight piece of line that shows a symbol."""
+"""The length of a straight piece of line that has room for a symbol."""
 
 _Piece = tuple[Point, Point]
 
 
 def parting(arrows: Iterable[Arrow]) -> Iterator[str]:
-    """The keys of the arrows that leave a port together with arrows that have other symbols."""
+    """The keys of the arrows that leave a port together with arrows with other symbols."""
     leaving: dict[End, list[Arrow]] = {}
     for arrow in arrows:
         for source in arrow.sources:
@@ -35,8 +35,8 @@ def parting(arrows: Iterable[Arrow]) -> Iterator[str]:
 def symbol_pieces(
     routes: Mapping[str, Route], symbols: Mapping[str, Symbol | None]
 ) -> dict[str, dict[str, set[_Piece]]]:
-    """The pieces of line on which the symbol of each arrow stands, by the ports at which it begins; an arrow without a
-    symbol has None.
+    """The pieces of line that carry the symbol of each arrow, by the ports at which it begins; None for an arrow
+    without a symbol.
     """
     leaving: dict[str, list[str]] = {}
     for arrow, route in routes.items():
@@ -66,7 +66,7 @@ def _pieces(route: Route, section: Section, others: Sequence[_Piece]) -> Iterato
 
 
 def _paths(route: Route, section: Section, before: tuple[Point, ...] = ()) -> Iterator[tuple[Point, ...]]:
-    """All ways from the beginning of a section to the ends that the arrow has in that direction."""
+    """All paths from the beginning of a section to the ends of the arrow in that direction."""
     path = (*before, *section.points)
     onward = [each for each in route.sections if each.source is None and each.points[0] == path[-1]]
     if not onward:
@@ -76,7 +76,7 @@ def _paths(route: Route, section: Section, before: tuple[Point, ...] = ()) -> It
 
 
 def _alone(path: Sequence[Point], others: Sequence[_Piece]) -> tuple[Point, ...]:
-    """What is left of a path behind the part that the others cover from its beginning on."""
+    """The rest of a path after the part that the others cover from its beginning."""
     for at, (first, second) in enumerate(pairwise(path)):
         reached = _covered(first, second, others)
         if reached != second:
@@ -85,7 +85,7 @@ def _alone(path: Sequence[Point], others: Sequence[_Piece]) -> tuple[Point, ...]
 
 
 def _covered(first: Point, second: Point, others: Sequence[_Piece]) -> Point:
-    """How far pieces cover the line from a point to another."""
+    """How far pieces cover the line from one point to another."""
     reached = first
     while reached != second:
         further = [
@@ -103,7 +103,7 @@ def _covered(first: Point, second: Point, others: Sequence[_Piece]) -> Point:
 
 
 def _roomy(path: Sequence[Point]) -> _Piece:
-    """The first straight piece that has room for a symbol behind its bend, a level one if possible; or else the
+    """The first straight piece with room for a symbol after its bend, a horizontal one if possible; or else the
     longest.
     """
     pieces = list(pairwise(path))
@@ -120,7 +120,7 @@ def _length(first: Point, second: Point) -> float:
 
 
 def _between(first: Point, middle: Point, last: Point) -> bool:
-    """Whether a point is on an upright or level line."""
+    """Whether a point is on a vertical or horizontal line."""
     return abs(_length(first, middle) + _length(middle, last) - _length(first, last)) < 0.01 and (
         first.x == last.x or first.y == last.y
     )

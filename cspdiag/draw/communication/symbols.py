@@ -12,11 +12,11 @@ from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Ink, Item, Line
 
 Symbol: TypeAlias = FlowKind | Literal["several"]
-"""What an arrow begins with; ``several`` where instances of the process differ in the kind of channel."""
+"""What an arrow begins with; ``several`` if instances of the process differ in the kind of channel."""
 
 MARKED_WIDTH = 2.2
 STACK = 5.0
-"""How far the boxes behind that of an array show above it, and are narrower at each side."""
+"""How far the boxes behind the box of an array show above it; they are narrower by as much on each side."""
 SIDE_BAR = 5.0
 """Between the double lines at the sides of a submodel."""
 SYMBOL_DISTANCE = 11.0
@@ -36,8 +36,8 @@ def inside(mark: Mark | None, ink: Ink) -> Ink:
 
 
 def instance(box: InstanceBox, place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
-    """A process has round corners, a submodel double sides, a driver a chamfer, what is unknown a broken outline; an
-    array has two more behind it.
+    """The shape of an instance: a process has round corners, a submodel double sides, a driver a chamfer, an unknown
+    definition a dashed outline; an array has two more boxes behind it.
     """
     stroke, width, dash = outline(mark)
     shapes: list[Item] = []
@@ -92,7 +92,7 @@ def _folded_corner(place: Rectangle, stroke: Ink, dash: Dash) -> Item:
 
 
 def store(form: Store, place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
-    """A variable has a thick left side and no right one; a declared channel is a pill."""
+    """The shape of a store: a variable has a thick left side and no right one, a declared channel is a pill."""
     stroke, width, dash = outline(mark)
     fill = inside(mark, Ink.VARIABLE)
     if form.form == "channel":
@@ -112,7 +112,7 @@ def store(form: Store, place: Rectangle, mark: Mark | None = None) -> tuple[Item
 
 
 def sink(place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
-    """Three strokes that get shorter: what comes here is gone."""
+    """The shape of a sink, three strokes that get shorter: values that arrive here are discarded."""
     stroke, width, _ = outline(mark, Ink.LINE)
     x, middle = place.x, place.centre.y
     return tuple(
@@ -122,8 +122,8 @@ def sink(place: Rectangle, mark: Mark | None = None) -> tuple[Item, ...]:
 
 
 def port(at: Point, mark: Mark | None = None, *, is_connected: bool = True, inwards: float = 1) -> Item:
-    """A little square at the inner side of the border; an empty one is not connected. ``inwards`` is 1 at the left
-    side, -1 at the right.
+    """The shape of a port, a small square at the inner side of the border, empty if it is not connected. ``inwards`` is
+    1 at the left side, -1 at the right.
     """
     stroke, width, _ = outline(mark)
     size = 5.0
@@ -133,8 +133,8 @@ def port(at: Point, mark: Mark | None = None, *, is_connected: bool = True, inwa
 
 
 def symbol_of(arrow: Arrow) -> Symbol | None:
-    """The symbol that an arrow begins with: an event that all or one of several readers get is shown as that; None
-    where nothing is known.
+    """The symbol with which an arrow begins: an event that all or one of several readers get is shown by the symbol for
+    that; None if nothing is known.
     """
     if not arrow.kinds:
         return None
@@ -146,7 +146,7 @@ def symbol_of(arrow: Arrow) -> Symbol | None:
 
 
 def kind_symbol(symbol: Symbol, begin: Point, towards: Point, ink: Ink = Ink.LINE) -> tuple[Item, ...]:
-    """The symbol of a kind of channel on the first part of an arrow, none for a rendezvous."""
+    """The symbol of a kind of channel on the first part of an arrow; nothing for a rendezvous."""
     length = abs(towards.x - begin.x) + abs(towards.y - begin.y)
     if length == 0:
         return ()

@@ -1,6 +1,4 @@
-"""The tooltips of elements: what, of which type, how often, why, and where in the
-text.
-"""
+"""The tooltips of elements: what they are, their types, periods and doc comments, and their places in the text."""
 
 from __future__ import annotations
 
@@ -21,11 +19,11 @@ WORDS: dict[FlowKind, str] = {
     "constant": "constant",
     "discard": "discarded",
 }
-"""What the kinds are called."""
+"""The names of the kinds."""
 
 
 def box_tooltip(box: Box) -> str:
-    """An instance, with its arguments and what its definition says."""
+    """An instance, with its arguments and the doc comment of its definition."""
     size = f"[{box.size}]" if box.size else ""
     arguments = f"({', '.join(box.arguments)})" if box.arguments else ""
     return _lines(

@@ -1,5 +1,5 @@
-"""Blocks: parts of a composition diagram that are placed as one, and the frames around those that have parts
-themselves.
+"""Blocks: parts of a composition diagram that are placed as a unit, and the frames around those with parts of their
+own.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from cspdiag.draw.scene.shapes import Anchor, Box, Dash, Ellipse, Face, Group, I
 from cspdiag.draw.scene.text_metrics import CAPITAL, text_width
 
 SIZE = 13
-"""Of texts, in pixels."""
+"""The size of texts, in pixels."""
 LINE = 16
 """From one line of a text to the next."""
 PARENTHESIS = 7
-"""The diameter of the little circle at the end of a line that belongs to a group."""
+"""The diameter of the small circle at the end of a line that belongs to a group."""
 CORNER = 4
-"""From the corner of an element to the middle of its badge, where that is no wider than high."""
+"""From the corner of an element to the middle of its badge, if the badge is no wider than high."""
 PADDING = 14
 """Between a frame and what it holds."""
 LONGEST = 220
-"""What a line of text may take before it is broken."""
+"""The width of a line of text above which it is broken."""
 MOST_LINES = 4
-"""A longer text ends in an ellipsis; its tooltip has all of it."""
+"""The number of lines of a text; a longer one ends in an ellipsis, and its tooltip has all of it."""
 
 
 @record
@@ -54,11 +54,11 @@ class Block:
 
     @property
     def gap(self) -> float:
-        """What the circle at the end of a line takes."""
+        """The room for the circle at the end of a line."""
         return PARENTHESIS if self.is_group else 0
 
     def at_least(self, width: float) -> Block:
-        """The same block, wider where it can be."""
+        """The same block, widened if it can be."""
         return self if self.widened is None or self.width >= width else self.widened(width)
 
 
@@ -84,24 +84,24 @@ def look(mark: Mark | None, stroke: Ink, fill: Ink) -> Look:
 
 
 def badges(mark: Mark | None, right: float) -> tuple[Item, ...]:
-    """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where it has none
-    of its own.
+    """The badge at the upper right corner of an element, with the numbers of its messages or the sign of a change, if
+    its mark has any.
     """
     if mark is None or not (mark.numbers or mark.note):
         return ()
-    # A wide badge goes to the left, where the element is: to the right of it lines lead on.
+    # A wide badge extends to the left, over the element: to the right there are lines.
     return (badge(mark, Point(right + BADGE - CORNER - badge_width(mark) / 2, 0)),)
 
 
 def group(kind: str, key: str, items: Iterable[Item], title: str, mark: Mark | None, link: str = "") -> Group:
-    """What belongs to one element, marked in its classes and its tooltip as well."""
+    """The group of the items of one element, with its mark in its classes and its tooltip."""
     words = kind if mark is None else f"{kind} {mark.kind}"
     notes = (title, mark.note if mark is not None else "")
     return Group(words, tuple(items), f"step-{key}", "\n".join(note for note in notes if note), link)
 
 
 def lines_of(text: str, longest: float = LONGEST, face: Face = Face.SANS) -> list[str]:
-    """A text in lines not longer than ``longest`` where spaces allow it."""
+    """A text in lines not longer than ``longest``, as far as its spaces allow."""
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()
@@ -140,7 +140,7 @@ def above(lines: Sequence[str], at: Point, face: Face = Face.SANS, anchor: Ancho
 
 
 def parenthesis(at: Point, dx: float, dy: float) -> Ellipse:
-    """The little circle that touches a border at a point, on the side to which (dx, dy) leads."""
+    """The small circle that touches a border at a point, on the side to which (dx, dy) leads."""
     radius = PARENTHESIS / 2
     centre = at.moved(dx * radius, dy * radius)
     return Ellipse(Rectangle(centre.x - radius, centre.y - radius, PARENTHESIS, PARENTHESIS), Ink.PAPER, Ink.LINE)
@@ -148,7 +148,7 @@ def parenthesis(at: Point, dx: float, dy: float) -> Ellipse:
 
 @record
 class FrameStyle:
-    """What describes a frame: its class, its key, its tooltip, and what is in its upper left corner."""
+    """The attributes of a frame: its class, its key, its tooltip, and the name in its upper left corner."""
 
     kind: str
     key: str
@@ -161,7 +161,7 @@ class FrameStyle:
 
 
 def framed(block: Block, style: FrameStyle) -> Block:
-    """A block within a frame: one process for whatever is joined to it."""
+    """A block within a frame, which other blocks can be joined to as to a single process."""
     top = PADDING + (style.name_height if style.name else 0)
     behind = STACK * (style.copies - 1)
     inner_width = max(block.width + 2 * PADDING, style.name_width + 2 * PADDING)

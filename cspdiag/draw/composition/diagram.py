@@ -62,8 +62,8 @@ def draw_composition(
     hidden: Hidden = NOTHING_HIDDEN,
     is_headed: bool = True,
 ) -> Scene:
-    """A composition diagram with its heading, a legend of the signs that occur, and the messages that the marks refer
-    to.
+    """A composition diagram with its heading, a legend of the signs that occur, and the messages to which the marks
+    refer.
 
     ``marks`` are by the key of the element (``1.2``); ``links`` lead from the definition of an instance to an address.
     A process without a composition has an empty diagram.
@@ -94,11 +94,11 @@ class _Drawer:
         self._links = links
 
     def whole(self, root: Composition) -> Block:
-        """The whole diagram; it has a frame only where that carries a mark."""
+        """The whole diagram; it has a frame only if the frame carries a mark."""
         return self.operand(root, WIDEST) if root.key in self._marks else self.bare(root, WIDEST)
 
     def operand(self, element: Composition, limit: float) -> Block:
-        """An element that a relation joins: one shape, or a group."""
+        """An operand of a relation: one shape, or a group."""
         if isinstance(element, Activity | NamedGroup | Replication | Inside):
             return self.bare(element, limit)
         style = FrameStyle(

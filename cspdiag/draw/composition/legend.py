@@ -60,7 +60,7 @@ def explanations(diagram: CompositionDiagram) -> Iterator[Entry]:
 
 
 def _has_groups(diagram: CompositionDiagram) -> bool:
-    """Whether a line ends at a frame: what a relation joins has parts itself."""
+    """Whether a line ends at a frame, because an operand of a relation has parts itself."""
     return any(
         not isinstance(part, Activity | Guard | Case | Handler)
         and not (isinstance(element, Chain) and isinstance(part, Guarded))

@@ -1,7 +1,6 @@
-"""Places blocks beside and below each other and draws the relations that join them.
-
-A sequence flows from left to right and continues in a new row where it would be too long; parallel and alternative
-processes are below each other. Where a line ends at a group it carries the circle of a parenthesis.
+"""Places blocks side by side and below each other and draws the relations that join them. A sequence flows from left to
+right and continues in a new row if it would be too long; parallel and alternative processes are below each other. A
+line that ends at a group carries the circle of a parenthesis.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ _ROWS = 34
 _TALLEST = 900
 """A vertical relation continues in a new column beyond this."""
 _TURN = 18
-"""How far the line of a loop keeps from its body."""
+"""The distance of the line of a loop from its body."""
 _CORNER = 5
 _MU = 30
 
@@ -84,7 +83,7 @@ class _Placed:
 
 
 def _join(kind: str, points: Sequence[Point], first: Block, last: Block, head: Head = Head.NONE) -> Group:
-    """A line between the borders of two blocks, with the circles of those that are groups."""
+    """A line between the borders of two blocks, with a circle at those that are groups."""
     shortened = [points[0], *points[1:-1], points[-1]]
     circles: list[Item] = []
     for block, end, beside in ((first, 0, 1), (last, -1, -2)):
@@ -104,15 +103,13 @@ def _direction(start: Point, end: Point) -> tuple[float, float]:
 def _whole(parts: Sequence[_Placed], relations: Sequence[Item], axis: float, width: float = 0) -> Block:
     width = max([width, *(part.right for part in parts)])
     height = max(part.bottom for part in parts)
-    # Badges at the corners of the parts lie above the lines.
+    # Badges at the corners of the parts are drawn over the lines.
     items = (*relations, *(item for part in parts for item in part.items()))
     return Block(width, height, Point(0, axis), Point(width, axis), min(width / 2, 80), items)
 
 
 def sequence(blocks: Sequence[Block], limit: float) -> Block:
-    """Blocks from left to right with an arrow from each to the next, in rows not wider than ``limit`` where that can
-    be.
-    """
+    """Blocks from left to right with an arrow from each to the next, in rows not wider than ``limit`` if possible."""
     parts: list[_Placed] = []
     relations: list[Item] = []
     top = 0.0
@@ -149,7 +146,7 @@ def _rows(blocks: Sequence[Block], limit: float) -> list[list[Block]]:
 
 
 def _return(parts: Sequence[_Placed], part: _Placed, top: float) -> tuple[Point, ...]:
-    """From the last block of a row to the first of the next."""
+    """The line from the last block of a row to the first one of the next."""
     start, end = parts[-1].exit, part.entry
     right = parts[-1].right + _INDENT / 2
     between = top - _ROWS / 2
@@ -165,9 +162,7 @@ def _return(parts: Sequence[_Placed], part: _Placed, top: float) -> tuple[Point,
 
 
 def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> Block:
-    """Blocks below each other, joined by a line that carries the sign of the operator; in columns where they
-    are many.
-    """
+    """Blocks below each other, joined by a line that carries the sign of the operator; many blocks in columns."""
     if all(block.is_group and block.height > _TALLEST / 2 for block in blocks):
         return _horizontal(blocks, operator, prioritized)
     spine = min(block.spine for block in blocks)
@@ -185,7 +180,7 @@ def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> 
         parts.append(part)
         y = part.bottom + BELOW + HEAD * prioritized + block.gap + after.get(number, 0)
     if x:
-        # The line to the next column goes round the upper edge.
+        # The line to the next column passes around the upper edge.
         parts = [replaced(part, y=part.y + _TURN) for part in parts]
         relations = [moved(relation, 0, _TURN) for relation in relations]
     whole = _whole(parts, relations, 0)
@@ -231,7 +226,7 @@ def _relation(
 
 
 def _horizontal(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> Block:
-    """Tall groups beside each other, joined by a line through their upper parts."""
+    """Tall groups side by side, joined by a line through their upper parts."""
     parts: list[_Placed] = []
     relations: list[Item] = []
     y = min(80, *(block.height / 2 for block in blocks))
@@ -248,7 +243,7 @@ def _horizontal(blocks: Sequence[Block], operator: Operator, prioritized: bool) 
 
 
 def guarded(guard: Block, process: Block) -> Block:
-    """A guard and, after it, its process."""
+    """A guard followed by its process."""
     axis = max(guard.entry.y, process.entry.y)
     first = _Placed(guard, 0, axis - guard.entry.y)
     second = _Placed(process, guard.width + AHEAD - 4 + process.gap, axis - process.entry.y)
@@ -258,7 +253,7 @@ def guarded(guard: Block, process: Block) -> Block:
 
 
 def loop(body: Block, element: Loop, mark: Mark | None, tooltip: str) -> Block:
-    """The sign of the μ-process, an arrow to its body, and a line back; the condition stands where it is tested."""
+    """The sign of the μ-process, an arrow to its body, and a line back; the condition is written where it is tested."""
     condition = element.condition
     before = lines_of(f"while {condition.text}") if condition is not None and element.form == "while" else []
     after = lines_of(f"until {condition.text}", 300) if condition is not None and element.form == "mu" else []
@@ -291,7 +286,7 @@ def loop(body: Block, element: Loop, mark: Mark | None, tooltip: str) -> Block:
 
 
 def _condition(condition: Condition | None, mark: Mark | None, lines: Sequence[str], at: Point) -> tuple[Item, ...]:
-    """The words of a condition above a line; marked, they stand out from a ground."""
+    """The words of a condition above a line; if marked, on a coloured background."""
     assert condition is not None
     items: list[Item] = [*above(lines, at)]
     if mark is not None:
@@ -305,7 +300,7 @@ def _condition(condition: Condition | None, mark: Mark | None, lines: Sequence[s
 
 
 def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: Block | None) -> Block:
-    """Conditions below each other, each with its process at the right; the last may be left out by ``otherwise``."""
+    """Conditions below each other, each with its process on the right; the last may have none (``otherwise``)."""
     width = max(condition.width for condition in conditions)
     conditions = [condition.at_least(width) for condition in conditions]
     parts: list[_Placed] = []
@@ -336,7 +331,7 @@ def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: B
 
 @record
 class Watch:
-    """A handler that is placed: what it waits for, the process that then runs, and whether that is for an exception."""
+    """A placed handler: what it waits for, the process that then runs, and whether it handles an exception."""
 
     guard: Block
     process: Block
@@ -345,7 +340,9 @@ class Watch:
 
 
 def watched(process: Block, watches: Sequence[Watch]) -> Block:
-    """A process, and below it what ends it, the innermost first; a line from the process to each carries its sign."""
+    """A process, and below it the handlers that can end it, the innermost first; a line from the process to each
+    carries its sign.
+    """
     count = len(watches)
     process = process.at_least(26 + 34 * (count - 1) + 26)
     parts = [_Placed(process, 0, 0)]

@@ -1,4 +1,4 @@
-"""The shapes of what has no parts: processes, guards, conditions, and the signs of operators.
+"""The shapes of elements without parts (processes, guards, conditions) and the signs of operators.
 
 A reader is notched and a writer pointed, as inputs and outputs are in SDL (ITU-T Z.100).
 """
@@ -26,7 +26,7 @@ HEAD = 9
 """The length of the arrow head of a priority."""
 _LOWEST = 36
 _ROOM = 20
-"""Around the lines of a text, from top to bottom."""
+"""The room around the lines of a text, at the top and the bottom together."""
 
 Outline = Callable[[float, float, Look], Sequence[Item]]
 """Shapes for a width, a height and a look."""
@@ -44,7 +44,7 @@ def _pill(width: float, height: float, look: Look) -> Sequence[Item]:
 
 
 def _instance(activity: Activity, mark: Mark | None) -> Outline:
-    """As in communication diagrams."""
+    """The shape of an instance, as in communication diagrams."""
     box = InstanceBox(
         key=activity.key, kind=activity.kind, definition=activity.definition or "", language=activity.language
     )
@@ -89,7 +89,7 @@ def _clock(look: Look) -> _Sign:
 
 
 def warning_sign(centre: Point, *, exclaims: bool, stroke: Ink = Ink.LINE) -> list[Item]:
-    """A triangle; for an exception it exclaims."""
+    """A triangle, with an exclamation mark for an exception."""
     x, y = centre.x, centre.y
     outline = Line(
         (Point(x, y - 8), Point(x + 9, y + 7), Point(x - 9, y + 7)), stroke, 1.2, closed=True, fill=Ink.PAPER
@@ -102,7 +102,7 @@ def warning_sign(centre: Point, *, exclaims: bool, stroke: Ink = Ink.LINE) -> li
 
 @record
 class _Form:
-    """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` precedes the
+    """An outline; ``inset`` is how far it is indented on its axis at the left and the right, ``sign`` precedes the
     text.
     """
 
@@ -113,7 +113,7 @@ class _Form:
 
 @record
 class _Owner:
-    """What a shape is drawn for: class, key, tooltip, mark, and where a click leads."""
+    """The element of a shape: class, key, tooltip, mark, and the address of its link."""
 
     kind: str
     key: str
@@ -192,7 +192,7 @@ def _activity_form(activity: Activity, mark: Mark | None, shown: Look) -> _Form:
 
 
 def guard_block(guard: Guard, mark: Mark | None) -> Block:
-    """The shape of a guard: that of what it does, on paper; its condition is above."""
+    """The shape of a guard, which depends on what it does, on paper; its condition is above."""
     condition = [] if guard.condition is None else lines_of(f"when {guard.condition}", face=Face.ITALIC)
     shown = look(mark, Ink.LINE, Ink.PAPER)
     form = _Form(_pill, sign=_clock(shown) if guard.form == "after" else None)
@@ -205,13 +205,13 @@ def guard_block(guard: Guard, mark: Mark | None) -> Block:
 
 
 def exception_block(handler: Handler, mark: Mark | None) -> Block:
-    """The name of an exception that is caught."""
+    """The shape of an exception that is caught."""
     owner = _Owner("exception", handler.key, step_tooltip(handler), mark)
     return _shape(owner, _plain(handler.exception or ""), _Form(_pill), look(mark, Ink.LINE, Ink.PAPER))
 
 
 def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
-    """A condition that is tested once."""
+    """The shape of a condition that is tested once."""
     owner = _Owner("condition", case.key, step_tooltip(case), mark)
     lines = _plain(f"{'if' if is_first else 'else if'} {case.condition}")
     return _shape(owner, lines, _Form(_hexagon, (POINT, POINT)), look(mark, Ink.LINE, Ink.PAPER))
@@ -220,8 +220,8 @@ def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
 def operator_sign(
     operator: str, prioritized: bool, centre: Point, way: tuple[float, float] = (0, 1)
 ) -> tuple[list[Item], float, float]:
-    """The sign of a relation around a point of its line, which leads ``way``; how far it reaches back and on along that
-    line.
+    """The sign of a relation around a point of its line, which leads ``way``, and how far it reaches backwards and
+    forwards along that line.
 
     The arrow head of priority points from the higher to the lower.
     """

@@ -32,7 +32,7 @@ _CHAINS: dict[tuple[Operator, bool], str] = {
 
 
 def chain_words(operator: Operator, prioritized: bool) -> str:
-    """What an operator means."""
+    """The meaning of an operator."""
     return _CHAINS[operator, prioritized]
 
 

@@ -19,17 +19,16 @@ from cspdiag.syntax.walk import instances_in
 
 _INDEX = re.compile(r"\[[^\]]*\]")
 MOST_NUMBERS = 10
-"""More processes than these are not numbered at one element."""
+"""If more processes than these wait at one element, they are not numbered."""
 
 
 @record
 class StuckProcess:
     """A process that can never continue.
 
-    ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits
-    (``to read Table.philosopher[0].first``), ``place`` is the file and line, ``channels`` are the full names of the
-    channels, ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it waits, if that
-    is known.
+    ``path`` is that of the process (``Table.fork[1]``), ``words`` says what it waits for (``to read
+    Table.philosopher[0].first``), ``place`` is the file and line, ``channels`` are the full names of the channels,
+    ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it waits, if that is known.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -43,16 +42,16 @@ class StuckProcess:
 
 
 def shortened(text: str, top: str) -> str:
-    """A path, or words with paths, without the name of the outermost process; empty for that itself."""
+    """A path, or words with paths, without the name of the outermost process; empty for that process itself."""
     return "" if text == top else re.sub(rf"(?<![\w.\]]){re.escape(top)}\.", "", text)
 
 
 def surroundings(
     program: Program, top: str, waiting: Sequence[StuckProcess], declared: Mapping[str, Span] = EMPTY
 ) -> tuple[CommunicationDiagram, dict[str, Mark]] | None:
-    """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None
-    where there is none. ``declared`` has the places in the text at which channels are declared, by their full names:
-    of relationships that begin at elements of one array it says which is meant.
+    """The diagram of the innermost process that contains all waiting processes, with marks on them, numbered in their
+    order; None if there is no such process. ``declared`` has the places in the text at which channels are declared, by
+    their full names: it distinguishes relationships that begin at elements of one array.
     """
     prefix = _common([tuple(each.path.split(".")) for each in waiting])
     definition = definition_at(program, prefix) if prefix and prefix[0] == top else None
@@ -63,7 +62,7 @@ def surroundings(
 
 
 def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
-    """What the paths have in common, but for the last part of each that has several."""
+    """The common beginning of the paths, without the last part of each."""
     holders = [path[:-1] or path for path in paths]
     common = takewhile(lambda parts: len(set(parts)) == 1, zip(*holders, strict=False))
     return tuple(part for part, *_ in common)
@@ -129,9 +128,7 @@ def _marks(
 
 
 def _declaring(diagram: CommunicationDiagram, place: Span | None) -> str | None:
-    """The key of the relationship that declares a channel at some place; None where something else does, such as a
-    port.
-    """
+    """The key of the relationship that declares a channel at a place; None if another element does, such as a port."""
     if place is None:
         return None
     for arrow in diagram.arrows:
@@ -143,7 +140,7 @@ def _declaring(diagram: CommunicationDiagram, place: Span | None) -> str | None:
 
 
 def _carries(arrow: Arrow, channel: str) -> bool:
-    """Whether a channel may be that of an arrow: by its label, or by an end whose numbers are no others."""
+    """Whether a channel may be that of an arrow: by its label, or by an end whose indexes do not contradict."""
     return any(_may_be(str(name), channel) for name in (arrow.label, *arrow.sources, *arrow.sinks) if name is not None)
 
 

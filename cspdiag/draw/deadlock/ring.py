@@ -25,9 +25,9 @@ _ACROSS = 56.0
 _DOWN = 44.0
 """Between the boxes of a ring, from left to right and from top to bottom."""
 _COMPOSITIONS = 4
-"""At most this number of compositions are shown."""
+"""The number of compositions that are shown at most."""
 _COLUMNS = 6
-"""A ring grows downwards beyond these."""
+"""The number of columns beyond which a ring grows downwards."""
 _PADDING = 12.0
 _WIDEST = 300.0
 _NAME_SIZE = 13.0
@@ -36,9 +36,10 @@ _PLACE_SIZE = 11.0
 
 @record
 class Deadlock:
-    """Which processes wait when nothing continues. ``cycle``: each waits for the next and the last for the first; it
-    may be empty. ``besides``: what else waits. ``declared``: where the channels are declared, by their full names.
-    ``title`` says what happened and when (``deadlock at 10 ms``), ``top`` is the name of the outermost process.
+    """The processes that wait when nothing continues. In ``cycle`` each waits for the next and the last for the first;
+    it may be empty. ``besides`` are the other waiting processes. ``declared`` is where the channels are declared, by
+    their full names. ``title`` says what happened and when (``deadlock at 10 ms``), ``top`` is the name of the
+    outermost process.
     """
 
     title: str
@@ -53,7 +54,7 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
     compositions, with them highlighted.
 
     Numbers show which box and which step belongs to which process of the ring; a composition is shown if it is known at
-    which step a process waits. Raises what ``lay_out`` raises.
+    which step a process waits. Raises the same exceptions as ``lay_out``.
     """
     ring = draw_ring(deadlock)
     if program is None:
@@ -68,7 +69,7 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
 
 
 def draw_ring(deadlock: Deadlock) -> Scene:
-    """The waiting processes alone, which takes no layout engine."""
+    """The waiting processes alone, which needs no layout engine."""
     title = (TextRun(deadlock.title, Face.BOLD, Ink.ACCENT), TextRun(f" in {deadlock.top}"))
     explained = (
         "each process waits for the one that its arrow leads to"
@@ -98,7 +99,7 @@ def _ring(cycle: Sequence[StuckProcess], top: str) -> Iterator[Item]:
 
 
 def _slots(count: int) -> list[tuple[int, int]]:
-    """Columns and rows around a rectangle, clockwise from its upper left corner; one may be left free, the last."""
+    """Columns and rows around a rectangle, clockwise from its upper left corner; the last one may be free."""
     columns = min(max((count + 1) // 2, 1), _COLUMNS)
     if count == 2:
         return [(0, 0), (1, 0)]
@@ -125,13 +126,15 @@ def _bend(places: Sequence[Rectangle], slots: Sequence[tuple[int, int]]) -> list
 
 
 def _arrow(points: Sequence[Point], first: Rectangle, second: Rectangle) -> Line:
-    """A line between the borders of two boxes, given by way of their centres."""
+    """A line between the borders of two boxes, given by its points from centre to centre."""
     ends = [_border(first, points[1]), *points[1:-1], _border(second, points[-2])]
     return Line(tuple(ends), Ink.ACCENT, 2, end=Head.ARROW, corner=5)
 
 
 def _border(place: Rectangle, towards: Point) -> Point:
-    """Where the border lies straight on the way from the centre to a point above, below or beside the box."""
+    """Where the straight line from the centre to a point above, below, or to the left or right of the box meets its
+    border.
+    """
     centre = place.centre
     if abs(towards.x - centre.x) > abs(towards.y - centre.y):
         return Point(place.right if towards.x > centre.x else place.x, centre.y)

@@ -1,4 +1,4 @@
-"""At which steps of their compositions processes wait."""
+"""Finds the steps of their compositions at which processes wait."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def waiting_steps(
 ) -> list[tuple[CompositionDiagram, dict[str, Mark]]]:
     """The compositions of the waiting processes, each once, with marks where they wait, numbered in their order.
 
-    Where it is not certain at which step a process waits, nothing is marked for it.
+    A process gets no mark if it is not certain at which step it waits.
     """
     diagrams: dict[str, CompositionDiagram] = {}
     found: dict[str, dict[str, list[int]]] = {}
@@ -45,7 +45,7 @@ def waiting_steps(
 
 
 def _steps(diagram: CompositionDiagram, waiting: StuckProcess) -> list[str]:
-    """The element at which a process waits; of an alternative the guards."""
+    """The elements at which a process waits; for an alternative, its guards."""
     if waiting.span is not None:
         return _at(diagram, waiting.span)
     steps = list(_on_line(diagram, waiting))
@@ -66,7 +66,9 @@ def _at(diagram: CompositionDiagram, span: Span) -> list[str]:
 
 
 def _on_line(diagram: CompositionDiagram, waiting: StuckProcess) -> Iterator[Part]:
-    """The steps on the line of the place that do what the process waits for; of several channels the guards."""
+    """The steps on the line of the place that do what the process waits for; if it waits for several channels, the
+    guards.
+    """
     file, _, line = (waiting.place or "").rpartition(":")
     sort = Guard if len(waiting.channels) > 1 else Activity
     ports = {port.partition("[")[0] for port in waiting.ports}

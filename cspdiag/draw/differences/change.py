@@ -15,8 +15,8 @@ Action: TypeAlias = Literal["added", "removed", "changed", "renamed"]
 
 @record
 class DefinitionPart:
-    """Something that a definition consists of: what it is called, what is said about it by aspect (``type``,
-    ``period``), and where.
+    """Something that a definition consists of: its name, its aspects (``type``, ``period``) with their texts, and where
+    it is.
 
     ``key`` is the element of the diagram that shows it, if any; ``text`` is the part as a reader knows it.
     """
@@ -36,7 +36,8 @@ class Change:
     """One difference. ``definition`` is the definition it is in, ``kind`` what that is (``process``); ``subject`` and
     ``name`` are empty for the definition itself.
 
-    ``aspect`` says what about a changed part differs; ``before`` and ``after`` are texts, None if there is nothing.
+    ``aspect`` says in what respect a changed part differs; ``before`` and ``after`` are texts, None if there is
+    nothing.
     """
 
     action: Action
@@ -58,7 +59,7 @@ _WITH_UNIT = re.compile(r"(?P<name>\w+)(?:<(?P<unit>[^>]*)>)?(?P<sizes>.*)")
 
 
 def compare(kind: str, definition: str, before: Parts, after: Parts) -> list[Change]:
-    """The parts that were added, removed, or changed; in the order of ``after``, those that went in that of
+    """The parts that were added, removed, or changed; in the order of ``after``, removed ones in the order of
     ``before``.
     """
     changes: list[Change] = []
@@ -89,7 +90,7 @@ def compare(kind: str, definition: str, before: Parts, after: Parts) -> list[Cha
 
 
 def narrowed(aspect: str, before: str, after: str) -> tuple[str, str | None, str | None]:
-    """The aspect and its two texts; of types that differ only in their units the units, of lists of ends those that
+    """The aspect and its two texts; for types that differ only in their units, the units; for lists of ends, those that
     were removed and added.
     """
     if aspect in ("from", "to"):

@@ -1,4 +1,4 @@
-"""What definitions consist of, as far as a change of it is one of the diagram."""
+"""The parts of definitions whose changes are changes of the diagram."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ KINDS: dict[type[ast.Node], str] = {
     ast.DriverDefinition: "driver",
     ast.EnvironmentDefinition: "environment",
 }
-"""What definitions are called, in the order in which changes are reported."""
+"""The names of the kinds of definitions, in the order in which changes are reported."""
 
 
 def definition_parts(definition: ast.Definition) -> Parts:
@@ -87,8 +87,8 @@ def definition_parts(definition: ast.Definition) -> Parts:
 
 
 def diagram_parts(diagram: CommunicationDiagram, parameters: Mapping[str, tuple[str, ...]]) -> Parts:
-    """The elements of a communication diagram that the text declares; ``parameters`` are the names of those of each
-    definition.
+    """The elements of a communication diagram that the text declares; ``parameters`` are the names of the parameters of
+    each definition.
     """
     parts: Parts = {}
     own = {parameter.partition(":")[0].strip() for parameter in diagram.parameters}
@@ -164,14 +164,14 @@ def _port_aspects(port: ParentPort, own: set[str]) -> dict[str, str]:
         "safe value": port.safe or "",
     }
     if port.period and port.period not in own:
-        # The period as it works out, which a constant may change from afar; that of a parameter is reported where its
-        # value is given.
+        # The value of the period, which may change with a constant elsewhere; a period given by a parameter is reported
+        # where the parameter gets its value.
         aspects["period"] = " or ".join(map(str, port.periods)) or port.period
     return aspects
 
 
 def _by_parameter(box: Box, names: tuple[str, ...]) -> dict[str, str]:
-    """The arguments of an instance by parameter; positional ones under the parameter that they are for."""
+    """The arguments of an instance by parameter, including positional ones."""
     found: dict[str, str] = {}
     for position, argument in enumerate(box.arguments):
         name, sign, value = argument.partition(" = ")

@@ -1,5 +1,5 @@
-"""Draws what changed: both versions of a diagram in one, what was added green with a plus, what was removed red and
-broken, what changed amber.
+"""Draws what changed: both versions of a diagram in one, added elements green with a plus, removed ones red and dashed,
+changed ones amber.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ _MARKS: dict[Action, MarkKind] = {"added": "added", "removed": "removed", "chang
 _GAP = 14.0
 LOST = " (before)"
 GAINED = " (after)"
-"""End the keys of the arrows that represent ends that a relationship has lost, or gained."""
+"""Suffixes of the keys of arrows that represent ends which a relationship has lost or gained."""
 
 
 def pictures_of(difference: Difference) -> list[Scene]:
     """A picture for each definition whose diagrams changed, and one that lists the changes of all others.
 
-    Raises what ``lay_out`` raises.
+    Raises the same exceptions as ``lay_out``.
     """
     pairs = [
         pair
@@ -50,7 +50,7 @@ def pictures_of(difference: Difference) -> list[Scene]:
 
 
 def union(before: CommunicationDiagram | None, after: CommunicationDiagram | None) -> CommunicationDiagram:
-    """A diagram with the elements of both, those of the later version as they are there."""
+    """A diagram with the elements of both versions; common elements are as in the later version."""
     if before is None or after is None:
         whole = after or before
         assert whole is not None
@@ -71,9 +71,7 @@ def union(before: CommunicationDiagram | None, after: CommunicationDiagram | Non
 
 
 def _split(before: CommunicationDiagram, arrow: Arrow) -> list[Arrow]:
-    """A relationship whose ends have changed: what it has kept, what it has gained and what it has lost, an arrow
-    each.
-    """
+    """A relationship whose ends have changed: one arrow each for the ends that it has kept, gained and lost."""
     old = next((each for each in before.arrows if each.key == arrow.key), arrow)
     sources = tuple(end for end in arrow.sources if end in old.sources)
     sinks = tuple(end for end in arrow.sinks if end in old.sinks)
@@ -138,7 +136,7 @@ def _picture(pair: Pair) -> Scene:
 
 
 def _listed(changes: Iterable[Change], *, name_definitions: bool = False) -> Group | None:
-    """The changes below each other; None without changes."""
+    """The list of changes, one below the other; None without changes."""
     rows = []
     for change in reported(changes):
         of = f"{change.kind} {change.definition}: " if name_definitions and (change.subject or change.aspect) else ""

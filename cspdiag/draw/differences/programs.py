@@ -20,15 +20,14 @@ from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 
 ALIKE = 0.6
-"""The part of two definitions that has to be equal for one to be the other under a new name."""
+"""The fraction of two definitions that has to be equal for one to count as the other under a new name."""
 
 
 @record
 class Pair:
-    """A definition with a diagram in both versions; None where it is new or gone.
-
-    ``before`` has the names of ``after`` for what was renamed. ``changes`` are those within the definition,
-    ``composition`` the composition of both versions, None where neither has one.
+    """The diagrams of a definition in both versions; None if it was added or removed. In ``before`` renamed elements
+    have their names of ``after``. ``changes`` are those within the definition, ``composition`` the composition of both
+    versions, None if neither has one.
     """
 
     name: str
@@ -134,7 +133,7 @@ class _Comparison:
     def _aligned(
         self, before: CommunicationDiagram, after: CommunicationDiagram, kind: str, definition: str
     ) -> tuple[CommunicationDiagram, dict[str, str], list[Change]]:
-        """The earlier diagram under the names of the later one, these names, and the changes that they are."""
+        """The earlier diagram with the names of the later one, those names, and the renames as changes."""
         before = renamed(before, {}, self.names)
         names = vertex_renames(before, after)
         spans = {vertex.key: vertex.spans for vertex in (*before.vertices, *after.vertices)}
@@ -201,7 +200,7 @@ class _Comparison:
         return found
 
     def _content(self, pictures: Pictures, definition: ast.Definition) -> frozenset[tuple[str, ...]]:
-        """Everything about a definition but its name."""
+        """Everything about a definition except its name."""
         parts = definition_parts(definition)
         diagram = self._diagram(pictures, definition)
         if diagram is not None:
@@ -217,7 +216,7 @@ class _Comparison:
 def _composition_changes(
     composition: Compared, old: ast.Definition, new: ast.Definition, whole: Change
 ) -> list[Change]:
-    """The change of the whole composition, and each of its steps; nothing if the two are the same."""
+    """The change of the whole composition, and of each of its steps; empty if the two are the same."""
     if (
         not composition.changes
         or not isinstance(old, ast.ProcessDefinition)

@@ -1,4 +1,4 @@
-"""Finds what was renamed, where that is obvious: nothing else of its sort could have become it."""
+"""Finds what was renamed, if that is obvious: nothing else of its sort could have become it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 def pairs(gone: Iterable[T], come: Iterable[T], signature: Callable[[T], Hashable]) -> list[tuple[T, T]]:
-    """Those removed and added with the same signature, which no other removed or added one has."""
+    """Pairs of a removed and an added item with a signature that no other removed or added item has."""
     by_signature: dict[Hashable, tuple[list[T], list[T]]] = {}
     for position, items in enumerate((gone, come)):
         for item in items:
@@ -67,8 +67,8 @@ def _signature(vertex: Vertex) -> Hashable:
 
 
 def _surroundings(diagram: CommunicationDiagram, key: str, kept: set[str]) -> frozenset[tuple[str, str]]:
-    """The ends that an element is connected to, as far as they have kept their names, and through which of its own
-    ports.
+    """The ends to which an element is connected, as far as they have kept their names, and the ports of its own through
+    which it is.
     """
     found: set[tuple[str, str]] = set()
     for arrow in diagram.arrows:
@@ -81,7 +81,7 @@ def _surroundings(diagram: CommunicationDiagram, key: str, kept: set[str]) -> fr
 def renamed(
     diagram: CommunicationDiagram, names: Mapping[str, str], definitions: Mapping[str, str]
 ) -> CommunicationDiagram:
-    """The diagram with elements, and definitions of instances, under new names."""
+    """The diagram with new names of elements and of definitions of instances."""
 
     def end(old: End) -> End:
         return End(names.get(old.element, old.element), old.port)
@@ -101,7 +101,7 @@ def renamed(
 
 
 def _key(before: Arrow, after: Arrow) -> str:
-    """The key of an arrow that is known by its ends follows them."""
+    """The new key of an arrow; a key that is made of its ends follows their names."""
     if before.label is not None:
         return before.key
     for old, new in zip((*before.sources, *before.sinks), (*after.sources, *after.sinks), strict=True):

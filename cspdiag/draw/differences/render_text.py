@@ -10,9 +10,9 @@ SIGNS: dict[Action, str] = {"added": "+", "removed": "-", "changed": "~", "renam
 _COLOURS: dict[Action, str] = {"added": "32", "removed": "31", "changed": "33", "renamed": "33"}
 
 WHOLE = 160
-"""Characters of the compositions before and after that are shown together."""
+"""The length in characters up to which the compositions before and after are shown as a whole."""
 LONGEST = 60
-"""Characters of the name of a changed connection that are shown."""
+"""The number of characters shown of the name of a changed connection."""
 
 
 def render(changes: Iterable[Change], *, colour: bool = False) -> str:

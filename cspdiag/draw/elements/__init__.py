@@ -1,1 +1,1 @@
-"""What diagrams consist of, before anything has a place: the same for every layout and every output."""
+"""The elements of diagrams, before anything has a place: the same for every layout and every output."""

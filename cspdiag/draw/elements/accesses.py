@@ -1,4 +1,4 @@
-"""What a process itself reads and writes: ``?``, ``!`` and the guards of its composition."""
+"""Reads and writes of a process itself: ``?``, ``!`` and the guards of its composition."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from cspdiag.syntax.walk import names, nodes
 class Access:
     """One communication of the process itself with ``channel``, or with an element of it, ``[i + 1]``.
 
-    ``stores`` are the variables that take or give the value; a write is ``is_plain`` where it gives (a part of) a
-    variable unchanged. ``text`` is what is written.
+    ``stores`` are the variables that receive or supply the value; a write is ``is_plain`` if it writes (a part of) a
+    variable unchanged. ``text`` is the written expression.
     """
 
     channel: str
@@ -74,5 +74,5 @@ def _is_store(program: Program, name: ast.Name) -> bool:
             return True
         case EndLabelSymbol(ends_arrow=ends_arrow):
             return ends_arrow
-        case _:  # Whatever else has a name has a value, but no place in the diagram.
+        case _:  # Other names have a value, but no place in the diagram.
             return False

@@ -16,8 +16,8 @@ WithPorts = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinitio
 
 
 class Boxes:
-    """The boxes of one diagram; ``complete`` gives each the ports that were named and those that were left
-    unconnected.
+    """The boxes of one diagram; ``complete`` gives each its ports, those that relationships name and those that are not
+    connected.
     """
 
     def __init__(self, program: Program, facts: Facts, around: ast.Node) -> None:
@@ -36,11 +36,11 @@ class Boxes:
         return key in self._boxes
 
     def definition_of(self, key: str) -> WithPorts | None:
-        """The definition of a box, where it is known."""
+        """The definition of a box, if it is known."""
         return self._definitions.get(key)
 
     def add(self, instance: ast.Instance, repeated: tuple[str, ...]) -> None:
-        """The box of an instance; of two with one name the first."""
+        """The box of an instance; if two have one name, the first one."""
         key = instance.name.text
         if key in self._boxes:
             return
@@ -101,9 +101,7 @@ class Boxes:
         self._put(Box(key=reference.name.text, spans=(reference.span,), kind="unknown", definition="?"))
 
     def end(self, key: str, index: str, member: ast.Identifier, member_index: str, direction: Direction) -> End:
-        """An end at a port of a box: ``[i + 1].input``; ``direction`` is that of the port where its definition does not
-        say.
-        """
+        """An end at a port of a box: ``[i + 1].input``; ``direction`` applies if the definition is unknown."""
         port = f"{f'{index}.' if index else ''}{member.text}{member_index}"
         ports = self._ports[key]
         if port not in ports:

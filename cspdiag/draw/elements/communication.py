@@ -1,4 +1,4 @@
-"""The syntax tree → the elements of a communication diagram, also where the program has errors."""
+"""The syntax tree → the elements of a communication diagram, even if the program has errors."""
 
 from __future__ import annotations
 
@@ -171,8 +171,8 @@ class _Extraction:
         )
 
     def _flow(self, item: ast.Connection, ends: tuple[End, ...]) -> Flow:
-        """That of the communication object: the parent's port or the variable at an end, or else the relationship's
-        own.
+        """The flow of the communication object: of the parent's port or the variable at an end, or else of the
+        relationship itself.
         """
         for end in ends:
             vertex = self.vertices.get(end.element)
@@ -188,9 +188,7 @@ class _Extraction:
         return self.facts.channel(self.definition, item)
 
     def _end(self, reference: ast.Reference, direction: Direction) -> End:
-        """The element that a reference names, and its port; one that is not declared becomes a box that
-        nobody knows.
-        """
+        """The element that a reference names, and its port; an undeclared one becomes a box of kind ``unknown``."""
         name = reference.name.text
         if self.outside and reference.member is None:
             return self.boxes.end(self.outside, "", reference.name, texts.indexes(reference.indexes), direction)
@@ -254,17 +252,17 @@ class _Extraction:
         self._arrow(arrow)
 
     def _kinds(self, key: str) -> tuple[FlowKind, ...]:
-        """What a communication of the process itself passes through, seen from the port or channel at one of
-        its ends.
+        """The kinds of what a communication of the process itself passes through, seen from the port or channel at one
+        of its ends.
         """
         match self.vertices.get(key):
             case ParentPort(kinds=kinds) | Store(form="channel", kinds=kinds):
                 return kinds
-            case _:  # Whatever else may be there has no kind, nor has what is missing.
+            case _:  # Other elements have no kind, and neither has a missing one.
                 return ()
 
     def _arrow(self, arrow: Arrow) -> None:
-        """Adds it under its label, or its ends; a second one of the same ends gets a number."""
+        """Add an arrow under its label, or its ends; a second one with the same ends gets a number."""
         key = arrow.key or _key(", ".join(map(str, arrow.sources)), ", ".join(map(str, arrow.sinks)))
         number = 1
         unique = key

@@ -1,5 +1,5 @@
-"""Compares two composition diagrams: one diagram that holds what both have, and marks on what was added, removed or
-changed.
+"""Compares two composition diagrams: one diagram with the elements of both, and marks on those that were added, removed
+or changed.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Compared:
 
 @room_to_recurse()
 def compared(before: CompositionDiagram, after: CompositionDiagram, names: Mapping[str, str] = _NO_NAMES) -> Compared:
-    """What differs between two versions of a composition; ``names`` leads from names to what they are called now."""
+    """What differs between two versions of a composition; ``names`` maps former names to present ones."""
     comparison = _Comparison(names)
     old, new = before.root, after.root
     root: Composition | None = None
@@ -100,7 +100,7 @@ def compared(before: CompositionDiagram, after: CompositionDiagram, names: Mappi
 
 
 def own_text(element: Part) -> str:
-    """What an element says itself, without its parts."""
+    """The text of an element itself, without its parts."""
     match element:
         case Activity():
             return element.text
@@ -154,7 +154,7 @@ class _Comparison:
     marks: dict[str, Mark] = field(default_factory=dict)
     changes: list[StepChange] = field(default_factory=list)
     contents: dict[int, _Content] = field(default_factory=dict)
-    """What elements say with all their parts, by their identity; both versions live as long as this."""
+    """The contents of elements with all their parts, by identity; both versions live as long as this."""
 
     def merged(self, old: PartT, new: PartT, key: str) -> PartT:
         """The element of the common diagram for two in the same place."""
@@ -190,7 +190,7 @@ class _Comparison:
         return kept
 
     def _replaced(self, old: Part, new: PartT, key: str) -> PartT:
-        """Something of another kind replaces the old one; it may contain it."""
+        """An element of another kind that replaces the old one, and may contain it."""
         inner = parts(new)
         around = next((part for part in inner if self._content(part) == self._content(old)), None)
         if around is None:
@@ -235,7 +235,7 @@ class _Comparison:
                 return list(zip(parts(old), parts(new), strict=True))
 
     def _aligned(self, old: Sequence[Part], new: Sequence[Part]) -> list[_Pair]:
-        """Pairs of what belongs together in two lists, in order, as many and as similar as possible; what has no
+        """Pairs of corresponding parts of two lists, in order, as many and as similar as possible; a part without a
         partner is alone.
         """
         begin = self._common(old, new)
@@ -273,7 +273,7 @@ class _Comparison:
         return pairs
 
     def _likeness(self, old: Part, new: Part) -> int:
-        """0 for what is not to be compared, more the more two elements have in common."""
+        """How similar two elements are: 0 if they cannot correspond."""
         if self._content(old) == self._content(new):
             return 9
         if any(self._content(part) == self._content(old) for part in parts(new)):
@@ -288,7 +288,7 @@ class _Comparison:
                 same_guard = self._content(old.guard) == self._content(new.guard)
                 same_process = self._content(old.process) == self._content(new.process)
                 return 1 + 3 * same_guard + 2 * same_process
-            case _:  # Others of one type are alike as far as their own text is.
+            case _:  # Other elements of one type are as similar as their own texts.
                 return 2 + same_text(self._own(old), own_text(new))
 
     def _changed(self, old: Part, new: Part, key: str, subject: str, before: str, after: str) -> None:
@@ -313,7 +313,7 @@ class _Comparison:
 
 
 def _head(element: Part) -> str:
-    """What an element says itself, the condition of a loop included."""
+    """The text of an element itself, including the condition of a loop."""
     if not isinstance(element, Loop) or element.condition is None:
         return own_text(element)
     return f"while {element.condition.text}" if element.form == "while" else f"mu until {element.condition.text}"
@@ -324,7 +324,7 @@ def _kept(element: PartT, key: str) -> PartT:
 
 
 def _source(element: Part) -> str:
-    """The text of the element, without what it only belongs to."""
+    """The text of the element, without what only encloses it."""
     match element:
         case Handler():
             guard = "" if element.guard is None else f" {own_text(element.guard)}"

@@ -1,7 +1,7 @@
 """The elements of a composition diagram: processes, and the relations that compose them.
 
 A composition is a tree, so an element's ``key`` is the path to it: ``1`` is the root, ``1.2`` its second part. Chains
-of one operator are one element, and so are a process with all that watches over it, and an ``if`` with its ``else if``.
+of one operator are one element, and so are a process with all its handlers, and an ``if`` with its ``else if``.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Chain(Element):
 
 @record(kw_only=True)
 class Guard(Element):
-    """What a branch waits for: ``text`` (``port ? x``, ``after 5 ms``), and ``condition`` where it has a ``when``."""
+    """What a branch waits for: ``text`` (``port ? x``, ``after 5 ms``), and ``condition`` if it has a ``when``."""
 
     form: GuardForm
     text: str
@@ -101,7 +101,7 @@ class Handler(Element):
 
 @record(kw_only=True)
 class Watched(Element):
-    """A process and what ends it, from the inside out: a handler also watches over those before it."""
+    """A process and its handlers, from the inside out: a handler also covers those before it."""
 
     process: Composition
     handlers: tuple[Handler, ...]
@@ -143,7 +143,7 @@ PartT = TypeVar("PartT", bound=Part)
 
 @record(kw_only=True)
 class CompositionDiagram(Element):
-    """The composition diagram of a process; ``key`` is its name, ``root`` None where it has none."""
+    """The composition diagram of a process; ``key`` is its name, ``root`` None if it has no composition."""
 
     root: Composition | None
 
@@ -154,7 +154,7 @@ class CompositionDiagram(Element):
 
 
 def parts(element: Part) -> tuple[Part, ...]:
-    """The parts of an element, in text order but for the condition of a loop, which comes last."""
+    """The parts of an element, in text order except for the condition of a loop, which comes last."""
     match element:
         case Activity() | Guard() | Condition():
             return ()
@@ -195,7 +195,7 @@ def rebuilt(element: PartT, key: str, inner: Sequence[Part]) -> PartT:
             changes["guard"], changes["process"] = inner
         case Watched():
             changes["process"], changes["handlers"] = inner[0], tuple(inner[1:])
-        case _:  # The others have no parts.
+        case _:  # The other elements have no parts.
             pass
     return replaced(element, **changes)
 
@@ -214,7 +214,7 @@ OPERATORS: dict[tuple[Operator, bool], str] = {
     ("alternative", False): "[]",
     ("alternative", True): "[]>",
 }
-"""How an operator is written, by its name and whether it is prioritized."""
+"""The symbol of an operator, by its name and whether it is prioritized."""
 
 
 def sentence(element: Part) -> str:
@@ -253,7 +253,7 @@ def sentence(element: Part) -> str:
 
 
 def outline(diagram: CompositionDiagram) -> str:
-    """All elements, one a line, indented by their depth: what golden files hold."""
+    """All elements, one per line, indented by their depth: the contents of golden files."""
     lines = [f"composition of {diagram.key}"]
     lines += [f"{'  ' * (element.key.count('.') + 1)}{sentence(element)}" for element in diagram.elements()]
     return "\n".join(lines) + "\n"

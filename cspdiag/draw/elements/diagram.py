@@ -1,8 +1,8 @@
 """The elements of a communication diagram, named and related as in the text.
 
 Names share one space within a diagram, as they do in a process: an element's ``key`` is its name (``alignL``,
-``feedback``), and elements without a name have a key that no name of the text can be. Replicated declarations stay one
-element: ``cell[8] : Cell`` is one box, and ``cell[i].output`` one port of it.
+``feedback``), and elements without a name have a key that cannot be a name of the text. Replicated declarations stay
+one element: ``cell[8] : Cell`` is one box, and ``cell[i].output`` one port of it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ BoxKind: TypeAlias = Literal["process", "submodel", "driver", "unknown"]
 FlowKind: TypeAlias = Literal[
     "var", "sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event", "constant", "discard"
 ]
-"""What carries the values of an arrow: the kind of a channel, or what a port of the outermost process meets."""
+"""What carries the values of an arrow: the kind of a channel, or what is connected to a port of the outermost process.
+"""
 
 
 @record(kw_only=True)
@@ -38,7 +39,7 @@ class Element:
 class BoxPort(Element):
     """A port at the edge of a box: ``feedback``, or ``[i + 1].input`` for an element of an array of instances.
 
-    ``default`` is the value that it was left to. ``period`` is as written, ``periods`` are its values.
+    ``default`` is the value that it takes if it is not connected. ``period`` is as written, ``periods`` are its values.
     """
 
     direction: Direction
@@ -50,7 +51,7 @@ class BoxPort(Element):
 
     @property
     def name(self) -> str:
-        """That of the port in its definition: ``input`` of ``[i + 1].input[2]``."""
+        """The name of the port in its definition: ``input`` of ``[i + 1].input[2]``."""
         return self._member.partition("[")[0]
 
     @property
@@ -69,7 +70,7 @@ class Box(Element):
 
     ``size`` is what is written between the brackets of an array (``8``, ``i < 8``). ``language`` is that of a
     hand-written body. ``samples`` are the periods in nanoseconds at which a submodel runs. ``inside`` is drawn within
-    the box where that was requested.
+    the box, if requested.
     """
 
     kind: BoxKind
@@ -144,9 +145,9 @@ class End:
 class Arrow(Element):
     """A communication relationship, or (``by_composition``) a reader or writer of the process itself.
 
-    ``label`` and ``type`` are those of the communication object; ``repeated`` are the replicators around it
-    (``i < n``). ``kinds`` has the inferred kinds: none where nothing is known, several where instances of the process
-    differ. ``requested`` is the kind as written.
+    ``label`` and ``type`` are those of the communication object; ``repeated`` are the replicators around it (``i <
+    n``). ``kinds`` has the inferred kinds: none if nothing is known, several if instances of the process differ.
+    ``requested`` is the kind as written.
     """
 
     sources: tuple[End, ...]
@@ -179,5 +180,5 @@ class CommunicationDiagram(Element):
         return tuple(vertex for vertex in self.vertices if isinstance(vertex, Box))
 
     def elements(self) -> tuple[Element, ...]:
-        """Everything that has a key, ports of boxes left out."""
+        """Everything that has a key, except the ports of boxes."""
         return (*self.vertices, *self.arrows)

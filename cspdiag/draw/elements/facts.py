@@ -1,4 +1,4 @@
-"""What the compiler has found out about the channels, ports and instances that a diagram shows."""
+"""The compiler's results about the channels, ports and instances that a diagram shows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FLOW_KINDS: tuple[str, ...] = get_args(FlowKind)
 class Flow:
     """The kinds and sample periods that a channel or port has in the contexts of its process.
 
-    Empty where nothing is known; ``kinds`` are in the order in which contexts were met.
+    Empty if nothing is known; ``kinds`` are in the order in which contexts were found.
     """
 
     kinds: tuple[FlowKind, ...] = ()
@@ -36,9 +36,8 @@ NOTHING = Flow()
 
 
 class Facts:
-    """The facts of a program by what they are about; a program with errors has those that could still be found out.
-
-    ``analysis`` is what its check has found out, where there was one.
+    """The facts of a program by their subject; of a program with errors, those that could still be inferred.
+    ``analysis`` has the results of its check, if there was one.
     """
 
     def __init__(self, program: Program, analysis: Analysis | None = None) -> None:
@@ -69,11 +68,11 @@ class Facts:
                 self._samples.setdefault((definition, instance.declaration), []).append(placed.samples[instance.name])
 
     def port(self, definition: ast.Node, name: str) -> Flow:
-        """What the port of a process meets; an array of ports as its elements do."""
+        """The flow at the port of a process; for an array of ports, that of its elements."""
         return _flow(self._ports.get((definition, name), ()))
 
     def channel(self, definition: ast.Node, declaration: ast.Node) -> Flow:
-        """What a variable, a channel or the object of a relationship is, within a process."""
+        """The flow of a variable, a channel or the object of a relationship, within a process."""
         return _flow(self._channels.get((definition, declaration), ()))
 
     def samples(self, definition: ast.Node, declaration: ast.Instance) -> tuple[int, ...]:

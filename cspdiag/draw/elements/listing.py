@@ -1,4 +1,4 @@
-"""A communication diagram as text: its elements and how they are related, without any layout."""
+"""A communication diagram as text: its elements and their relationships, without any layout."""
 
 from __future__ import annotations
 

@@ -13,9 +13,7 @@ MarkKind: TypeAlias = Literal["error", "warning", "added", "removed", "changed",
 
 @record
 class Mark:
-    """How an element is set off; ``numbers`` are those of the messages below the picture, ``note`` is for
-    the tooltip.
-    """
+    """How an element is marked; ``numbers`` refer to the messages below the picture, ``note`` is for the tooltip."""
 
     kind: MarkKind
     numbers: tuple[int, ...] = ()
@@ -27,11 +25,11 @@ Marks: TypeAlias = Mapping[str, Mark]
 
 
 WHOLE = ""
-"""The key of the mark of a diagram as a whole: what belongs to none of its elements."""
+"""The key of the mark of a diagram as a whole, for diagnostics that belong to none of its elements."""
 
 
 def numbered(diagnostics: Iterable[Diagnostic]) -> dict[int, Diagnostic]:
-    """Diagnostics by the number that they are shown under, from 1."""
+    """Diagnostics by the numbers under which they are shown, from 1."""
     return dict(enumerate(diagnostics, 1))
 
 
@@ -40,7 +38,7 @@ def marks_of(places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Dia
 
     A diagnostic belongs to the element with the smallest range that contains the place of the diagnostic (the first of
     equals). One whose place is in no element marks nothing. Elements at the other places of a diagnostic are
-    highlighted with its number, where they have no mark of their own.
+    highlighted with its number, if they have no mark of their own.
     """
     found: dict[str, list[int]] = {}
     for number, diagnostic in diagnostics.items():

@@ -1,4 +1,4 @@
-"""Reads the elements of a composition diagram off the syntax tree, so that programs with errors have theirs too."""
+"""Extracts the elements of a composition diagram from the syntax tree, so programs with errors have them too."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ class _Reader:
 
 
 def _bare(node: ast.Composition) -> str:
-    """A process without parts as it is written, its parentheses left out; by itself it begins with a word."""
+    """The text of a process without parts, without its parentheses; by itself it begins with a word."""
     text = written(node)
     while text.startswith("("):
         text = text[1:-1].strip()

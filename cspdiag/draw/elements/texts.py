@@ -1,4 +1,4 @@
-"""Pieces of the text as they are written on a diagram: on one line, without comments."""
+"""Pieces of the program text as diagrams show them: on one line, without comments."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 
 def written(node: ast.Node) -> str:
-    """What the node is in the text."""
+    """The text of a node."""
     return written_span(node.span)
 
 
@@ -24,23 +24,23 @@ def written_span(span: Span) -> str:
 
 
 def squeezed(text: str) -> str:
-    """The text without blanks, which only separate words."""
+    """The text without spaces, which only separate words."""
     return "".join(text.split())
 
 
 def same_text(one: str, other: str) -> bool:
-    """Whether two pieces of text differ in blanks at most."""
+    """Whether two pieces of text differ at most in spaces."""
     return squeezed(one) == squeezed(other)
 
 
 def optional(node: ast.Node | None) -> str | None:
-    """The same; None for None."""
+    """The text of a node; None for None."""
     return None if node is None else written(node)
 
 
 def indexes(expressions: Iterable[ast.Expression]) -> str:
-    """``[i + 1][0]``, or nothing; with one blank around operators, however it was written, since elements are known by
-    it.
+    """``[i + 1][0]``, or nothing; with one space around operators however it was written, because elements are
+    identified by it.
     """
     return "".join(f"[{_spaced(written(expression))}]" for expression in expressions)
 
@@ -55,12 +55,12 @@ def replicator(item: ast.Replicator) -> str:
 
 
 def parameters(items: Iterable[ast.Parameter]) -> tuple[str, ...]:
-    """``speed: double<rad/s> = 1<rad/s>``, one each."""
+    """The texts of parameters, such as ``speed: double<rad/s> = 1<rad/s>``."""
     return tuple(written(item) for item in items)
 
 
 def arguments(items: Iterable[ast.Argument]) -> tuple[str, ...]:
-    """``speed = 1<rad/s>``, one each."""
+    """The texts of arguments, such as ``speed = 1<rad/s>``."""
     return tuple(
         written(item.value) if item.name is None else f"{item.name.text} = {written(item.value)}" for item in items
     )

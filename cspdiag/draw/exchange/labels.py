@@ -1,4 +1,4 @@
-"""What is written at the nodes and edges of a graph, in every format."""
+"""The labels of the nodes and edges of a graph, the same in every format."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Facts = Mapping[str, object]
 
 
 def node_lines(facts: Facts) -> tuple[str, ...]:
-    """The lines at a node: its name with its definition; of a port its type and period."""
+    """The lines at a node: its name with its definition; for a port, its type and period."""
     if facts["kind"] == "port":
         return str(facts["name"]), _type_and_period(facts)
     if facts["name"] == facts["definition"]:
@@ -46,7 +46,7 @@ class Leave:
 
 
 class Single:
-    """A node by itself, or what a process with others inside communicates itself."""
+    """A node by itself, or the communications of a process itself that has others inside."""
 
     def __init__(self, number: int, facts: Facts) -> None:
         self.number = number
@@ -54,9 +54,8 @@ class Single:
 
 
 def nested(graph: networkx.MultiDiGraph) -> Iterator[Enter | Single | Leave]:
-    """The nodes as they are inside each other.
-
-    A process that has others inside is a node itself only where an edge begins or ends at it.
+    """The nodes in their nesting. A process that has others inside is a node itself only if an edge begins or ends at
+    it.
     """
     inside: dict[object, list[tuple[int, str]]] = {}
     for number, (path, parent) in enumerate(graph.nodes(data="parent")):

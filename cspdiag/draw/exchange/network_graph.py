@@ -1,4 +1,4 @@
-"""A network as a graph of networkx: what takes part in communications, and the channels between them."""
+"""A network as a graph of networkx: everything that takes part in communications, and the channels between."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class _Builder:
         self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
         self._owned: dict[str, LocalChannel] = {}
         self._declared: dict[str, tuple[str, InstanceOf]] = {}
-        """By the path of an instance the path of the process that has it inside, and its declaration."""
+        """The path of the process that contains an instance, and the declaration of the instance, by its path."""
         for path, entry in self._class_of.items():
             if isinstance(entry, ProcessClass):
                 self._owned.update((f"{path}.{channel.name}", channel) for channel in entry.channels)
@@ -137,7 +137,7 @@ class _Builder:
             self._meet(path, own, outside)
 
     def _meet(self, path: str, own: str, name: str) -> None:
-        """Connects what surrounds the program to one of its ports."""
+        """Connect the environment to one of the program's ports."""
         outside = f"{self._network.top}.{name}"
         port = self._ports.get(outside)
         if port is None:

@@ -1,5 +1,5 @@
-"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on the sides they were given, the order of the
-text kept.
+"""Lays a graph out with ELK's layered algorithm: orthogonal lines, ports on their given sides, in the order of the
+text.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from cspdiag.draw.scene.geometry import Point, Rectangle
 
 WIDEST = 2400.0
 WIDEST_SHAPE = 6.0
-"""A drawing wider than both, in pixels and as a multiple of its height, is broken into rows, as long chains are."""
+"""A drawing wider than both limits, one in pixels and one as a multiple of its height, is broken into rows; long chains
+are.
+"""
 
 
 def engine_available() -> bool:
-    """Whether anything can be laid out here."""
+    """Whether a layout engine is installed."""
     return engine.available()
 
 
 def lay_out(graph: Graph) -> Layout:
-    """Where everything goes.
-
-    Raises LayoutError where the engine fails, MissingToolError where there is none, and ValueError for a graph that is
-    not one.
+    """The layout of a graph. Raises LayoutError if the engine fails, MissingToolError if there is none, and ValueError
+    for an invalid graph.
     """
     elk = elk_graph(graph)
     try:
@@ -43,7 +43,7 @@ def lay_out(graph: Graph) -> Layout:
 
 @dataclass
 class _Places:
-    """What ELK has placed, by identifier."""
+    """The objects that ELK has placed, by identifier."""
 
     nodes: dict[str, Rectangle] = field(default_factory=dict)
     ports: dict[str, Point] = field(default_factory=dict)
@@ -139,7 +139,7 @@ def _label_place(label: Label, room: Rectangle) -> Rectangle:
 
 
 def _route(elk: ElkGraph, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
-    """Names the ends of the lines by where they are: the ends of an edge are different places."""
+    """Identify the ends of the lines by their places: the ends of an edge are at different places."""
     joint = elk.joints.get(edge.id)
     inner = {places.ports[joint.entry], places.ports[joint.exit]} if joint else set()
     begins = {point for line in lines if (point := line[0]) not in inner}

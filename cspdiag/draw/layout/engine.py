@@ -61,7 +61,7 @@ worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
 
 
 def run(graph: dict[str, Any]) -> dict[str, Any]:
-    """The graph in ELK's JSON format with places. Raises LayoutError, and MissingToolError where nothing can run the
+    """The graph in ELK's JSON format with places. Raises LayoutError, and MissingToolError if nothing can run the
     engine.
     """
     answer: dict[str, Any] = json.loads(_runner()(json.dumps(graph)))
@@ -79,7 +79,7 @@ def start() -> None:
 
 
 def available() -> bool:
-    """Whether an engine is there, and something to run it."""
+    """Whether the engine and something to run it are installed."""
     return resources.third_party("elkjs", "elk-worker.min.js") is not None and (
         find_spec("quickjs") is not None or _node() is not None
     )
@@ -121,7 +121,7 @@ class _Worker:
             threading.stack_size(before)
 
     def submit(self, job: Callable[[], Any]) -> Future[Any]:
-        """What the job will have returned or raised."""
+        """A future for the result or the exception of a job."""
         future: Future[Any] = Future()
         self._jobs.put((job, future))
         return future

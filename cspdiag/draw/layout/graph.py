@@ -1,6 +1,6 @@
-"""What is laid out, and the layout that comes out of it.
+"""The graph to be laid out, and the resulting layout.
 
-The records know sizes, not looks: the maker of a graph has measured its texts. Identifiers are unique in the whole
+The records know sizes, not looks: the builder of a graph has measured its texts. Identifiers are unique in the whole
 graph, ports and labels included. Lengths are in pixels, places are absolute.
 """
 
@@ -24,7 +24,7 @@ class Side(Enum):
 
 
 class PortOrder(Enum):
-    """What the layout may choose about the ports of a node."""
+    """The freedom of the layout in placing the ports of a node."""
 
     FREE = "FREE"
     """Any side, any order."""
@@ -35,7 +35,7 @@ class PortOrder(Enum):
 
 
 class Layer(Enum):
-    """Where a node is in the direction of the drawing."""
+    """The place of a node along the direction of the drawing."""
 
     ANY = "NONE"
     FIRST = "FIRST"
@@ -62,7 +62,7 @@ class Label:
 class Port:
     """A place at the border of a node where edges end; its label is inside the node, next to it.
 
-    ``side`` is None where the layout is free to choose (``PortOrder.FREE``).
+    ``side`` is None if the layout is free to choose (``PortOrder.FREE``).
     """
 
     id: str
@@ -132,8 +132,8 @@ class Graph:
 class Section:
     """A part of an edge without forks: a line through ``points``, at right angles.
 
-    ``source`` and ``target`` name the port or node at its ends, None where it meets other sections of the same edge. An
-    arrow head belongs to the end of a section that has a target.
+    ``source`` and ``target`` name the port or node at its ends, None if it meets other sections of the same edge there.
+    An arrow head belongs to the end of a section that has a target.
     """
 
     points: tuple[Point, ...]
@@ -167,4 +167,4 @@ class Layout:
 
 
 class LayoutError(CspdiagError):
-    """There is no engine to lay out with, or it failed; the text is one sentence for the user, with what helps."""
+    """There is no engine to lay out with, or it failed; the message is one sentence for the user, with a remedy."""

@@ -1,4 +1,4 @@
-"""Joins polylines that share parts into one line with forks, every part of it drawn once."""
+"""Joins polylines that share parts into one line with forks, of which every part is drawn once."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _between(first: Point, middle: Point, last: Point) -> bool:
 
 
 def _chains(steps: Sequence[_Step], stops: set[Point]) -> list[list[Point]]:
-    """Steps that follow each other without a stop in between, in the order of their first steps."""
+    """Chains of steps that follow each other without a stop in between, in the order of their first steps."""
     following: dict[Point, list[Point]] = {}
     for first, second in steps:
         following.setdefault(first, []).append(second)

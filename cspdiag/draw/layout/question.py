@@ -1,8 +1,8 @@
 """Graphs in ELK's JSON format.
 
-ELK knows lines with two ends. A line with more ends that carries a label is given to it as a node of the label's size,
-its joint, with a line to every end; without a label, and with one end on one side, as lines that share a port, which
-ELK draws over each other as far as it can.
+ELK only has lines with two ends. A line with more ends that carries a label is passed to it as a node of the label's
+size, its joint, with a line to every end; without a label, and with one end on one side, as lines that share a port,
+which ELK draws over each other as far as it can.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from cspdiag.draw.layout.hierarchy import Hierarchy, hierarchy
 Json = dict[str, Any]
 
 PORT_RISE = 10.0
-"""How far the first port may come up to the title: ELK leaves the distance of two ports above it."""
+"""How close the first port may be to the title: ELK leaves the distance of two ports above it."""
 
 LABEL_GAP = 3.0
 """Between a line and its label."""
 
 HEADROOM = 3.0
-"""What the tallest letters leave free of a label's height, so that labelled lines can be as close as ports."""
+"""The part of a label's height that the tallest letters leave free, so labelled lines can be as close as ports."""
 
 JOINT_GAP = 8.0
-"""Between a label on a forked line and what is above or below it."""
+"""Between a label on a forked line and anything above or below it."""
 
 BOX_GAP = 16.0
 """Between a box and a line that passes it."""
@@ -71,7 +71,7 @@ class Joint:
 
 @dataclass
 class ElkGraph:
-    """A graph in ELK's format, and what is what in it."""
+    """A graph in ELK's format, and the meaning of its identifiers."""
 
     graph: Graph
     hierarchy: Hierarchy
@@ -92,7 +92,7 @@ class ElkGraph:
 
 
 def elk_graph(graph: Graph) -> ElkGraph:
-    """A graph in ELK's format. Raises ValueError for a graph that is not one."""
+    """A graph in ELK's format. Raises ValueError for an invalid graph."""
     made = ElkGraph(graph, hierarchy(graph))
     made.top = [_node(made, node) for node in graph.nodes]
     for edge in made.hierarchy.edges:
@@ -113,7 +113,7 @@ def _options(elk: ElkGraph) -> dict[str, str]:
 
 
 def without_text_order(elk: ElkGraph) -> Json:
-    """The whole in ELK's format, without what ELK may fail on."""
+    """The input for ELK, without the options on which it may fail."""
     for options in (elk.options, *(node["layoutOptions"] for node in elk.nodes.values())):
         for option in (*TEXT_ORDER, "elk.layered.considerModelOrder.strategy"):
             options.pop(option, None)
@@ -121,13 +121,13 @@ def without_text_order(elk: ElkGraph) -> Json:
 
 
 def wrapped(elk: ElkGraph) -> Json:
-    """The whole in ELK's format, to be broken into rows."""
+    """The input for ELK, with options to break it into rows."""
     elk.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
     return whole(elk)
 
 
 def whole(elk: ElkGraph) -> Json:
-    """The whole in ELK's format."""
+    """The input for ELK."""
     return {"id": "", "layoutOptions": elk.options, "children": elk.top, "edges": elk.edges}
 
 
@@ -169,7 +169,7 @@ def _node(question: ElkGraph, node: Node) -> Json:
 
 
 def _layer(question: ElkGraph, node: Node) -> Layer:
-    """The requested layer of a node; a node with lines to its wrong side cannot have it."""
+    """The requested layer of a node; a node with lines to its wrong side cannot be there."""
     own = {node.id, *(port.id for port in node.ports)}
     edges = question.hierarchy.edges
     if node.layer is Layer.FIRST and any(own & {*edge.targets} for edge in edges):

@@ -1,4 +1,4 @@
-"""How large a box has to be for its title and its ports, and where their labels go in it."""
+"""The size of a box that its title and its ports need, and the places of their labels in it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cspdiag.draw.layout.graph import Node, Padding, Port, Side
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 BORDER_GAP = 8.0
-"""Between the border of a box and what is in it."""
+"""Between the border of a box and its contents."""
 COLUMN_GAP = 18.0
 """Between the labels of ports on opposite sides."""
 PORT_SPACING = 24.0
@@ -35,9 +35,8 @@ def _widest(ports: Iterable[Port], side: Side) -> float:
 
 
 def least_size(node: Node) -> tuple[float, float]:
-    """The width and height below which a box without children does not show its title and the labels of its ports.
-
-    The room that the ports themselves need along their sides is not counted.
+    """The least width and height with which a box without children shows its title and the labels of its ports. The
+    room that the ports themselves need along their sides is not included.
     """
     west, east = _widest(node.ports, Side.WEST), _widest(node.ports, Side.EAST)
     free = max((port.label.width for port in node.ports if port.side is None and port.label), default=0)
@@ -60,13 +59,13 @@ def children_padding(node: Node) -> Padding:
 
 
 def port_spacing(node: Node) -> float:
-    """How far apart the ports of a side are at least: side by side their labels have to fit."""
+    """The least distance of the ports of a side: labels that are side by side have to fit."""
     across = [port.label.width for port in node.ports if port.label and port.side in {Side.NORTH, Side.SOUTH}]
     return max([PORT_SPACING, *(width + BORDER_GAP for width in across)])
 
 
 def title_place(node: Node, place: Rectangle) -> Rectangle | None:
-    """Where the title of a placed node is: at the top, in the middle."""
+    """The place of the title of a placed node: at the top, centred."""
     if node.title is None:
         return None
     title = node.title
@@ -74,8 +73,8 @@ def title_place(node: Node, place: Rectangle) -> Rectangle | None:
 
 
 def port_label_place(node: Node, port: Port, at: Point, side: Side) -> Rectangle | None:
-    """Where the label of a placed port is: inside, next to the port; above the line that enters where the node has
-    parts.
+    """The place of the label of a placed port: inside, next to the port; above the line that enters, if the node has
+    children.
     """
     if port.label is None:
         return None

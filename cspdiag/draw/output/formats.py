@@ -13,10 +13,8 @@ FORMATS = ("svg", "png", "pdf")
 
 
 def rendered(scenes: Sequence[Scene], format_: str, scheme: str = "auto", scale: float = 2.0) -> bytes:
-    """One picture of the scenes, below each other; in a PDF they have a page each.
-
-    ``scale`` is in dots a pixel and for PNG. Raises ValueError for another format, MissingToolError without
-    ``cspdiag[draw]``.
+    """One picture of the scenes, below each other; in a PDF, each has its own page. ``scale`` is in dots per pixel, for
+    PNG. Raises ValueError for another format, MissingToolError without ``cspdiag[draw]``.
     """
     colours = Scheme(scheme)
     match format_:

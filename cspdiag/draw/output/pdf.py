@@ -1,4 +1,4 @@
-"""Scenes as PDF, a page each, exactly as large as its drawing. Text stays text."""
+"""Scenes as PDF, one per page, each page exactly as large as its drawing. Text stays text."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ from cspdiag.draw.scene.text_metrics import runs_width, text_width
 from cspdiag.draw.scene.typefaces import typeface
 
 POINTS = 72 / 96
-"""Points to the pixel."""
+"""Points per pixel."""
 
 _EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
-"""Replaces the time of making: the same drawing gives the same file."""
+"""A fixed creation time, so the same drawing gives the same file."""
 
 _ROUND = 0.5523
 _STYLES = {Face.SANS: "", Face.BOLD: "B", Face.ITALIC: "I", Face.MONO: ""}
@@ -78,7 +78,7 @@ def _add_typefaces(pdf: Any) -> dict[Face, str]:
 
 
 class _Page:
-    """Draws the items of a scene on the page at hand."""
+    """Draws the items of a scene on the current page."""
 
     def __init__(self, pdf: Any, table: dict[Ink, str], families: dict[Face, str]) -> None:
         self._pdf = pdf

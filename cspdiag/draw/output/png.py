@@ -13,11 +13,11 @@ from cspdiag.draw.scene.text_metrics import is_measured
 from cspdiag.draw.scene.typefaces import typefaces
 
 LARGEST = 100_000_000
-"""Pixels beyond which a picture is made smaller than requested: a few hundred megabytes of memory."""
+"""The number of pixels above which a picture is made smaller than requested; they take a few hundred megabytes."""
 
 
 def render_png(scene: Scene, scheme: Scheme = Scheme.LIGHT, *, scale: float = 2.0) -> bytes:
-    """The drawing in ``scale`` dots a pixel; ``Scheme.AUTO`` is light. Raises MissingToolError without
+    """The drawing with ``scale`` dots per pixel; ``Scheme.AUTO`` is light. Raises MissingToolError without
     ``cspdiag[draw]``.
     """
     try:
@@ -44,7 +44,7 @@ def _bounded(scene: Scene, scale: float) -> float:
 
 
 def _is_foreign(scene: Scene) -> bool:
-    """Whether there are characters that the typefaces may not have: then those of the machine are looked through, which
+    """Whether there are characters that the typefaces may not have: then the fonts of the machine are searched, which
     takes time.
     """
     texts = (item for item in every(scene.items) if isinstance(item, Text))

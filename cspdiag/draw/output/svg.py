@@ -1,7 +1,7 @@
 """Scenes as SVG: groups with classes and identifiers, tooltips, text as text, colours as CSS custom properties.
 
-The text is the same, to the byte, for the same scene. Every text is given its width, so that it keeps to its room in
-whatever typeface the viewer has.
+The text is the same, to the byte, for the same scene. Every text is given its width, so it fits into its room in any
+typeface that the viewer has.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from cspdiag.network.lower.distinct_names import DistinctNames
 _UNSEEN = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff\ufffe\uffff]"
 )
-"""What XML cannot have or nobody can see: control characters, half characters, marks that change the direction of
-writing.
+"""Characters that XML excludes or that are invisible: control characters, unpaired surrogates, marks that change the
+direction of writing.
 """
 
 
@@ -65,7 +65,7 @@ def plain_svg(scene: Scene, scheme: Scheme) -> str:
 def embedded_svg(scene: Scene) -> str:
     """The drawing for a page that defines the custom properties itself, such as by ``custom_properties``.
 
-    Its links are part of the page for those who hear it or go through it with the keyboard.
+    Its links are accessible to screen readers and by keyboard.
     """
     writer = _Writer(Scheme.AUTO, scene.name, role="group")
     body = writer.opening(scene)
@@ -80,7 +80,7 @@ def custom_properties(scheme: Scheme) -> str:
 
 
 def ink_rules() -> str:
-    """The rules of CSS by which the shapes of embedded drawings take their colours."""
+    """The CSS rules that colour the shapes of embedded drawings."""
     return "\n".join(_rules(list(Ink)))
 
 
@@ -94,7 +94,7 @@ def _style(inks: list[Ink], scheme: Scheme) -> str:
     def definitions(table: dict[Ink, str]) -> str:
         return " ".join(f"--{ink.value}: {table[ink]};" for ink in inks)
 
-    # Drawings of several schemes may stand in one page, where the rules of each hold for all.
+    # One page may contain drawings of several schemes, and the rules of each apply to all.
     drawing = f".cspdiag.{scheme.value}"
     lines = [f"{drawing} {{ {definitions(colours(scheme))} }}"]
     if scheme is Scheme.AUTO:
@@ -109,7 +109,7 @@ def _inks(item: Item) -> list[Ink]:
         case Box() | Ellipse():
             used = [item.fill, item.stroke]
         case Line() | Curve():
-            # The circle at the end of a line is as empty as the paper.
+            # The circle at the end of a line is filled with the colour of the paper.
             used = [item.fill, item.stroke, Ink.PAPER]
         case Text():
             used = [run.ink for run in item.runs]

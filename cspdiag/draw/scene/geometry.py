@@ -46,7 +46,7 @@ class Rectangle:
         return Rectangle(self.x + dx, self.y + dy, self.width, self.height)
 
     def grown(self, by: float) -> Rectangle:
-        """The rectangle with ``by`` more on every side; less where it is negative."""
+        """The rectangle with ``by`` more on every side; less if it is negative."""
         return Rectangle(self.x - by, self.y - by, self.width + 2 * by, self.height + 2 * by)
 
     def overlaps(self, other: Rectangle) -> bool:
@@ -59,7 +59,7 @@ class Rectangle:
 
 
 def around(rectangles: list[Rectangle]) -> Rectangle:
-    """The smallest rectangle around some; raises ValueError for none."""
+    """The smallest rectangle around the given ones. Raises ValueError if there are none."""
     left, top = min(each.x for each in rectangles), min(each.y for each in rectangles)
     right, bottom = max(each.right for each in rectangles), max(each.bottom for each in rectangles)
     return Rectangle(left, top, right - left, bottom - top)

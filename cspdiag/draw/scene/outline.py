@@ -16,7 +16,7 @@ DOT_RADIUS = 2.8
 BAR_HALF_WIDTH = 5.0
 
 _ROUND = 0.5523
-"""How far the handles of a cubic reach that looks like a quarter of a circle, as a part of the radius."""
+"""How far the handles reach of a cubic that approximates a quarter of a circle, as a fraction of the radius."""
 
 _TRIMMED = {Head.ARROW: ARROW_LENGTH - 1, Head.CIRCLE: 2 * CIRCLE_RADIUS}
 

@@ -1,7 +1,7 @@
 """The colours of light and dark drawings, and the typefaces.
 
-Words and lines differ from their background at least as 4.5 to 1 in both schemes (WCAG 2.2, 1.4.3); no colour is the
-only sign of anything.
+Words and lines have a contrast of at least 4.5 to 1 with their background in both schemes (WCAG 2.2, 1.4.3); no
+information is given by colour alone.
 """
 
 from __future__ import annotations
@@ -86,5 +86,5 @@ def colours(scheme: Scheme) -> dict[Ink, str]:
 
 
 def family(face: Face) -> str:
-    """The typefaces to be tried, in order."""
+    """The typefaces to try, in order."""
     return MONO if face is Face.MONO else SANS

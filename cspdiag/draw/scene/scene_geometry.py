@@ -26,7 +26,7 @@ from cspdiag.draw.scene.shapes import (
 from cspdiag.draw.scene.text_metrics import ASCENT, DESCENT, runs_width
 
 MARGIN = 24.0
-"""What is left free around a drawing, in pixels."""
+"""The margin around a drawing, in pixels."""
 
 
 def text_place(text: Text) -> Rectangle:
@@ -148,7 +148,7 @@ def _joined(scenes: Sequence[Scene], place: Callable[[Scene, Scene], tuple[float
 
 
 def every(items: Iterable[Item]) -> Iterator[Item]:
-    """The items and all that their groups hold, in the order in which they are drawn."""
+    """The items and everything in their groups, in the order in which they are drawn."""
     for item in items:
         yield item
         if isinstance(item, Group):

@@ -1,7 +1,6 @@
-"""A drawing as positioned shapes and texts, of which SVG, PNG and PDF are made.
-
-A scene says what things are (``Ink``), never which colour they have: colours belong to the scheme, light or dark. What
-comes later is drawn above what comes earlier. Items are given in absolute places.
+"""A drawing as positioned shapes and texts, from which SVG, PNG and PDF are made. A scene says what things are
+(``Ink``), never which colour they have: colours belong to the scheme, light or dark. Later items are drawn over earlier
+ones. Items are given in absolute places.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from cspdiag.draw.scene.geometry import Point, Rectangle
 
 
 class Ink(Enum):
-    """What something is drawn as; the value is its name in CSS."""
+    """The role in which something is drawn; the value is its name in CSS."""
 
     PAPER = "paper"
     """The background."""
@@ -21,7 +20,7 @@ class Ink(Enum):
     """Channels and relations."""
     TEXT = "text"
     FAINT = "faint"
-    """What explains: types, legends, local names, grids."""
+    """Explanations: types, legends, local names, grids."""
     BORDER = "border"
     """The outline of a process."""
     PROCESS = "process"
@@ -33,7 +32,7 @@ class Ink(Enum):
     FRAME = "frame"
     """The inside of a process that shows its own parts."""
     ACCENT = "accent"
-    """What is pointed at: a highlighted cycle, a link."""
+    """Emphasis: a highlighted cycle, a link."""
     ERROR = "error"
     WARNING = "warning"
     ADDED = "added"
@@ -57,7 +56,7 @@ class Face(Enum):
 
 
 class Anchor(Enum):
-    """Which point of a text its x gives."""
+    """The point of a text that its x refers to."""
 
     START = "start"
     MIDDLE = "middle"
@@ -65,7 +64,7 @@ class Anchor(Enum):
 
 
 class Dash(Enum):
-    """How a line is broken; each can be distinguished from the others without colour."""
+    """The dash pattern of a line; each can be distinguished from the others without colour."""
 
     SOLID = "solid"
     DASHED = "dashed"
@@ -74,7 +73,7 @@ class Dash(Enum):
 
 
 class Head(Enum):
-    """What the end of a line carries."""
+    """The head at the end of a line."""
 
     NONE = "none"
     ARROW = "arrow"
@@ -174,7 +173,7 @@ class CubicTo:
 
 @record
 class Close:
-    """Goes straight to where the part began."""
+    """Closes the part with a straight line to its beginning."""
 
 
 Command = MoveTo | LineTo | CubicTo | Close
@@ -193,10 +192,10 @@ class Curve:
 
 @record
 class Group:
-    """What belongs together, such as a process with its ports.
+    """Items that belong together, such as a process with its ports.
 
     ``kind`` is one or more words of CSS (``"process submodel"``); ``id`` any text, made valid and unique when it is
-    written; ``title`` the tooltip; ``link`` an address that a click leads to.
+    written; ``title`` the tooltip; ``link`` the address that a click opens.
     """
 
     kind: str
@@ -212,7 +211,7 @@ Item = Shape | Text | Group
 
 @record
 class Scene:
-    """A whole drawing; ``title`` and ``description`` are for those who cannot see it."""
+    """A whole drawing; ``title`` and ``description`` are for screen readers."""
 
     width: float
     height: float
@@ -220,4 +219,4 @@ class Scene:
     title: str = ""
     description: str = ""
     name: str = ""
-    """Begins all identifiers, so that several drawings can be in one page."""
+    """The prefix of all identifiers, so several drawings can be in one page."""

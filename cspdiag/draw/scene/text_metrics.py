@@ -17,14 +17,14 @@ from unicodedata import combining, east_asian_width
 from cspdiag.draw.scene.shapes import Face, TextRun
 
 UNITS = 2048
-"""Units of the advances to the em."""
+"""Units of the advances per em."""
 
 ASCENT = 0.905
-"""What a line takes above its baseline, as a part of the size; capital letters take 0.716 of it."""
+"""The height of a line above its baseline, as a fraction of the size; capital letters take 0.716 of the size."""
 DESCENT = 0.212
-"""What a line takes below its baseline, as a part of the size."""
+"""The depth of a line below its baseline, as a fraction of the size."""
 CAPITAL = 0.716
-"""The height of a capital letter or a figure, as a part of the size."""
+"""The height of a capital letter or a digit, as a fraction of the size."""
 
 _MONO = 1229
 _OTHER = 1366

@@ -14,10 +14,10 @@ _FILES = {
 
 
 def typeface(face: Face) -> str | None:
-    """The path of a typeface's file; None where it was not fetched."""
+    """The path of a typeface's file; None if it was not fetched."""
     return resources.third_party("fonts", _FILES[face])
 
 
 def typefaces() -> list[str]:
-    """The paths of all that are there."""
+    """The paths of all typefaces that are installed."""
     return [path for face in Face if (path := typeface(face)) is not None]
