@@ -173,7 +173,7 @@ class LoadedProgram:
         warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError if there is nothing of
         that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
-        from cspdiag.draw.pictures import Pictures, Wish
+        from cspdiag.draw.pictures import PictureOptions, Pictures
 
         require_names(process=process)
         require_one_of("diagram", diagram, ("communication", "composition", "both"))
@@ -187,7 +187,7 @@ class LoadedProgram:
         pictures = Pictures(checked.readable, checked.report.diagnostics if check else (), checked.analysis)
         definition = definition_to_draw(pictures, process)
         hide = labels_to_hide(pictures, definition, hide_labels, depth)
-        return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
+        return Drawing(pictures.scene(definition, PictureOptions(which=diagram, hidden=hide, depth=depth)))
 
     def draw_deadlock(self, run: Run) -> Drawing:
         """A picture of which process waits for which in a run of this program that ended in a deadlock, as drawn by

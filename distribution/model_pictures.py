@@ -19,7 +19,7 @@ from cspdiag.draw.differences.picture import pictures_of
 from cspdiag.draw.differences.programs import differences
 from cspdiag.draw.elements.diagram import Arrow, Box, BoxKind, FlowKind, Sink, Store, Vertex
 from cspdiag.draw.output.svg import render_svg
-from cspdiag.draw.pictures import Pictures, Which, Wish
+from cspdiag.draw.pictures import PictureOptions, Pictures, Which
 from cspdiag.draw.scene.scene_geometry import fitted
 from cspdiag.draw.scene.shapes import Scene
 from cspdiag.pipeline import Checked, build, check, generate
@@ -60,7 +60,7 @@ class Picture:
         pictures = Pictures(checked.program)
         definition = pictures.named(self.process)
         assert definition is not None
-        return pictures.scene(definition, Wish(self.which, depth=self.depth))
+        return pictures.scene(definition, PictureOptions(self.which, depth=self.depth))
 
 
 @cache

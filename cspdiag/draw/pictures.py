@@ -29,7 +29,7 @@ Which: TypeAlias = Literal["communication", "composition", "both"]
 
 
 @record
-class Wish:
+class PictureOptions:
     """How something is to be drawn; ``depth`` 2 shows the inside of the instances."""
 
     which: Which = "both"
@@ -37,7 +37,7 @@ class Wish:
     depth: int = 1
 
 
-DEFAULT = Wish()
+DEFAULT = PictureOptions()
 
 
 class Pictures:
@@ -119,20 +119,22 @@ class Pictures:
             return None
         return composition_diagram(self.program.definitions, definition, depth)
 
-    def scene(self, definition: Drawn, wish: Wish = DEFAULT, links: Mapping[str, str] | None = None) -> Scene:
+    def scene(
+        self, definition: Drawn, options: PictureOptions = DEFAULT, links: Mapping[str, str] | None = None
+    ) -> Scene:
         """The picture of a process or an environment. Raises the same exceptions as ``lay_out``."""
         found = self.concerned(definition)
-        composition = None if wish.which == "communication" else self.composition(definition, wish.depth)
+        composition = None if options.which == "communication" else self.composition(definition, options.depth)
         steps = {} if composition is None else {element.key: element.spans for element in composition.elements()}
         step_marks = marks_of(steps, found)
         scenes: list[Scene] = []
-        if wish.which != "composition" or composition is None:
-            diagram = self.communication(definition, wish.depth)
+        if options.which != "composition" or composition is None:
+            diagram = self.communication(definition, options.depth)
             marks = marks_of(places_of(diagram), found)
             scenes.append(
                 draw_communication(
                     diagram,
-                    hidden=wish.hidden,
+                    hidden=options.hidden,
                     marks=marks | mark_of_rest(found, (*marks.values(), *step_marks.values())),
                     diagnostics=found if composition is None else None,
                     links=links,
@@ -140,7 +142,7 @@ class Pictures:
             )
         if composition is not None:
             scenes.append(
-                draw_composition(composition, marks=step_marks, diagnostics=found, links=links, hidden=wish.hidden)
+                draw_composition(composition, marks=step_marks, diagnostics=found, links=links, hidden=options.hidden)
             )
         return scenes[0] if len(scenes) == 1 else stacked(scenes)
 

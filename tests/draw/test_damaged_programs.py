@@ -16,7 +16,7 @@ from cspdiag.draw.differences.render_text import render
 from cspdiag.draw.elements.listing import listing
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.output.svg import render_svg
-from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.pictures import PictureOptions, Pictures
 from cspdiag.pipeline import check
 from tests.draw.geometry.rules import faults
 from tests.robustness.damage import ROOT, damaged
@@ -49,7 +49,7 @@ def test_pictures_with_marks_are_drawn(seed: int) -> None:
     found = pictures(*damaged(seed))
     for definition in [] if found is None else found.drawn()[-2:]:
         assert found is not None
-        assert render_svg(found.scene(definition, Wish())).startswith("<")
+        assert render_svg(found.scene(definition, PictureOptions())).startswith("<")
 
 
 PROGRAM = re.compile(r"^```csp\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)

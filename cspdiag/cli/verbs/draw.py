@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import networkx
 
     from cspdiag.draw.elements.communication import Drawn
-    from cspdiag.draw.pictures import Pictures, Wish
+    from cspdiag.draw.pictures import PictureOptions, Pictures
     from cspdiag.draw.scene.shapes import Scene
 
 EXAMPLE = """cspdiag draw models/jiwy/jiwy.csp
@@ -263,8 +263,8 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
         _write_book(arguments, pictures)
         return
     definitions = _chosen(arguments, pictures)
-    wish = _wish(arguments, pictures, definitions)
-    scenes = {definition.name.text: pictures.scene(definition, wish) for definition in definitions}
+    options = _picture_options(arguments, pictures, definitions)
+    scenes = {definition.name.text: pictures.scene(definition, options) for definition in definitions}
     format_ = _format(arguments)
     if _is_folder(arguments):
         _write_folder(
@@ -312,9 +312,9 @@ def _named(pictures: Pictures, name: str) -> Drawn:
     return found
 
 
-def _wish(arguments: Namespace, pictures: Pictures, definitions: Sequence[Drawn]) -> Wish:
+def _picture_options(arguments: Namespace, pictures: Pictures, definitions: Sequence[Drawn]) -> PictureOptions:
     from cspdiag.draw.hiding import ALL_LABELS, hidden
-    from cspdiag.draw.pictures import Wish
+    from cspdiag.draw.pictures import PictureOptions
 
     hide = hidden(arguments.hide_labels or ())
     if "all" in hide.names:
@@ -322,7 +322,7 @@ def _wish(arguments: Namespace, pictures: Pictures, definitions: Sequence[Drawn]
     unknown = sorted(hide.names - pictures.labels(definitions, arguments.depth))
     if unknown:
         raise UsageError(f"--hide-labels: there is no label `{unknown[0]}` in what is drawn")
-    return Wish(which=arguments.diagram, hidden=hide, depth=arguments.depth)
+    return PictureOptions(which=arguments.diagram, hidden=hide, depth=arguments.depth)
 
 
 def _format(arguments: Namespace) -> str:

@@ -13,7 +13,7 @@ from cspdiag.draw.elements.communication import Drawn
 from cspdiag.draw.elements.diagram import FlowKind
 from cspdiag.draw.elements.texts import optional, written
 from cspdiag.draw.output.svg import embedded_svg
-from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.pictures import PictureOptions, Pictures
 from cspdiag.draw.scene.scene_geometry import fitted
 from cspdiag.draw.scene.shapes import Group, Scene
 from cspdiag.model.program import Program
@@ -39,7 +39,7 @@ _DECLARATIONS = (
     ast.Assertion,
 )
 
-_MET: Mapping[FlowKind, str] = {
+_KINDS_IN_WORDS: Mapping[FlowKind, str] = {
     "var": "a variable",
     "sync": "a rendezvous",
     "broadcast": "a broadcast",
@@ -193,7 +193,7 @@ def _ports(pictures: Pictures, definition: Described) -> tuple[PortRow, ...]:
                     ports.direction,
                     written(ports.type),
                     f"{period} immediate" if ports.immediate else period,
-                    ", ".join(_MET[kind] for kind in kinds),
+                    ", ".join(_KINDS_IN_WORDS[kind] for kind in kinds),
                     ports.doc or "",
                 )
             )
@@ -201,14 +201,14 @@ def _ports(pictures: Pictures, definition: Described) -> tuple[PortRow, ...]:
 
 
 def _figures(pictures: Pictures, definition: Drawn, links: Mapping[str, str]) -> tuple[Figure, ...]:
-    wishes = [("Communication", Wish(which="communication"))]
+    figure_options = [("Communication", PictureOptions(which="communication"))]
     if pictures.composition(definition) is not None:
-        wishes.append(("Composition", Wish(which="composition")))
+        figure_options.append(("Composition", PictureOptions(which="composition")))
     figures: list[Figure] = []
-    for kind, wish in wishes:
+    for kind, options in figure_options:
         # The messages concern both figures; the last one shows them.
-        left_out = {"heading"} if kind == wishes[-1][0] else {"heading", "messages"}
-        scene = _without(pictures.scene(definition, wish, links), left_out, f"{definition.name.text}-{kind}")
+        left_out = {"heading"} if kind == figure_options[-1][0] else {"heading", "messages"}
+        scene = _without(pictures.scene(definition, options, links), left_out, f"{definition.name.text}-{kind}")
         figures.append(Figure(kind, embedded_svg(scene)))
     return tuple(figures)
 

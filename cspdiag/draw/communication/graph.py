@@ -25,8 +25,8 @@ from cspdiag.draw.elements.diagram import (
 )
 from cspdiag.draw.elements.marks import Mark, Marks
 from cspdiag.draw.hiding import Hidden
+from cspdiag.draw.layout.elk_graph import HEADROOM
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layer, Node, Padding, Port, Side
-from cspdiag.draw.layout.question import HEADROOM
 from cspdiag.draw.scene.shapes import Face, Ink, TextRun
 from cspdiag.draw.scene.text_metrics import line_height, runs_width
 

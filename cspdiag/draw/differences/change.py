@@ -95,9 +95,9 @@ def narrowed(aspect: str, before: str, after: str) -> tuple[str, str | None, str
     """
     if aspect in ("from", "to"):
         old_ends, new_ends = before.split(", "), after.split(", ")
-        gone = ", ".join(end for end in old_ends if end not in new_ends)
-        come = ", ".join(end for end in new_ends if end not in old_ends)
-        return aspect, gone or None, come or None
+        removed = ", ".join(end for end in old_ends if end not in new_ends)
+        added = ", ".join(end for end in new_ends if end not in old_ends)
+        return aspect, removed or None, added or None
     if aspect == "type":
         old, new = _WITH_UNIT.fullmatch(before), _WITH_UNIT.fullmatch(after)
         if old and new and old["unit"] != new["unit"] and (old["name"], old["sizes"]) == (new["name"], new["sizes"]):

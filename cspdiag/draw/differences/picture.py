@@ -96,14 +96,14 @@ def _missing(old: Sequence[E], new: Sequence[E]) -> list[E]:
 
 def marks(pair: Pair) -> dict[str, Mark]:
     """The marks of the elements of the united diagram, each with its message."""
-    said: dict[str, list[Change]] = {}
+    changes_by_key: dict[str, list[Change]] = {}
     for change in pair.changes:
-        said.setdefault(change.key, []).append(change)
+        changes_by_key.setdefault(change.key, []).append(change)
     before, after, shown = _keys(pair.before), _keys(pair.after), _keys(union(pair.before, pair.after))
     found: dict[str, Mark] = {}
     for key in shown:
         whole = key.removesuffix(LOST).removesuffix(GAINED)
-        changes = said.get(whole, [])
+        changes = changes_by_key.get(whole, [])
         note = "\n".join(sentence(change) for change in changes)
         if key not in before and key not in after:
             found[key] = Mark("removed" if key.endswith(LOST) else "added", note=note)

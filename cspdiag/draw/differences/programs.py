@@ -172,29 +172,29 @@ class _Comparison:
     def _assertions(self) -> list[Change]:
         before = {_assertion(item): item for item in self.before.program.assertions}
         after = {_assertion(item): item for item in self.after.program.assertions}
-        gone = [
+        removed = [
             Change(action="removed", kind="assert", definition=text, span_before=item.span, before=text)
             for text, item in before.items()
             if text not in after
         ]
-        come = [
+        added = [
             Change(action="added", kind="assert", definition=text, span_after=item.span, after=text)
             for text, item in after.items()
             if text not in before
         ]
-        return gone + come
+        return removed + added
 
     def _renamed_definitions(self) -> dict[str, str]:
-        gone = [item for name, item in self.old.items() if type(self.new.get(name)) is not type(item)]
-        come = [item for name, item in self.new.items() if type(self.old.get(name)) is not type(item)]
-        old = {id(item): self._content(self.before, item) for item in gone}
-        new = {id(item): self._content(self.after, item) for item in come}
+        removed = [item for name, item in self.old.items() if type(self.new.get(name)) is not type(item)]
+        added = [item for name, item in self.new.items() if type(self.old.get(name)) is not type(item)]
+        old = {id(item): self._content(self.before, item) for item in removed}
+        new = {id(item): self._content(self.after, item) for item in added}
         found: dict[str, str] = {}
-        for first, second in pairs(gone, come, lambda item: KINDS[type(item)]):
+        for first, second in pairs(removed, added, lambda item: KINDS[type(item)]):
             one, other = old[id(first)], new[id(second)]
             if one and len(one & other) >= ALIKE * max(len(one), len(other)):
                 found[first.name.text] = second.name.text
-        for first, second in pairs(gone, come, lambda item: (type(item), old.get(id(item), new.get(id(item))))):
+        for first, second in pairs(removed, added, lambda item: (type(item), old.get(id(item), new.get(id(item))))):
             if old[id(first)]:
                 found[first.name.text] = second.name.text
         return found

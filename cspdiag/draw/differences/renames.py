@@ -21,10 +21,10 @@ from cspdiag.draw.elements.diagram import (
 T = TypeVar("T")
 
 
-def pairs(gone: Iterable[T], come: Iterable[T], signature: Callable[[T], Hashable]) -> list[tuple[T, T]]:
+def pairs(removed: Iterable[T], added: Iterable[T], signature: Callable[[T], Hashable]) -> list[tuple[T, T]]:
     """Pairs of a removed and an added item with a signature that no other removed or added item has."""
     by_signature: dict[Hashable, tuple[list[T], list[T]]] = {}
-    for position, items in enumerate((gone, come)):
+    for position, items in enumerate((removed, added)):
         for item in items:
             by_signature.setdefault(signature(item), ([], []))[position].append(item)
     return [(old[0], new[0]) for old, new in by_signature.values() if len(old) == len(new) == 1]
@@ -33,17 +33,17 @@ def pairs(gone: Iterable[T], come: Iterable[T], signature: Callable[[T], Hashabl
 def vertex_renames(before: CommunicationDiagram, after: CommunicationDiagram) -> dict[str, str]:
     """The new names of elements: equal in everything, and connected mostly to the same ends, or not at all."""
     kept = {vertex.key for vertex in before.vertices} & {vertex.key for vertex in after.vertices}
-    gone = [
+    removed = [
         vertex for vertex in before.vertices if vertex.key not in kept and not isinstance(vertex, Sink | WrittenValue)
     ]
-    come = [
+    added = [
         vertex for vertex in after.vertices if vertex.key not in kept and not isinstance(vertex, Sink | WrittenValue)
     ]
-    surroundings = {id(vertex): _surroundings(before, vertex.key, kept) for vertex in gone}
-    surroundings |= {id(vertex): _surroundings(after, vertex.key, kept) for vertex in come}
+    surroundings = {id(vertex): _surroundings(before, vertex.key, kept) for vertex in removed}
+    surroundings |= {id(vertex): _surroundings(after, vertex.key, kept) for vertex in added}
     return {
         old.key: new.key
-        for old, new in pairs(gone, come, _signature)
+        for old, new in pairs(removed, added, _signature)
         if _alike(surroundings[id(old)], surroundings[id(new)])
     }
 
@@ -116,12 +116,12 @@ def with_matched_arrows(before: CommunicationDiagram, after: CommunicationDiagra
     changed, not replaced.
     """
     kept = {arrow.key for arrow in before.arrows} & {arrow.key for arrow in after.arrows}
-    gone = [arrow for arrow in before.arrows if arrow.key not in kept and not arrow.by_composition]
-    come = [arrow for arrow in after.arrows if arrow.key not in kept and not arrow.by_composition]
+    removed = [arrow for arrow in before.arrows if arrow.key not in kept and not arrow.by_composition]
+    added = [arrow for arrow in after.arrows if arrow.key not in kept and not arrow.by_composition]
     keys: dict[str, str] = {}
-    for arrow in gone:
-        alike = [other for other in come if _shares_an_end(arrow, other)]
-        if len(alike) == 1 and sum(_shares_an_end(each, alike[0]) for each in gone) == 1:
+    for arrow in removed:
+        alike = [other for other in added if _shares_an_end(arrow, other)]
+        if len(alike) == 1 and sum(_shares_an_end(each, alike[0]) for each in removed) == 1:
             keys[arrow.key] = alike[0].key
     return replaced(
         before, arrows=tuple(replaced(arrow, key=keys.get(arrow.key, arrow.key)) for arrow in before.arrows)

@@ -58,7 +58,7 @@ def _related(
             key = _owner(places, label.span)
             if key is not None and key not in marked:
                 found.setdefault(key, {})[number] = label.message
-    return {key: Mark("highlighted", tuple(said), "\n".join(said.values())) for key, said in found.items()}
+    return {key: Mark("highlighted", tuple(messages), "\n".join(messages.values())) for key, messages in found.items()}
 
 
 def mark_of_rest(diagnostics: Mapping[int, Diagnostic], placed: Iterable[Mark]) -> dict[str, Mark]:

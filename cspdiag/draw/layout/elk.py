@@ -8,10 +8,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from cspdiag.draw.layout import engine, sizes
+from cspdiag.draw.layout.elk_graph import LABEL_GAP, ElkGraph, Json, elk_graph, whole, without_text_order, wrapped
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layout, LayoutError, Route, Side
 from cspdiag.draw.layout.hierarchy import Hierarchy
 from cspdiag.draw.layout.joined import joined
-from cspdiag.draw.layout.question import LABEL_GAP, ElkGraph, Json, elk_graph, whole, without_text_order, wrapped
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 WIDEST = 2400.0
@@ -38,7 +38,7 @@ def lay_out(graph: Graph) -> Layout:
     if not elk.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
         with suppress(LayoutError):
             placed = engine.run(wrapped(elk))
-    return _answer(elk, placed)
+    return _layout_of(elk, placed)
 
 
 @dataclass
@@ -50,7 +50,7 @@ class _Places:
     edges: list[Json] = field(default_factory=list)
 
 
-def _answer(elk: ElkGraph, placed: Json) -> Layout:
+def _layout_of(elk: ElkGraph, placed: Json) -> Layout:
     places = _Places()
     _collect(placed, places)
     hierarchy = elk.hierarchy

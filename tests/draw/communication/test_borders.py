@@ -11,7 +11,7 @@ from cspdiag.base.sources import read_source
 from cspdiag.draw.communication.graph import elements_of
 from cspdiag.draw.elements.diagram import BoxPort
 from cspdiag.draw.layout.elk import engine_available
-from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.pictures import PictureOptions, Pictures
 from cspdiag.draw.scene.scene_geometry import every
 from cspdiag.draw.scene.shapes import Box, Group, Line, Scene, Text
 from cspdiag.pipeline import check
@@ -86,7 +86,7 @@ def scene(definition: str, depth: int) -> Scene:
     found = Pictures(checked.readable)
     drawn = found.named(definition)
     assert drawn is not None
-    return found.scene(drawn, Wish(which="communication", depth=depth))
+    return found.scene(drawn, PictureOptions(which="communication", depth=depth))
 
 
 def groups(drawn: Scene) -> dict[str, Group]:

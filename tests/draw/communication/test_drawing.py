@@ -20,7 +20,7 @@ from cspdiag.draw.elements.diagram import BoxKind, CommunicationDiagram, Store
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import engine_available
-from cspdiag.draw.pictures import Pictures, Wish, places_of
+from cspdiag.draw.pictures import PictureOptions, Pictures, places_of
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import every
 from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
@@ -193,7 +193,7 @@ def test_numbered_messages_stand_below_the_picture() -> None:
     found = Pictures(checked.readable, checked.report.diagnostics)
     definition = found.named("P")
     assert definition is not None
-    scene = found.scene(definition, Wish(which="communication"))
+    scene = found.scene(definition, PictureOptions(which="communication"))
     (diagnostic,) = checked.report.diagnostics
     assert diagnostic.code in words(scene)
     assert " ".join(words(scene)).count(diagnostic.message.split()[0]) >= 1

@@ -11,7 +11,7 @@ from cspdiag.draw.communication.symbol_places import symbol_pieces
 from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.layout.graph import Route, Section
-from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.pictures import PictureOptions, Pictures
 from cspdiag.draw.scene.geometry import Point
 from cspdiag.draw.scene.scene_geometry import every
 from cspdiag.draw.scene.shapes import Group
@@ -59,7 +59,7 @@ def test_no_symbol_stands_where_an_arrow_of_another_kind_runs(kinds: tuple[str, 
     found = pictures(program(kinds))
     for definition in found.drawn():
         for hidden in (NOTHING_HIDDEN, ALL_LABELS):
-            scene = found.scene(definition, Wish(which="communication", hidden=hidden, depth=3))
+            scene = found.scene(definition, PictureOptions(which="communication", hidden=hidden, depth=3))
             assert faults(scene) == [], definition.name.text
 
 
@@ -72,7 +72,7 @@ def test_each_branch_of_a_fork_has_its_symbol() -> None:
     arrows = {
         item.id: {type(each) for each in item.items}
         for definition in (forks, bench)
-        for item in every(found.scene(definition, Wish(which="communication")).items)
+        for item in every(found.scene(definition, PictureOptions(which="communication")).items)
         if isinstance(item, Group)
     }
     plain = arrows["m ~> c2"]

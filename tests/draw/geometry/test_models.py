@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from cspdiag.base import SourceFile
 from cspdiag.base.sources import read_source
 from cspdiag.draw.layout.elk import engine_available
-from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.pictures import PictureOptions, Pictures
 from cspdiag.draw.scene.geometry import Point, Rectangle
 from cspdiag.draw.scene.scene_geometry import fitted
 from cspdiag.draw.scene.shapes import Box, Line, Scene, Text, TextRun
@@ -44,7 +44,7 @@ def test_nothing_lies_on_anything_inside_boxes(depth: int) -> None:
     pictures = pictures_of("models/jiwy/jiwy.csp")
     jiwy = pictures.outermost()
     assert jiwy is not None
-    assert faults(pictures.scene(jiwy, Wish(which="communication", depth=depth))) == []
+    assert faults(pictures.scene(jiwy, PictureOptions(which="communication", depth=depth))) == []
 
 
 WORDS = Text(Point(50, 50), (TextRun("words"),))
@@ -82,5 +82,5 @@ def test_nothing_lies_on_anything_in_random_programs(text: str) -> None:
     pictures = Pictures(checked.readable)
     for definition in pictures.drawn():
         for depth in (1, 2):
-            scene = pictures.scene(definition, Wish(which="communication", depth=depth))
+            scene = pictures.scene(definition, PictureOptions(which="communication", depth=depth))
             assert faults(scene) == [], definition.name.text

@@ -131,20 +131,20 @@ def whole(elk: ElkGraph) -> Json:
     return {"id": "", "layoutOptions": elk.options, "children": elk.top, "edges": elk.edges}
 
 
-def _thoroughness(question: ElkGraph) -> int:
+def _thoroughness(elk: ElkGraph) -> int:
     """How often ELK looks for fewer crossings; in a large graph each time takes long and gains little."""
-    parts = len(question.hierarchy.nodes) + len(question.hierarchy.edges)
+    parts = len(elk.hierarchy.nodes) + len(elk.hierarchy.edges)
     return max(1, min(7, 300 // (parts + 1)))
 
 
-def _node(question: ElkGraph, node: Node) -> Json:
+def _node(elk: ElkGraph, node: Node) -> Json:
     width, height = sizes.least_size(node)
     top = sizes.title_height(node)
     options = {
         "elk.nodeSize.constraints": "[PORTS, MINIMUM_SIZE]" if node.title else "[MINIMUM_SIZE]",
         "elk.nodeSize.minimum": f"({width},{height})",
         "elk.portConstraints": node.port_order.value,
-        "elk.layered.layering.layerConstraint": _layer(question, node).value,
+        "elk.layered.layering.layerConstraint": _layer(elk, node).value,
     }
     spacings = {
         "elk.spacing.edgeNode": str(BOX_GAP),
@@ -157,21 +157,21 @@ def _node(question: ElkGraph, node: Node) -> Json:
     if node.children:
         padding = sizes.children_padding(node)
         # Options of a graph do not apply to the graphs inside its nodes.
-        options |= _options(question) | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
+        options |= _options(elk) | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
         options["elk.padding"] = (
             f"[top={padding.top},left={padding.left},bottom={padding.bottom},right={padding.right}]"
         )
-        made["children"] = [_node(question, child) for child in node.children]
+        made["children"] = [_node(elk, child) for child in node.children]
     else:
         made["width"], made["height"] = width, height
-    question.nodes[node.id] = made
+    elk.nodes[node.id] = made
     return made
 
 
-def _layer(question: ElkGraph, node: Node) -> Layer:
+def _layer(elk: ElkGraph, node: Node) -> Layer:
     """The requested layer of a node; a node with lines to its wrong side cannot be there."""
     own = {node.id, *(port.id for port in node.ports)}
-    edges = question.hierarchy.edges
+    edges = elk.hierarchy.edges
     if node.layer is Layer.FIRST and any(own & {*edge.targets} for edge in edges):
         return Layer.ANY
     if node.layer is Layer.LAST and any(own & {*edge.sources} for edge in edges):
@@ -199,33 +199,33 @@ def _ports(node: Node) -> list[Json]:
     return ports
 
 
-def _add_edge(question: ElkGraph, edge: Edge) -> None:
+def _add_edge(elk: ElkGraph, edge: Edge) -> None:
     if len(edge.sources) == len(edge.targets) == 1:
-        _add_part(question, edge, edge.sources[0], edge.targets[0], edge.label)
+        _add_part(elk, edge, edge.sources[0], edge.targets[0], edge.label)
     elif edge.label is None and 1 in (len(edge.sources), len(edge.targets)):
-        sources = [_end(question, edge, end, leaves=True) for end in edge.sources]
-        targets = [_end(question, edge, end, leaves=False) for end in edge.targets]
+        sources = [_end(elk, edge, end, leaves=True) for end in edge.sources]
+        targets = [_end(elk, edge, end, leaves=False) for end in edge.targets]
         for source in sources:
             for target in targets:
-                _add_part(question, edge, source, target)
+                _add_part(elk, edge, source, target)
     else:
-        joint = _add_joint(question, edge)
+        joint = _add_joint(elk, edge)
         for source in edge.sources:
-            _add_part(question, edge, _end(question, edge, source, leaves=True), joint.entry)
+            _add_part(elk, edge, _end(elk, edge, source, leaves=True), joint.entry)
         for target in edge.targets:
-            _add_part(question, edge, joint.exit, _end(question, edge, target, leaves=False))
+            _add_part(elk, edge, joint.exit, _end(elk, edge, target, leaves=False))
 
 
-def _add_part(question: ElkGraph, edge: Edge, source: str, target: str, label: Label | None = None) -> None:
-    name = f"{edge.id}#{len(question.parts)}"
-    question.parts[name] = edge.id
+def _add_part(elk: ElkGraph, edge: Edge, source: str, target: str, label: Label | None = None) -> None:
+    name = f"{edge.id}#{len(elk.parts)}"
+    elk.parts[name] = edge.id
     made: Json = {"id": name, "sources": [source], "targets": [target]}
     if edge.priority:
         made["layoutOptions"] = {
             f"elk.layered.priority.{aim}": str(edge.priority) for aim in ("straightness", "shortness")
         }
     if label is not None:
-        question.labels[label.id] = label
+        elk.labels[label.id] = label
         made["labels"] = [
             {
                 "id": label.id,
@@ -235,29 +235,29 @@ def _add_part(question: ElkGraph, edge: Edge, source: str, target: str, label: L
                 "layoutOptions": {"elk.edgeLabels.placement": "CENTER"},
             }
         ]
-    room = question.hierarchy.room_of(edge)
-    siblings: list[Json] = question.edges if room is None else question.nodes[room].setdefault("edges", [])
+    room = elk.hierarchy.room_of(edge)
+    siblings: list[Json] = elk.edges if room is None else elk.nodes[room].setdefault("edges", [])
     siblings.append(made)
 
 
-def _end(question: ElkGraph, edge: Edge, end: str, *, leaves: bool) -> str:
+def _end(elk: ElkGraph, edge: Edge, end: str, *, leaves: bool) -> str:
     """The port where a line of several ends meets a node; made where the edge names the node itself."""
-    if end in question.hierarchy.ports:
+    if end in elk.hierarchy.ports:
         return end
     name = f"{edge.id}@{end}"
-    sides = (Side.SOUTH, Side.NORTH) if question.downwards else (Side.EAST, Side.WEST)
+    sides = (Side.SOUTH, Side.NORTH) if elk.downwards else (Side.EAST, Side.WEST)
     side = sides[0 if leaves else 1]
-    ports: list[Json] = question.nodes[end]["ports"]
+    ports: list[Json] = elk.nodes[end]["ports"]
     if all(port["id"] != name for port in ports):
         ports.append({"id": name, "width": 0, "height": 0, "layoutOptions": {"elk.port.side": side.value}})
     return name
 
 
-def _add_joint(question: ElkGraph, edge: Edge) -> Joint:
+def _add_joint(elk: ElkGraph, edge: Edge) -> Joint:
     joint = Joint(f"{edge.id}&", f"{edge.id}&<", f"{edge.id}&>")
     width = sizes.even(edge.label.width) if edge.label else 0
     height = label_height(edge.label) if edge.label else 0
-    if question.downwards:
+    if elk.downwards:
         width, ends = width + LABEL_GAP, ((0.0, 0.0, Side.NORTH), (0.0, height, Side.SOUTH))
     else:
         height += LABEL_GAP
@@ -273,10 +273,10 @@ def _add_joint(question: ElkGraph, edge: Edge) -> Joint:
             for name, (x, y, side) in zip((joint.entry, joint.exit), ends, strict=True)
         ],
     }
-    room = question.hierarchy.room_of(edge)
-    siblings: list[Json] = question.top if room is None else question.nodes[room].setdefault("children", [])
+    room = elk.hierarchy.room_of(edge)
+    siblings: list[Json] = elk.top if room is None else elk.nodes[room].setdefault("children", [])
     siblings.append(made)
-    question.joints[edge.id] = joint
+    elk.joints[edge.id] = joint
     return joint
 
 
