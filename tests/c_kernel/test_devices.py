@@ -204,8 +204,8 @@ def test_many_signals_are_as_one(machine: Path, count: int) -> None:
 @pytest.mark.parametrize(
     ("trouble", "says"),
     [
-        ("read hangs", "the device function of Machine.level has not come back for 2 s: the outputs are released"),
-        ("read spins", "the device function of Machine.level has not come back for 2 s: the outputs are released"),
+        ("read hangs", "the device function of Machine.level has not returned for 2 s: the outputs are released"),
+        ("read spins", "the device function of Machine.level has not returned for 2 s: the outputs are released"),
         ("polled and safe value hangs", "Machine.drive does not take its safe value for 2 s"),
     ],
 )
@@ -221,7 +221,7 @@ def test_a_control_law_that_hangs_is_named(tmp_path: Path) -> None:
     found = ended(built(tmp_path, DEVICES / "spinning.csp", DEVICES / "spinning.c"))
     assert found.status == 1
     assert found.lines == ["released"]
-    assert "Spinning.law (spinning.csp:2) has not come to its next communication for 2 s" in found.errors
+    assert "Spinning.law (spinning.csp:2) has not reached its next communication for 2 s" in found.errors
 
 
 @pytest.mark.parametrize("hanging", ["read", "safe value"])

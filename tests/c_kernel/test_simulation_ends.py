@@ -111,4 +111,4 @@ def test_a_full_disk_ends_it(simulation: Path) -> None:
     with Path("/dev/full").open("wb") as full:
         done = subprocess.run([simulation, "--observe", "ports"], stdout=full, stderr=subprocess.PIPE, check=False)
     assert done.returncode == 1
-    assert done.stderr.startswith(b"standard output did not take everything")
+    assert done.stderr.startswith(b"could not write everything to standard output")

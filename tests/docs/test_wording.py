@@ -45,7 +45,8 @@ def refused_in(text: str) -> list[str]:
 
 def files() -> Iterator[str]:
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("manual/**/*.md")]
-    for path in [*ROOT.glob("cspdiag/**/*.py"), *pages]:
+    kernel = ROOT.glob("templates/c/support/*.[ch]")
+    for path in [*ROOT.glob("cspdiag/**/*.py"), *kernel, *pages]:
         name = path.relative_to(ROOT).as_posix()
         if path != GLOSSARY:
             yield name

@@ -1,7 +1,7 @@
 /* The alternative: waits until a guard is ready, and chooses.
  *
- * It chooses at once if a guard is ready. Otherwise it waits, is put into the ready queue by the first guard that becomes ready, and chooses
- * when it runs, among the guards that are ready then; if none is any more it waits again.
+ * If a guard is ready, it chooses immediately. Otherwise it waits: the first guard that becomes ready puts it into the ready queue. When it
+ * runs, it chooses among the guards that are ready then; if none is ready any longer, it waits again.
  */
 #include "csp_internal.h"
 
@@ -10,7 +10,7 @@ static inline csp_word bit_of(uint32_t index)
     return (csp_word)1U << (index % CSP_WORD_BITS);
 }
 
-/* Bits from `index` on. */
+/* The bits from `index` upwards. */
 static inline csp_word bits_from(uint32_t index)
 {
     return (index < CSP_WORD_BITS) ? (csp_word)(~(csp_word)0U << index) : (csp_word)0U;
@@ -34,7 +34,7 @@ static void wake(csp_alternative *alternative)
         alternative->woken = true;
         csp_ready(alternative->process);
     } else {
-        /* It is in the ready queue already. */
+        /* It is already in the ready queue. */
     }
 }
 
@@ -58,7 +58,7 @@ bool csp_awaited(const csp_guard *watchers)
     return guard != NULL;
 }
 
-/* The first enabled guard that is ready, from `from` on, of an alternative of several words; `count` if there is none. */
+/* The first guard from `from` on that is enabled and ready, in an alternative of several words; `count` if there is none. */
 static uint32_t first_of_words(const csp_alternative *alternative, uint32_t from)
 {
     uint32_t word = from / CSP_WORD_BITS;
@@ -154,7 +154,7 @@ void csp_resolve(csp_guard *guard)
     wake(alternative);
 }
 
-/* The value that was promised has been read: the process goes on; that of an interrupt only when its body has ended. */
+/* The promised value has been read: the process continues, but that of an interrupt only after its body has ended. */
 static csp_party *redeem(csp_party *party)
 {
     csp_alternative *const alternative = (csp_alternative *)(void *)((char *)party - offsetof(csp_alternative, pledge));
@@ -225,7 +225,7 @@ static csp_progress communicate(csp_party *party, csp_alternative *alternative, 
     }
 }
 
-/* A fair choice begins after the guard that was chosen last. */
+/* The next fair choice starts after the guard that was chosen last. */
 static inline void remember(csp_alternative *alternative, uint32_t index)
 {
     alternative->chosen = (uint16_t)index;

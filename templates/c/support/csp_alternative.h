@@ -40,27 +40,27 @@ typedef enum csp_guard_kind {
     CSP_GUARD_READY,    /* the guarded process begins by reading */
     CSP_GUARD_OUTPUT,   /* writes from `slot` */
     CSP_GUARD_AFTER,
-    CSP_GUARD_SKIP /* also for what never waits: variables, constants, outputs to the outside; generated code does what follows */
+    CSP_GUARD_SKIP /* also for communications that never wait (variables, constants, outputs to the outside), which generated code makes itself */
 } csp_guard_kind;
 
 typedef struct csp_any_channel csp_any_channel;
 
 struct csp_guard {
-    csp_guard *next;     /* that watches the same channel */
-    csp_guard *enrolled; /* the next that waits there, where both sides alternate */
+    csp_guard *next;     /* the next guard that watches the same channel */
+    csp_guard *enrolled; /* the next guard that waits there, if alternatives are on both sides */
     csp_alternative *alternative;
-    csp_word *word;      /* of the alternative that has the bit of the guard */
+    csp_word *word;      /* the word of the alternative with the bit of this guard */
     csp_word bit;
-    csp_word word_bit;   /* of that word among the words that are not 0; 0 where there is only one */
+    csp_word word_bit;   /* the bit of that word in the set of non-zero words; 0 if there is only one word */
     csp_medium *medium;
-    csp_any_channel *channel; /* the medium, where this is an input guard on a rendezvous; otherwise csp_no_channel */
+    csp_any_channel *channel; /* the medium of an input guard on a rendezvous; otherwise csp_no_channel */
     csp_timer *timer;
     void *slot;
     int64_t duration; /* of a time-out */
     uint32_t size;    /* of the value */
     uint16_t index;
     uint8_t kind;    /* csp_guard_kind */
-    bool attends;    /* the channel wants to know when the alternative waits */
+    bool attends;    /* the channel has to be notified when the alternative waits */
     bool is_enrolled;
 };
 
@@ -68,8 +68,8 @@ struct csp_guard {
 #define CSP_WORDS(count) (((count) + CSP_WORD_BITS - 1U) / CSP_WORD_BITS)
 
 struct csp_alternative {
-    csp_word ready;   /* bits of the guards, or of the words of `more_ready` that are not 0 */
-    csp_word enabled; /* bits of the guards, or not used */
+    csp_word ready;   /* bits of the guards, or of the non-zero words of `more_ready` */
+    csp_word enabled; /* bits of the guards; not used with several words */
     csp_word after;   /* bits of the guards after the one that was chosen last */
     csp_word fair;    /* all bits, or none: prioritized */
     csp_word quick;   /* all bits, or none: more than one word, or time-outs */
@@ -77,22 +77,22 @@ struct csp_alternative {
     csp_word *more_enabled;
     csp_guard *guard;
     csp_party *process; /* while it waits */
-    uint32_t began;     /* alternatives that wait are numbered in the order in which they began to */
+    uint32_t began;     /* number of the wait: alternatives are numbered in the order in which they began to wait */
     uint16_t count;
-    uint16_t after_last; /* as `after`, where there are more words */
+    uint16_t after_last; /* the same as `after`, with several words */
     uint16_t chosen;     /* the guard */
     uint16_t time_outs;  /* number of guards with `after` */
     uint16_t attending;  /* number of guards that attend */
     bool prioritized;
     bool waits;  /* registered */
     bool enrolls; /* some guards are enrolled */
-    bool armed;  /* the first guard that becomes ready wakes it */
+    bool armed;  /* the first guard that becomes ready will wake it */
     bool woken;  /* a guard has become ready, and the process is in the ready queue */
     bool solved; /* the other side has chosen */
-    bool offers; /* the process has chosen to write, and waits until the reader, that was only promised the value, reads */
-    bool pledged;     /* the same, where the reader has chosen: */
-    csp_party pledge; /* waits in the channel */
-    struct csp_interrupt *interrupt; /* whose guard this is, or NULL */
+    bool offers; /* the process has chosen to write, and waits until the reader, which has only been promised the value, reads it */
+    bool pledged;     /* the same, but the reader has chosen: */
+    csp_party pledge; /* the party that waits in the channel */
+    struct csp_interrupt *interrupt; /* the interrupt whose guard this is, or NULL */
 };
 
 static inline void csp_set_bit(const csp_guard *guard)
@@ -111,7 +111,7 @@ static inline void csp_clear_bit(const csp_guard *guard)
     }
 }
 
-/* Guards have become ready: wakes the alternatives that wait for them. */
+/* To be called when guards have become ready: wakes the alternatives that wait for them. */
 void csp_raise_all(csp_guard *watchers);
 
 static inline void csp_raise_bits(csp_guard *watchers)
@@ -146,8 +146,8 @@ void csp_guard_skip(csp_alternative *alternative, uint16_t index);
 
 /* ---- Selection ---- */
 
-/* Which guards may be chosen: all, or none and then some. Values of output guards are put where csp_guard_write said, and
- * durations of time-outs given, before. */
+/* Sets which guards may be chosen: all, or none and then some. Before that, values of output guards are stored where csp_guard_write said, and
+ * the durations of time-outs are set. */
 void csp_enable_all(csp_alternative *alternative);
 void csp_enable_none(csp_alternative *alternative);
 void csp_enable(csp_alternative *alternative, uint16_t index);
@@ -156,8 +156,8 @@ static inline void csp_delay(csp_alternative *alternative, uint16_t index, int64
     alternative->guard[index].duration = duration;
 }
 
-/* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): then `a->chosen` is the index of the guard, and its communication was
- * made. */
+/* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): afterwards `a->chosen` is the index of the guard, and its communication has
+ * taken place. */
 static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative);
 csp_progress csp_select_again(csp_party *party, csp_alternative *alternative);
 
@@ -169,18 +169,19 @@ typedef struct csp_interrupt {
     csp_alternative alternative; /* its only guard */
     csp_guard guard;
     csp_timer timer;
-    csp_party canceller; /* ends the body where the body has itself made the guard ready */
+    csp_party canceller; /* ends the body if the body itself has made the guard ready */
     csp_process *victim;
     bool body_ended;
     bool communicates;
-    bool taken; /* the handler runs */
+    bool taken; /* whether the handler runs */
 } csp_interrupt;
 
-/* `body` is the offset of the body's csp_process in the struct. The guard: csp_guard_... with &interrupt->alternative and index 0, each time just before: */
+/* `body` is the offset of the body's csp_process in the struct. The guard is set up by csp_guard_... with &interrupt->alternative and index 0, each time just
+ * before: */
 void csp_interrupt_init(csp_interrupt *interrupt, uint32_t body);
 void csp_interrupt_prepare(csp_interrupt *interrupt);
 
-/* CSP_AWAIT(csp_interruptible(party, i), csp_interruptible_again(party, i), ...): then, if `i->taken`, the guard's branch is run. */
+/* CSP_AWAIT(csp_interruptible(party, i), csp_interruptible_again(party, i), ...): afterwards, if `i->taken`, the branch of the guard is run. */
 csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt);
 csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt);
 

@@ -1,4 +1,4 @@
-/* Alternatives before the program starts, and which of their guards are enabled. */
+/* Initialization of alternatives, and which of their guards are enabled. */
 #include "csp_internal.h"
 
 static csp_word bit_of(uint32_t index)

@@ -1,8 +1,8 @@
 /* The rendezvous of any writer with any reader, plain or in alternatives.
  *
- * At most one of the two queues of waiting parties is not empty; parties are served first come, first served, and before
- * alternatives. An alternative is enrolled (`reading`, `writing`) exactly while it waits with an enabled guard on a channel where
- * the other side alternates too.
+ * At most one of the two queues of waiting parties is not empty. Parties are served first come, first served, and before
+ * alternatives. An alternative is enrolled (`reading`, `writing`) exactly while it waits with an enabled guard on a channel with
+ * alternatives on the other side as well.
  */
 #include "csp_internal.h"
 

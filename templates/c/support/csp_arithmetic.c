@@ -5,7 +5,7 @@
 
 csp_fault_note csp_fault;
 
-/* The first fault counts. */
+/* Notes a fault; the first one counts. */
 static void note(void (*describe)(const csp_operands *, char *, size_t), csp_operands operands)
 {
     if (csp_fault.describe == NULL) {

@@ -1,11 +1,11 @@
-/* Arithmetic as the language defines it: whole numbers that never wrap silently, reals by IEEE 754.
+/* Arithmetic as the language defines it: integers that never wrap silently, and IEEE 754 reals.
  *
- * What no correct program does - overflow, a value outside its type, an index outside its array, division by zero, a NaN for an
- * actuator - is a *fault*. The function that finds it notes it in `csp_fault` and returns 0; evaluation goes on without undefined
- * behaviour, and the first fault is the one that counts. Generated code looks after each statement that can fault.
+ * Overflow, a value outside its type, an index outside its array, division by zero and a NaN for an actuator are *faults*, which a correct
+ * program does not have. The function that finds a fault notes it in `csp_fault` and returns 0; evaluation continues without undefined
+ * behaviour, and the first fault counts. Generated code checks for a fault after each statement that can have one.
  *
- * exp, log, sin, cos, tan, asin, acos, atan, atan2 and pow are those of libm, called through functions of this file, so that no compiler replaces them by
- * values or formulas of its own that differ in the last bit.
+ * exp, log, sin, cos, tan, asin, acos, atan, atan2 and pow are those of libm, called through functions of this file, so compilers cannot replace them by
+ * constants or formulas that differ in the last bit.
  */
 #ifndef CSP_ARITHMETIC_H
 #define CSP_ARITHMETIC_H
@@ -29,7 +29,7 @@
 typedef struct csp_fault_note {
     void (*describe)(const csp_operands *operands, char *text, size_t size); /* NULL: there was no fault */
     csp_operands operands;
-    const char *place; /* "laws.csp:12", or NULL while it is not known */
+    const char *place; /* "laws.csp:12"; NULL: not known yet */
     const char *law;   /* the control law in which it happened, or NULL */
 } csp_fault_note;
 
@@ -40,10 +40,10 @@ static inline bool csp_faulted(void)
     return csp_fault.describe != NULL;
 }
 
-/* Says where the fault happened; false, so that a function can end with it. */
+/* Records where the fault happened; returns false, for use in `return csp_fault_at(...)`. */
 bool csp_fault_at(const char *place);
 
-/* The same where the function goes on, and its caller looks whether there was a fault. */
+/* The same in a function that continues; its caller checks for a fault. */
 static inline void csp_fault_in(const char *place)
 {
     if (csp_faulted()) {
@@ -51,7 +51,7 @@ static inline void csp_fault_in(const char *place)
     }
 }
 
-/* Ends a function that returns whether all went well. */
+/* After a fault, returns false from a function that returns whether it succeeded. */
 #define CSP_CHECK_LAW(where)            \
     do {                                \
         if (csp_faulted()) {            \
@@ -59,7 +59,7 @@ static inline void csp_fault_in(const char *place)
         }                               \
     } while (0)
 
-/* In the step function of a process: a fault at `where` is raised, and the process goes on where it handles failures. */
+/* In the step function of a process: raises a fault at `where`, and jumps to FAILED, where the process handles failures. */
 #define CSP_FAULT(where, FAILED)               \
     do {                                       \
         if (csp_faulted()) {                   \
@@ -69,7 +69,7 @@ static inline void csp_fault_in(const char *place)
         }                                      \
     } while (0)
 
-/* The same in a part of the process that has a name of its own: a control law, or a process that was made part of it. */
+/* The same in a part of the process with a name of its own: a control law, or a process that was flattened into it. */
 #define CSP_FAULT_INSIDE(part, where, FAILED)  \
     do {                                       \
         if (csp_faulted()) {                   \
@@ -80,9 +80,9 @@ static inline void csp_fault_in(const char *place)
         }                                      \
     } while (0)
 
-/* ---- Whole numbers of 64 bits ---- */
+/* ---- Integers of 64 bits ---- */
 
-/* The results of operations that do not fit. */
+/* Each notes the fault of an operation whose result does not fit, and returns 0. */
 int64_t csp_add_fails(int64_t left, int64_t right);
 int64_t csp_subtract_fails(int64_t left, int64_t right);
 int64_t csp_multiply_fails(int64_t left, int64_t right);
@@ -145,7 +145,7 @@ static inline int64_t csp_limit_int(int64_t x, int64_t low, int64_t high)
     return (x < low) ? low : ((x > high) ? high : x);
 }
 
-/* The duration until an instant, from the present one, which is not negative; none if it is past. */
+/* The duration from `now`, which is not negative, until an instant; 0 if the instant is past. */
 static inline int64_t csp_until(int64_t instant, int64_t now)
 {
     return (instant > now) ? instant - now : 0;
@@ -156,7 +156,7 @@ static inline int64_t csp_sign_int(int64_t x)
     return (x > 0) - (x < 0);
 }
 
-/* ---- Narrower whole numbers ---- */
+/* ---- Narrower integers ---- */
 
 /* Notes that a value is outside a type. */
 int64_t csp_outside(const char *type, int64_t value, int64_t low, int64_t high);
@@ -213,7 +213,7 @@ static inline uint32_t csp_uint32_of_real(double value)
 
 int64_t csp_index_fails(int64_t index, int64_t size);
 
-/* An index of an array of that size. */
+/* `index` if it is an index of an array of that size; otherwise notes a fault. */
 static inline size_t csp_index(int64_t index, int64_t size)
 {
     return (size_t)(((index >= 0) && (index < size)) ? index : csp_index_fails(index, size));
@@ -238,19 +238,19 @@ static inline double csp_max(double left, double right)
     return (right > left) ? right : left;
 }
 
-/* A NaN passes. */
+/* NaN stays NaN. */
 static inline double csp_limit(double x, double low, double high)
 {
     return (x < low) ? low : ((x > high) ? high : x);
 }
 
-/* -1, 0 or 1; a NaN passes. */
+/* -1, 0 or 1; NaN stays NaN. */
 static inline double csp_sign(double x)
 {
     return (x > 0.0) ? 1.0 : ((x < 0.0) ? -1.0 : x);
 }
 
-/* The nearest multiple of `step`, halves away from zero; a NaN for step 0. */
+/* The nearest multiple of `step`, with halves rounded away from zero; NaN for step 0. */
 static inline double csp_quantize(double x, double step)
 {
     return round(x / step) * step;
@@ -272,7 +272,7 @@ double csp_atan(double x);
 double csp_atan2(double y, double x);
 double csp_pow(double base, double exponent);
 
-/* Up to 2^53 a double has every whole number. */
+/* Up to 2^53 every integer is a double. */
 #define CSP_EXACT (INT64_C(1) << 53)
 double csp_many_seconds(int64_t nanoseconds);
 
@@ -285,7 +285,7 @@ static inline double csp_seconds(int64_t nanoseconds)
 
 double csp_real_fails(void);
 
-/* Every real value of a program is a number: notes a fault for an infinity or a NaN. */
+/* Every real value of a program is finite: notes a fault for an infinity or a NaN. */
 static inline double csp_real(double value)
 {
     return isfinite(value) ? value : csp_real_fails();
@@ -293,10 +293,10 @@ static inline double csp_real(double value)
 
 void csp_finite_fails(double value, const char *port);
 
-/* Notes the fault that a variable is read before it was written. */
+/* Notes the fault that a variable was read before it was written. */
 void csp_not_written(const char *variable);
 
-/* Notes a fault unless the value that is written to a port is finite. */
+/* Notes a fault unless a value that is written to a port is finite. */
 static inline void csp_finite(double value, const char *port)
 {
     if (!isfinite(value)) {

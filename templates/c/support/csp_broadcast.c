@@ -1,6 +1,6 @@
 /* The broadcast channel: every reading end gets every value.
  *
- * An end is fresh from the write until its reader has taken the value; the writer waits while any end is fresh.
+ * An end is fresh from a write until its reader has taken the value. The writer waits while any end is fresh.
  */
 #include "csp_internal.h"
 

@@ -1,4 +1,4 @@
-/* Cancellation: a process ends at its next communication, which is the one at which it waits. */
+/* Cancellation: a process ends at its next communication; if it waits, that is the one for which it waits. */
 #include "csp_internal.h"
 
 bool csp_withdraw(csp_medium *medium, csp_party *party)
@@ -134,7 +134,7 @@ csp_process *csp_task_of(csp_process *process)
     return outermost;
 }
 
-/* The branches are to be cancelled, from the first; the guard of an interrupt is taken back. */
+/* Prepares the branches for cancellation, from the first one; withdraws the guard of an interrupt. */
 static void abandon_branches(csp_process *process, csp_parallel *parallel)
 {
     const csp_place *const place = csp_place_of(process);
@@ -146,8 +146,8 @@ static void abandon_branches(csp_process *process, csp_parallel *parallel)
     parallel->index = 0U;
 }
 
-/* The running process has itself made the guard ready that interrupts it, and may be about to wait in that very communication: the
- * canceller comes in the ready queue before anything that a partner could cause; by then the process waits, or has ended. */
+/* The running process itself has made the guard ready that interrupts it, and may be about to wait in that same communication. The
+ * canceller is in the ready queue before anything that a partner could cause; when it runs, the process waits or has ended. */
 static csp_party *cancel_waiting(csp_party *party)
 {
     csp_interrupt *const interrupt =
@@ -187,7 +187,7 @@ static void cancel_running(csp_process *process, csp_interrupt *interrupt)
     }
 }
 
-/* Cancels what a task waits for. The innermost process if its branches are to be cancelled next, or NULL. */
+/* Cancels what a task waits for. Returns the innermost process if its branches have to be cancelled next, or NULL. */
 static csp_process *cancel_task(csp_process *task, csp_interrupt *interrupt)
 {
     csp_process *process = task;

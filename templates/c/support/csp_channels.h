@@ -1,28 +1,28 @@
-/* Channels that alternatives guard, with many users, with memory, and to many readers. */
+/* Channels in guards or with several users, channels with memory, and broadcast channels. */
 #ifndef CSP_CHANNELS_H
 #define CSP_CHANNELS_H
 
 #include "csp_alternative.h"
 #include "csp_core.h"
 
-/* All operations: `party` is the process, or the csp_offer's; the result is CSP_DONE or CSP_WAITS. A process asks csp_is_cancelled before
- * (the macro CSP_COMMUNICATE does), and goes on as done when it runs again. `value` is the variable to read into, or to write from:
- * it must live as long as the process waits. */
+/* For all operations: `party` is that of the process or of the csp_offer; the result is CSP_DONE or CSP_WAITS. A process first checks
+ * csp_is_cancelled (the macro CSP_COMMUNICATE does), and after CSP_WAITS the operation is complete when it runs again. `value` is the variable
+ * to read into or to write from; it must exist as long as the process waits. */
 
-/* ---- Rendezvous: `any`, and `sync` where a guard is on the channel ---- */
+/* ---- Rendezvous: `any`, and `sync` channels with guards ---- */
 
 struct csp_any_channel {
     csp_medium medium;
-    csp_queue readers; /* of them and the writers at most one is not empty */
+    csp_queue readers; /* at most one of the two queues is not empty */
     csp_queue writers;
-    csp_guard *inputs;  /* guards that watch for a writer, and for a reader */
+    csp_guard *inputs;  /* guards that watch for a writer or a reader */
     csp_guard *outputs;
-    csp_guard *only;    /* the input guard, where there is one alone */
-    csp_guard *reading; /* guards of alternatives that wait, where the other side alternates too */
+    csp_guard *only;    /* the input guard, if there is exactly one */
+    csp_guard *reading; /* guards of waiting alternatives, if alternatives are on both sides */
     csp_guard *writing;
 };
 
-/* The party that has waited longest at the end of a queue that is not empty, taken out of it. */
+/* Takes the party that has waited longest out of a queue that is not empty. */
 static inline csp_party *csp_leave(csp_queue *queue)
 {
     csp_party *const party = queue->first;
@@ -30,7 +30,7 @@ static inline csp_party *csp_leave(csp_queue *queue)
     return party;
 }
 
-/* The communication with the first waiting writer, or reader. */
+/* Communicates with the first waiting writer or reader. */
 static inline void csp_any_from_writer(const csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     csp_party *const writer = csp_leave(&channel->writers);
@@ -79,14 +79,14 @@ static inline csp_progress csp_any_write(csp_party *party, csp_any_channel *chan
 
 /* ---- Selection (csp_alternative.h) ---- */
 
-/* In general; and the communication of a guard that is ready. */
+/* The general case of csp_select, and the communication of a guard that is ready. */
 csp_progress csp_select_any(csp_party *party, csp_alternative *alternative);
 csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index);
 
-/* Stands for the channel of a guard that is not an input guard on a rendezvous. */
+/* The placeholder for the channel of guards other than input guards on a rendezvous. */
 extern csp_any_channel csp_no_channel;
 
-/* The common case at once: an alternative of one word takes from a waiting writer, whom nobody else watches. */
+/* The common case inline: an alternative of one word reads from a waiting writer that no other guard watches. */
 static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
 {
     const csp_word ready = alternative->ready & alternative->enabled & alternative->quick;
@@ -118,11 +118,11 @@ static inline csp_progress csp_select(csp_party *party, csp_alternative *alterna
 
 typedef struct csp_buffer {
     csp_medium medium;
-    bool overwrites; /* the oldest, when it is full */
+    bool overwrites; /* a write to a full buffer overwrites the oldest value */
     uint32_t capacity;
     uint32_t stored;
     uint32_t first;
-    unsigned char *values; /* of capacity * size of a value */
+    unsigned char *values; /* capacity * size bytes */
     csp_party *reader;
     csp_party *writer;
     csp_guard *inputs;
@@ -138,19 +138,19 @@ typedef struct csp_broadcast_end csp_broadcast_end;
 
 typedef struct csp_broadcast {
     csp_medium medium;
-    csp_broadcast_end *ends; /* in the order in which they were made */
-    csp_party *writer;       /* while not all ends have taken its value */
+    csp_broadcast_end *ends; /* in the order of their initialization */
+    csp_party *writer;       /* waits until all ends have taken its value */
     csp_guard *outputs;
 } csp_broadcast;
 
 struct csp_broadcast_end {
     csp_medium medium;
-    bool fresh;    /* has a value that was not taken */
-    bool resolved; /* its alternative has the value already */
+    bool fresh;    /* has a value that has not been taken */
+    bool resolved; /* its alternative already has the value */
     csp_broadcast *channel;
     csp_broadcast_end *next;
     csp_party *reader;
-    csp_guard *waiting; /* the guard of an alternative that waits, where the writer alternates */
+    csp_guard *waiting; /* the guard of a waiting alternative, if the writer is an alternative, too */
     csp_guard *inputs;
 };
 

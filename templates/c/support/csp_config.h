@@ -1,4 +1,4 @@
-/* What a program needs of the kernel; generated packages have their own. */
+/* The configuration of the kernel for a program; generated packages have their own. */
 #ifndef CSP_CONFIG_H
 #define CSP_CONFIG_H
 

@@ -1,21 +1,21 @@
 /* The kernel of CSP programs: processes, channels, alternatives, time. C99, no heap, no recursion.
  *
  * A *party* is what can be ready or wait at one channel: a process, or one of several communications that a process
- * has offered at once. A *process* is a party with a struct of its own behind it, and a step function:
+ * has offered concurrently. A *process* is a party at the beginning of a struct of its own, with a step function:
  *
  *     csp_party *cell_step(csp_party *party);
  *
- * The scheduler calls the step function of a ready party. It runs until the process must wait, and then keeps in
- * `party->state` the *place* where it waits and returns NULL; called again, it goes on at that place. If it returns a
- * party, that one goes on at once: a process called in sequence, or the caller of one that has ended. So there is a
+ * The scheduler calls the step function of a ready party. It runs until the process has to wait; then it stores in
+ * `party->state` the *place* where it waits and returns NULL. Called again, it continues at that place. If it returns a
+ * party, that one runs next: a process called in sequence, or the caller of one that has ended. So there is a
  * single loop that calls step functions, and no recursion.
  *
- * Every operation has three results: CSP_DONE; CSP_WAITS, the party is registered with what it waits for; CSP_FAILS,
- * `csp.error` tells the exception, or that the process was cancelled. CSP_AWAIT (csp_process.h) does what follows of it.
+ * Every operation has three results: CSP_DONE; CSP_WAITS, if the party is registered with what it waits for; CSP_FAILS,
+ * if `csp.error` holds an exception or the cancellation of the process. CSP_AWAIT (csp_process.h) handles all three.
  *
- * Each class of processes has a constant table of its places: what is waited for there, where in the program's text, and in
- * which state the process goes on if the operation fails. Only cancellation, exceptions and reports look at it, so they
- * cost nothing while all goes well.
+ * Each class of processes has a constant table of its places: what the process waits for there, where that is in the program's
+ * text, and in which state the process continues if the operation fails. Only cancellation, exceptions and reports read the
+ * table, so they cost nothing in normal operation.
  */
 #ifndef CSP_CORE_H
 #define CSP_CORE_H
@@ -35,7 +35,7 @@ typedef struct csp_alternative csp_alternative;
 typedef struct csp_guard csp_guard;
 typedef struct csp_timer csp_timer;
 
-/* Goes on with a ready party; the party that goes on at once, or NULL. */
+/* Runs a ready party. Returns the party to run next, or NULL. */
 typedef csp_party *csp_step(csp_party *party);
 
 typedef enum csp_progress { CSP_DONE = 0, CSP_WAITS = 1, CSP_FAILS = 2 } csp_progress;
@@ -43,16 +43,16 @@ typedef enum csp_progress { CSP_DONE = 0, CSP_WAITS = 1, CSP_FAILS = 2 } csp_pro
 /* Flags of a party. */
 enum {
     CSP_CANCELLED = 1, /* ends at its next communication */
-    CSP_ABANDONED = 2, /* was cancelled while it waited: goes on in the failed state of its place */
+    CSP_ABANDONED = 2, /* was cancelled while it waited: continues in the failed state of its place */
     CSP_ENDED = 4,     /* does not run */
-    CSP_BRANCH = 8,    /* of a parallel or an interrupt */
-    CSP_OFFERED = 16   /* no process: one of several communications that one has offered */
+    CSP_BRANCH = 8,    /* is a branch of a parallel or an interrupt */
+    CSP_OFFERED = 16   /* is not a process, but one of several communications that a process has offered */
 };
 
 struct csp_party {
     csp_party *next; /* in the ready queue, or in the queue of a channel */
     csp_step *step;
-    void *slot;      /* the variable that a partner takes the value from, or puts it into */
+    void *slot;      /* the variable that a partner reads from or writes to */
     uint16_t state;  /* the place where it waits; 0 before it has begun */
     uint8_t flags;
     uint8_t level;   /* of priority; 0 is the highest */
@@ -61,20 +61,20 @@ struct csp_party {
 
 struct csp_process {
     csp_party party;
-    void *above;           /* a branch: its csp_parallel; otherwise the csp_process that called it, or NULL: the program */
-    const csp_class *kind; /* of process */
+    void *above;           /* of a branch: its csp_parallel; otherwise the csp_process that called it, or NULL for the outermost one */
+    const csp_class *kind; /* the class of the process */
 };
 
 struct csp_class {
     csp_step *step;
     const csp_place *places; /* by state */
     const char *name;
-    const char *where;    /* it is defined: "laws.csp:12" */
-    size_t offset;        /* of the csp_process in its struct: 0, but for branches of a composition */
-    size_t stride;        /* from one csp_numbered to the next, where branches share a class; otherwise 0 */
+    const char *where;    /* where it is defined: "laws.csp:12" */
+    size_t offset;        /* of the csp_process in its struct; 0 except for branches of a composition */
+    size_t stride;        /* from one csp_numbered to the next, if branches share a class; otherwise 0 */
 };
 
-/* One of the branches of a composition that share a class: they stand in an array, and differ in their number. */
+/* One of the branches of a composition that share a class: elements of an array, which differ in their number. */
 typedef struct csp_numbered {
     csp_process process;
     uint32_t number; /* from 0 */
@@ -97,24 +97,24 @@ typedef enum csp_waiting {
 
 struct csp_place {
     uint8_t waiting;  /* csp_waiting */
-    bool indirect;    /* at `offset` there is a pointer to the object (a port), not the object itself */
-    uint16_t failed;  /* the state in which the process goes on when the operation fails */
+    bool indirect;    /* the member at `offset` is a pointer to the object (a port), not the object itself */
+    uint16_t failed;  /* the state in which the process continues if the operation fails */
     uint32_t offset;  /* of the object in the struct of the process */
-    uint32_t stride;  /* from the object of one csp_numbered to that of the next; 0: all have this one */
+    uint32_t stride;  /* from the object of one csp_numbered to that of the next; 0: they share one object */
     const char *where; /* in the program's text: "laws.csp:12" */
-    const char *inner; /* path below the process, where that is a process which was made part of it, or NULL */
+    const char *inner; /* path of the process that was flattened into this one and to which the place belongs, or NULL */
 };
 
 /* An exception. Numbers of declared exceptions begin at CSP_FIRST_EXCEPTION. */
 enum {
     CSP_NO_EXCEPTION = 0,
-    CSP_CANCELLATION = 1, /* no `catch` applies to it */
+    CSP_CANCELLATION = 1, /* cannot be caught */
     CSP_FAULT_EXCEPTION = 2,
     CSP_TIMEOUT_EXCEPTION = 3,
     CSP_FIRST_EXCEPTION = 4
 };
 
-/* What a message is about; it is formatted only when it is shown. */
+/* The values in a message, which is formatted only when it is shown. */
 typedef struct csp_operands {
     int64_t integers[3];
     double real;
@@ -123,7 +123,7 @@ typedef struct csp_operands {
 
 typedef struct csp_error {
     uint16_t exception;
-    const csp_process *process; /* that raised it; NULL: not known yet */
+    const csp_process *process; /* the process that raised it; NULL: not known yet */
     const char *place;          /* in the program's text: "laws.csp:12" */
     const char *inner;          /* path below the process, or NULL */
     const char *law;            /* the control law below that, or NULL */
@@ -140,31 +140,31 @@ typedef struct csp_queue {
 
 typedef struct csp_kernel {
     csp_queue ready[CSP_LEVELS];
-    csp_party *current; /* whose step function runs, or NULL */
-    int64_t now;        /* nanoseconds from the start */
-    uint32_t begun;     /* alternatives that have begun to wait, modulo 2^32 */
+    csp_party *current; /* the party whose step function runs, or NULL */
+    int64_t now;        /* nanoseconds since the start */
+    uint32_t begun;     /* number of alternatives that have begun to wait, modulo 2^32 */
     csp_error error;    /* of the operation that has just failed */
 #if CSP_TRACE
-    const char *volatile loop; /* where the process is in a loop in which it cannot wait; NULL: in none */
+    const char *volatile loop; /* place of the loop in which the process is and in which it cannot wait; NULL: none */
 #endif
 } csp_kernel;
 
 extern csp_kernel csp;
 
 #if CSP_TRACE
-/* The program's main defines these. A communication: the number of the channel or external port, the value, and the numbers of the
+/* To be defined by the main of the program. A communication: the number of the channel or external port, the value, and the numbers of the
  * processes that write and read, 0 for the environment. */
 void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
-/* The tick of a sampled input: its sample, whether it is read or not. */
+/* A sample of a sampled input, at its tick, whether it is read or not. */
 void csp_observe_sample(uint32_t port, const void *value);
-/* A safe value is handed over. */
+/* A safe value is written to a device. */
 void csp_observe_release(uint32_t port, const void *value);
-/* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended; generated code calls them. */
+/* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended. Called by generated code. */
 void csp_observe_begin(uint32_t number);
 void csp_observe_end(uint32_t number);
-/* Around a loop in which the process cannot wait: its place in the program's text; behind it that of the loop around it, or NULL. */
+/* To be called at the beginning of a loop in which the process cannot wait, with its place in the program's text, and with NULL after the loop. */
 #define csp_observe_loop(where) (csp.loop = (where))
-/* A communication inside the process that is no more than an assignment; `slot` keeps its value meanwhile. */
+/* Reports a communication inside the process that was reduced to an assignment; `slot` holds its value during the report. */
 #define CSP_REPORT(channel, slot, value)                                                                               \
     do {                                                                                                               \
         (slot) = (value);                                                                                              \
@@ -191,13 +191,13 @@ static inline void csp_enter(csp_queue *queue, csp_party *party)
     queue->last = party;
 }
 
-/* Puts a party that is registered nowhere into the ready queue of its level. */
+/* Puts a party that is not registered anywhere into the ready queue of its level. */
 static inline void csp_ready(csp_party *party)
 {
     csp_enter(&csp.ready[(CSP_LEVELS > 1) ? party->level : 0U], party);
 }
 
-/* Copies a value; most have one word. */
+/* Copies a value; most values are one word. */
 static inline void csp_copy(void *to, const void *from, size_t size)
 {
     if (size == sizeof(uint64_t)) {
@@ -212,12 +212,12 @@ static inline bool csp_is_cancelled(const csp_party *party)
     return (party->flags & (unsigned)CSP_CANCELLED) != 0U;
 }
 
-/* `csp.error` becomes the cancellation of a process that has tried to communicate. Always CSP_FAILS. */
+/* Sets `csp.error` to the cancellation of a process that has tried to communicate. Always CSP_FAILS. */
 csp_progress csp_refuse(const csp_party *party);
 
-/* ---- The rendezvous of one writer and one reader, without guards: all of it is inline ---- */
+/* ---- The rendezvous of one writer and one reader, without guards, all inline ---- */
 
-/* What all channels and external ports begin with. */
+/* The first member of all channels and external ports. */
 typedef struct csp_medium {
     uint32_t number; /* for traces and reports */
     uint8_t kind;    /* csp_medium_kind */
@@ -231,15 +231,15 @@ typedef enum csp_medium_kind {
     CSP_BUFFER,        /* csp_buffer: buffer and overwrite */
     CSP_SAMPLED_END,   /* csp_sampled_end */
     CSP_EVENT_END,     /* csp_event_end */
-    CSP_AT_ONCE        /* inputs and outputs themselves: nobody waits there */
+    CSP_AT_ONCE        /* inputs and outputs themselves, where processes never wait */
 } csp_medium_kind;
 
 typedef struct csp_channel {
     csp_medium medium;
-    csp_party *waiting; /* the writer or the reader, whoever came first */
+    csp_party *waiting; /* the writer or the reader, whichever came first */
 } csp_channel;
 
-/* `party` is the process itself or an offer; a process asks csp_is_cancelled before. CSP_DONE or CSP_WAITS. */
+/* `party` is the process itself or an offer; a process checks csp_is_cancelled before. CSP_DONE or CSP_WAITS. */
 static inline csp_progress csp_channel_write(csp_party *party, csp_channel *channel, void *value, size_t size)
 {
     csp_party *const reader = channel->waiting;

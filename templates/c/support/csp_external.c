@@ -1,8 +1,8 @@
 /* Ports of the outermost process.
  *
  * A reading end of a sampled input has a session, which begins when its reader first waits for a sample and lasts until the
- * process ends; within it, each sample must be taken before the next one comes. Before that, while its process follows the ticks
- * through another end, it holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
+ * process ends; during the session, each sample must be taken before the next one arrives. Before the session, while its process follows
+ * the ticks through another end, it holds the sample of the present tick, so a first read belongs to the same instant as other reads of the process.
  * A value from outside communicates when a reader takes it.
  */
 #include "csp_internal.h"
@@ -28,7 +28,7 @@ void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t pe
     port->driver = driver;
 }
 
-/* Before the first tick. */
+/* Whether two ports have the same ticks; valid before the first tick only. */
 static bool have_same_ticks(const csp_sampled_input *one, const csp_sampled_input *other)
 {
     return (one->period == other->period) && (one->next == other->next);
@@ -65,7 +65,7 @@ void csp_sampled_begin(csp_sampled_end *end)
     }
 }
 
-/* Keeps the sample of the present tick for a first read; to overwrite it is no miss. */
+/* Keeps the sample of the present tick for a first read; overwriting it is not a missed sample. */
 static void hold(csp_sampled_end *end)
 {
     end->fresh = true;

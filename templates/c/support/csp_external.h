@@ -1,15 +1,15 @@
-/* Ports of the outermost process: where a program meets its environment. */
+/* Ports of the outermost process, which connect a program to its environment. */
 #ifndef CSP_EXTERNAL_H
 #define CSP_EXTERNAL_H
 
 #include "csp_core.h"
 
-/* A device, or a plant, at one port. Functions may be NULL. */
+/* A device, or a simulated plant, at one port. Functions may be NULL. */
 typedef struct csp_driver {
     void *device;
-    /* Inputs: puts a value into `value`. False: a sampled input has no new sample; an event input has no event. */
+    /* For inputs: stores a value in `value`. False: no new sample of a sampled input, or no event. */
     bool (*read)(void *device, void *value);
-    /* Outputs. */
+    /* For outputs. */
     void (*write)(void *device, const void *value);
 } csp_driver;
 
@@ -20,14 +20,14 @@ typedef struct csp_sampled_input csp_sampled_input;
 
 struct csp_sampled_input {
     csp_medium medium;
-    bool sampled; /* there has been a sample */
-    bool counts;  /* missed samples are counted and raise no Timeout */
+    bool sampled; /* there has been at least one sample */
+    bool counts;  /* missed samples are counted instead of raising Timeout */
     csp_driver driver;
     int64_t period;
-    int64_t next; /* tick; the first is at the period, or at the offset that is stored here before there are ends */
+    int64_t next; /* next tick; the first is at the period, or at the offset that is stored here before ends are initialized */
     void *value;  /* the present sample */
     uint32_t missed;
-    csp_sampled_end *ends; /* in the order in which they were made */
+    csp_sampled_end *ends; /* in the order of their initialization */
 };
 
 /* The reading ends of one process, closed when it ends. Those with the same ticks pace each other. */
@@ -37,19 +37,19 @@ typedef struct csp_ends {
 
 struct csp_sampled_end {
     csp_medium medium;
-    bool begun;    /* its session */
-    bool fresh;    /* there is a sample that was not taken */
-    bool overdue;  /* one was overwritten */
-    bool followed; /* of the first end of its process and ticks: the process follows these */
+    bool begun;    /* its session has begun */
+    bool fresh;    /* there is a sample that has not been taken */
+    bool overdue;  /* a sample was overwritten */
+    bool followed; /* only of the first end of a process with these ticks: the process follows them */
     csp_sampled_input *port;
-    csp_sampled_end *next;          /* of the port */
-    csp_sampled_end *next_of_owner; /* of the process */
-    csp_sampled_end *pace;          /* the first end of its process and ticks */
+    csp_sampled_end *next;          /* the next end of the port */
+    csp_sampled_end *next_of_owner; /* the next end of the process */
+    csp_sampled_end *pace;          /* the first end of the process with the same ticks */
     csp_party *reader;
     csp_guard *inputs;
 };
 
-/* In general; CSP_FAILS also with Timeout. */
+/* The general case of csp_sampled_read; CSP_FAILS may also mean Timeout. */
 csp_progress csp_sampled_read_any(csp_party *party, csp_sampled_end *end, void *value, size_t size);
 
 /* CSP_AWAIT(csp_sampled_read(...), csp_sampled_read_again(...), ...) */
@@ -69,7 +69,7 @@ static inline csp_progress csp_sampled_read_again(csp_party *party, csp_sampled_
     return csp_sampled_read(party, end, value, size);
 }
 
-/* The process, or the scope, that has these ends has ended. */
+/* Closes the ends of a process or a scope that has ended. */
 void csp_ends_close(csp_ends *ends);
 
 /* ---- Event inputs ---- */
@@ -88,12 +88,12 @@ typedef struct csp_event_input {
     csp_medium medium;
     bool broadcast;
     csp_driver driver;
-    void *value;          /* of the latest event */
-    void *brought;        /* a place for one more value, where interrupt handlers bring events; or NULL */
+    void *value;          /* the value of the latest event */
+    void *brought;        /* room for one more value, if interrupt handlers bring events; or NULL */
     size_t brought_size;
-    volatile bool news;   /* it has a value */
-    csp_event_end *ends;  /* the one that all readers share, or one for each under broadcast */
-    csp_event_end shared; /* not used under broadcast */
+    volatile bool news;   /* `brought` has a value */
+    csp_event_end *ends;  /* one that all readers share, or with broadcast one for each reader */
+    csp_event_end shared; /* not used with broadcast */
 } csp_event_input;
 
 /* CSP_AWAIT(csp_event_read(...), csp_event_read_again(...), ...) */
@@ -102,10 +102,10 @@ csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *va
 
 /* The environment offers a value, which is in `port->value`; not for interrupt handlers. */
 void csp_event_occur(csp_event_input *port);
-/* An interrupt handler brings an event: it occurs between two steps of processes. The latest value counts. Before the network is built
- * there is nobody to bring it to. */
+/* Called by an interrupt handler to bring an event, which occurs between two steps of processes. The latest value counts. Not to be called before
+ * the network is built. */
 void csp_event_bring(csp_event_input *port, const void *value);
-/* Makes what was brought occur. */
+/* Makes the event occur that an interrupt handler has brought. */
 void csp_event_take_over(csp_event_input *port);
 
 /* ---- Outputs ---- */
@@ -113,23 +113,23 @@ void csp_event_take_over(csp_event_input *port);
 /* A sampled output: a latch of one place. */
 typedef struct csp_latched_output {
     csp_medium medium;
-    bool written;     /* since its last tick */
+    bool written;     /* since the last tick */
     const char *name; /* "Jiwy.control_horizontal", for faults */
     uint32_t writer; /* the process that wrote last */
     csp_driver driver;
     int64_t period;
-    int64_t next; /* tick; the first is at the period, or at the offset that is stored here */
+    int64_t next; /* next tick; the first is at the period, or at the offset that is stored here */
     void *value;
 } csp_latched_output;
 
-/* An event output or an immediate one: hands each value over at once. */
+/* An event output or an immediate output: writes each value to the device immediately. */
 typedef struct csp_direct_output {
     csp_medium medium;
     const char *name;
     csp_driver driver;
 } csp_direct_output;
 
-/* Whether a value has NaN or infinite parts is asked by generated code before. Always CSP_DONE; a process asks csp_is_cancelled before. */
+/* Generated code checks before that no part of the value is NaN or infinite, and that the process is not cancelled. Always CSP_DONE. */
 static inline csp_progress csp_latched_write(csp_party *party, csp_latched_output *output, void *value, size_t size)
 {
     csp_copy(output->value, value, size);
@@ -143,12 +143,12 @@ csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void 
 /* ---- Before the program starts ---- */
 
 void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t period, void *value, csp_driver driver);
-/* `owner` are the ends of the process or scope that reads; initialized to {NULL}. The order of calls is that of service. */
+/* `owner` are the ends of the process or scope that reads, initialized to {NULL}. Ends are served in the order of these calls. */
 void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_ends *owner);
 void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, csp_driver driver);
-/* The place where interrupt handlers bring events. */
+/* Provides the memory in which interrupt handlers store the value of an event. */
 void csp_event_input_accept(csp_event_input *port, void *brought, size_t size);
-/* The end of a reader, whichever of the two it is: `own` under broadcast. */
+/* The end for a reader: `own` with broadcast, otherwise the shared one. */
 csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port);
 void csp_latched_output_init(csp_latched_output *output, uint32_t number, int64_t period, void *value,
                              csp_driver driver);

@@ -1,4 +1,4 @@
-/* See csp_fault_text.h. Compiled with CSP_NO_TEXT, for small machines, faults say nothing more than where they happened. */
+/* See csp_fault_text.h. With CSP_NO_TEXT, for small machines, messages of faults are omitted and only their places are reported. */
 #include "csp_fault_text.h"
 
 #ifdef CSP_NO_TEXT
@@ -49,7 +49,7 @@ static void say_range(char *text, size_t size, int64_t low, int64_t high)
     csp_append(text, size, ")");
 }
 
-/* ---- Numbers that are too large for every type: a sign, and nine decimal digits a limb, the lowest first ---- */
+/* ---- Numbers too large for any type: a sign and limbs of nine decimal digits, the lowest first ---- */
 
 #define LIMB UINT64_C(1000000000)
 
@@ -73,7 +73,7 @@ static void set(number *result, int64_t value)
     } while (rest > 0U);
 }
 
-/* Both of one sign. */
+/* Adds a number of the same sign. */
 static void add(number *result, uint64_t summand)
 {
     uint64_t carry = summand;
@@ -90,7 +90,7 @@ static void add(number *result, uint64_t summand)
 
 static void multiply(number *result, int64_t factor)
 {
-    /* The products have up to 93 bits: they are kept in two halves. */
+    /* The products have up to 93 bits, in two halves. */
     const uint64_t low = magnitude(factor) & UINT32_MAX;
     const uint64_t high = magnitude(factor) >> 32U;
     uint64_t carry_low = 0;

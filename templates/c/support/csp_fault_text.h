@@ -1,4 +1,4 @@
-/* What faults say, in the words of every target; each writes a text of at most `size` characters with the 0 that ends it. */
+/* The messages of faults, worded as in every target. Each function writes at most `size` characters, including the terminating 0. */
 #ifndef CSP_FAULT_TEXT_H
 #define CSP_FAULT_TEXT_H
 

@@ -1,4 +1,4 @@
-/* What channels and ends do for the guards of alternatives. */
+/* Guards of alternatives at channels and ends. */
 #include "csp_internal.h"
 
 void csp_watch(csp_guard **watchers, csp_guard *guard)
@@ -27,7 +27,7 @@ static bool began_before(const csp_guard *one, const csp_guard *other)
     return (other->alternative->began - one->alternative->began) < (UINT32_MAX / 2U);
 }
 
-/* In the order in which the alternatives began to wait; they enrol late where the other side begins to alternate after that. */
+/* Keeps the order in which the alternatives began to wait; they enrol later than that if the other side becomes an alternative later. */
 static void enroll_at(csp_guard **enrolled, csp_guard *guard)
 {
     csp_guard **place = enrolled;
@@ -72,7 +72,7 @@ void csp_attend(csp_guard *watchers)
 
 csp_any_channel csp_no_channel;
 
-/* Whether one input guard stands alone. */
+/* Sets `only` if there is exactly one input guard. */
 static void find_only(csp_any_channel *channel)
 {
     channel->only = ((channel->inputs != NULL) && (channel->inputs->next == NULL)) ? channel->inputs : NULL;
@@ -228,7 +228,7 @@ void csp_enroll(csp_guard *guard)
     } else if (guard->medium->kind == (uint8_t)CSP_SAMPLED_END) {
         csp_sampled_begin((csp_sampled_end *)(void *)guard->medium);
     } else {
-        /* The others need not know who waits. */
+        /* Other media do not keep waiting alternatives. */
     }
 }
 
@@ -244,7 +244,7 @@ void csp_dismiss(csp_guard *guard)
         end->waiting = NULL;
         csp_broadcast_reader_left(end->channel);
     } else {
-        /* They did not know. */
+        /* As in csp_enroll. */
     }
 }
 

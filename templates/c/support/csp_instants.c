@@ -1,18 +1,18 @@
 /* What happens at an instant before any process runs.
  *
- * The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed over; then
- * timers fall due.
+ * The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are written; then
+ * timers expire.
  */
 #include "csp_internal.h"
 
-/* Where nothing else says how often event inputs are polled. */
+/* How often event inputs are polled if the program has no periods. */
 #define GRID_WITHOUT_PERIODS INT64_C(1000000)
 
-static int64_t grid;      /* on which the environment is evaluated and event inputs are polled; 0: none */
+static int64_t grid;      /* the period at which the environment is evaluated and event inputs are polled; 0: none */
 static int64_t next_grid; /* INT64_MAX: none */
 static int64_t next_tick; /* of a port or the grid */
 
-/* Where the inputs and the latched outputs stand among the ports: from a number on, to before another. */
+/* A range of numbers of ports, without its end, that includes all inputs or all latched outputs. */
 typedef struct range {
     uint32_t from;
     uint32_t to;
@@ -34,13 +34,13 @@ static void extend(range *ports, uint32_t index)
     ports->to = index + 1U;
 }
 
-/* The tick after one; INT64_MAX: none. */
+/* The next tick after `tick`; INT64_MAX: none. */
 static int64_t tick_after(int64_t tick, int64_t period)
 {
     return (period <= (INT64_MAX - tick)) ? (tick + period) : INT64_MAX;
 }
 
-/* The period of a port, 0: it has none. */
+/* The period of a port; 0: none. */
 static int64_t period_of(const csp_port *port)
 {
     switch (port->kind) {
@@ -78,7 +78,7 @@ static int64_t common_divisor(int64_t one, int64_t other)
     return greater;
 }
 
-/* The step of the environment; own devices are asked for events as often as all samples together come. */
+/* The step of the environment; without an environment, the greatest common divisor of the periods, at which devices are polled for events. */
 static int64_t grid_of(const csp_program *program)
 {
     int64_t divisor = 0;
@@ -110,7 +110,7 @@ void csp_instants_begin(const csp_program *program)
         } else if (port->kind == CSP_PORT_LATCHED) {
             extend(&outputs, index);
         } else {
-            /* It has no instants. */
+            /* This port has no instants. */
         }
         if (period_of(port) > 0) {
             next_tick = earlier(next_tick, tick_of(port));
@@ -123,7 +123,7 @@ int64_t csp_instants_next(void)
     return earlier(next_tick, csp_timer_next());
 }
 
-/* Of several ticks that have passed only the last one asks the device: a late sample is none of the instants before. */
+/* If several ticks have passed, only the last one reads the device: a late sample does not belong to the earlier instants. */
 static void inputs_meet(const csp_program *program, int64_t instant, int64_t present)
 {
     const bool polls = (next_grid == instant) && (tick_after(next_grid, grid) > present);
@@ -143,7 +143,7 @@ static void inputs_meet(const csp_program *program, int64_t instant, int64_t pre
         } else if ((port->kind == CSP_PORT_EVENT) && polls) {
             csp_event_poll((csp_event_input *)(void *)port->medium);
         } else {
-            /* It has no instant now. */
+            /* This port has no instant now. */
         }
     }
 }

@@ -1,4 +1,4 @@
-/* What the files of the kernel tell each other; not for generated code. */
+/* The internal interface of the kernel; not for generated code. */
 #ifndef CSP_INTERNAL_H
 #define CSP_INTERNAL_H
 
@@ -6,7 +6,7 @@
 
 /* ---- Scheduler ---- */
 
-/* Runs ready processes until none is left, or `most` steps; whether one is ready still. */
+/* Runs ready processes until none is left, or for at most `most` steps. Returns whether one is still ready. */
 bool csp_run_ready(uint32_t most);
 /* Takes a party out of the ready queue. */
 void csp_unready(csp_party *party);
@@ -18,7 +18,7 @@ void csp_unready(csp_party *party);
 #endif
 
 #if CSP_MEASURE
-/* Around what runs from one choice of the scheduler to the next, and before each process in it. */
+/* To be called around each step, from one choice of the scheduler to the next, and before each process in it. */
 void csp_measure_begin(void);
 void csp_measure_party(uint32_t number);
 void csp_measure_end(void);
@@ -38,25 +38,25 @@ static inline void csp_measure_end(void)
 /* ---- Queues of parties in channels ---- */
 
 void csp_enter_front(csp_queue *queue, csp_party *party);
-/* False: it was not there. */
+/* Returns false if the party was not in the queue. */
 bool csp_remove(csp_queue *queue, const csp_party *party);
 bool csp_contains(const csp_queue *queue, const csp_party *party);
 
 /* ---- Places ---- */
 
 const csp_place *csp_place_of(const csp_process *process);
-/* The object of the place: a channel, a parallel... */
+/* The object of a place: a channel, a parallel... */
 void *csp_object_at(const csp_process *process, const csp_place *place);
-/* Takes the party back from where it waits; false: it does not wait there any longer. */
+/* Withdraws a party from where it waits. Returns false if it no longer waits there. */
 bool csp_withdraw(csp_medium *medium, csp_party *party);
-/* Whether the party waits there. */
+/* Whether a party waits at a medium. */
 bool csp_is_registered(const csp_medium *medium, const csp_party *party);
-/* The same for whatever the process waits for at its place. */
+/* Withdraws a process from whatever it waits for at its place. */
 bool csp_withdraw_process(csp_process *process);
 
 /* ---- Parallel and cancellation ---- */
 
-/* Whose branch it is, or who called it; NULL: the program. */
+/* The process whose branch this one is, or that called it; NULL for the outermost process. */
 static inline csp_process *csp_parent_of(const csp_process *process)
 {
     if ((process->party.flags & (unsigned)CSP_BRANCH) != 0U) {
@@ -65,49 +65,49 @@ static inline csp_process *csp_parent_of(const csp_process *process)
     return (csp_process *)process->above;
 }
 
-/* Cancels a branch and everything below. `canceller` is needed where the running process may be among them. */
+/* Cancels a branch and everything below it. `interrupt` is needed if the running process may be among them. */
 void csp_cancel(csp_process *branch, csp_interrupt *interrupt);
-/* The branch that a walk comes to next; NULL: no more. */
+/* The next branch of a walk over the branches of a parallel; NULL: no more. */
 csp_process *csp_next_branch(csp_parallel *parallel);
-/* The first process of the task that `process` is the innermost of. */
+/* The outermost process of the task whose innermost process is `process`. */
 csp_process *csp_task_of(csp_process *process);
-/* The parallel, or that of the interrupt, at which the process waits; NULL. */
+/* The parallel at which the process waits, or that of the interrupt; NULL: neither. */
 csp_parallel *csp_parallel_of(const csp_process *process);
 
 /* ---- Timers ---- */
 
-/* The instant after a duration; one that no run reaches where that is beyond the end of time. */
+/* The instant after a duration from now; if it is beyond the end of time, one that no run reaches. */
 int64_t csp_after(int64_t duration);
 void csp_timer_begin(csp_timer *timer, int64_t instant);
-/* False: it does not run. */
+/* Returns false if the timer was not running. */
 bool csp_timer_stop(csp_timer *timer);
-/* The earliest instant; INT64_MAX: none. */
+/* The instant of the earliest timer; INT64_MAX: none. */
 int64_t csp_timer_next(void);
 void csp_timers_fall_due(int64_t instant);
 void csp_timers_reset(void);
 
 /* ---- Guards ---- */
 
-/* Begins and ends to keep the bit of a guard. */
+/* Begin and end keeping the bit of a guard up to date. */
 void csp_watch(csp_guard **watchers, csp_guard *guard);
 void csp_unwatch(csp_guard **watchers, csp_guard *guard);
-/* The channel wants to know when alternatives of these guards wait. */
+/* Requests that the channel of these guards is notified when their alternatives wait. */
 void csp_attend(csp_guard *watchers);
 void csp_set_attends(csp_guard *guard, bool attends);
 bool csp_is_enabled(const csp_guard *guard);
 /* Whether an alternative waits for one of these guards. */
 bool csp_awaited(const csp_guard *watchers);
-/* The other side has chosen the guard, and made its communication. */
+/* To be called when the other side has chosen the guard and has communicated. */
 void csp_resolve(csp_guard *guard);
-/* The other side has chosen this output guard and is going to read: the party that waits for that in the channel. */
+/* The other side has chosen this output guard and is going to read. Returns the party that waits for that in the channel. */
 csp_party *csp_pledge(csp_guard *guard);
 bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party);
 void csp_end_waiting(csp_alternative *alternative);
 void csp_begin_waiting(csp_party *party, csp_alternative *alternative);
-/* Time-outs of no duration. */
+/* Whether time-outs with a duration of zero have passed. */
 bool csp_time_outs_passed(csp_alternative *alternative);
 
-/* What a medium does with guards, by its kind. */
+/* Operations of media on guards, by kind of medium. */
 void csp_watch_input(csp_guard *guard);
 void csp_watch_output(csp_guard *guard);
 void csp_unwatch_guard(csp_guard *guard);
@@ -127,55 +127,55 @@ void csp_buffer_take(csp_party *party, csp_buffer *buffer, void *value, size_t s
 void csp_broadcast_taken(csp_party *party, csp_broadcast_end *end, void *value, size_t size);
 csp_progress csp_broadcast_choose_output(csp_party *party, csp_broadcast *channel, void *value, size_t size);
 void csp_broadcast_readers_changed(const csp_broadcast *channel);
-/* A reader was withdrawn: never wakes anybody. */
+/* To be called when a reader has been withdrawn; never wakes a process. */
 void csp_broadcast_reader_left(const csp_broadcast *channel);
 void csp_broadcast_recall(const csp_broadcast *channel);
 csp_progress csp_sampled_take(csp_party *party, csp_sampled_end *end, void *value, size_t size);
 void csp_sampled_begin(csp_sampled_end *end);
 void csp_event_take(csp_party *party, csp_event_end *end, void *value, size_t size);
-/* A reader that was readied was cancelled before it ran: the event is for the next. */
+/* A reader was made ready but cancelled before it ran: passes the event on to the next reader. */
 void csp_event_pass_on(csp_event_end *end);
 
 /* ---- Offers, interrupts, ports ---- */
 
 bool csp_offers_withdraw(csp_offers *offers);
 bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party);
-/* The guard has become ready, or was chosen by the other side. */
+/* To be called when the guard has become ready, or was chosen by the other side. */
 void csp_interrupt_wake(csp_interrupt *interrupt);
 /* Whether its body has ended and its process waits for the communication of the guard. */
 bool csp_interrupt_waits(const csp_interrupt *interrupt);
 void csp_interrupt_retract(csp_interrupt *interrupt);
-/* A branch of the body has ended, in whatever way. */
+/* To be called when a branch of the body has ended, in whatever way. */
 void csp_body_ended(csp_interrupt *interrupt, bool cancelled);
 void csp_sampled_tick(csp_sampled_input *port);
-/* A tick that has passed together with the next one: the device is not asked. */
+/* A tick that is past when the next one is, too: the device is not read. */
 void csp_sampled_skip(csp_sampled_input *port);
 void csp_event_poll(csp_event_input *port);
 void csp_latched_tick(csp_latched_output *output);
 bool csp_sampled_can_come(const csp_sampled_input *port);
-/* `interrupts`: handlers may bring events. */
+/* Whether an event may still occur; `interrupts`: interrupt handlers may bring events. */
 bool csp_event_can_come(const csp_event_input *port, bool interrupts);
 
 /* ---- Runs ---- */
 
-/* Finds the ports that have instants. */
+/* Determines the ports that have instants. */
 void csp_instants_begin(const csp_program *program);
 /* The next instant of a tick, of the grid or of a timer; INT64_MAX: none. */
 int64_t csp_instants_next(void);
-/* What happens then; `present`: so much time has passed already. False: the environment has failed. */
+/* Executes an instant; `present` is the time that has already passed. Returns false if the environment has failed. */
 bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t present);
-/* From here on the outputs have to be released. */
+/* To be called before the run: from then on the outputs have to be released. */
 void csp_begin_driving(const csp_program *program);
 
-/* Calls of device functions. What is written when the outputs are released already goes nowhere. */
+/* Call device functions. After the outputs have been released, writes are ignored. */
 bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *value);
 void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value);
 
-/* What of them is under way, as another thread sees it. */
+/* The calls of device functions in progress, as another thread sees them. */
 typedef struct csp_calls {
-    const csp_program *program; /* whose outputs are not released; NULL: none */
-    const csp_medium *port;     /* whose device function is called; NULL: none */
-    bool releases;              /* safe values are handed over, to so many ports by now: */
+    const csp_program *program; /* the program whose outputs are not released; NULL: none */
+    const csp_medium *port;     /* the port whose device function is being called; NULL: none */
+    bool releases;              /* safe values are being written, to `released` ports so far */
     uint32_t released;
 } csp_calls;
 

@@ -1,7 +1,7 @@
 /* Interrupt: a process that is abandoned at its next communication once a guard is ready.
  *
- * The body is a branch of its own. The guard waits beside it as that of an alternative does, so that an alternative on the other side may choose
- * it; otherwise its communication is made when the body has ended. If the body ends by itself, there is none.
+ * The body is a branch of its own. Meanwhile the guard waits like that of an alternative, so an alternative on the other side may choose
+ * it; otherwise it communicates after the body has ended. If the body ends by itself, the guard does not communicate.
  */
 #include "csp_internal.h"
 
@@ -11,7 +11,7 @@ void csp_interrupt_init(csp_interrupt *interrupt, uint32_t body)
     interrupt->branch.count = 1U;
 }
 
-/* An alternative of one guard, with what the guard watches. */
+/* Initializes the alternative again, with its one guard. */
 static void renew(csp_interrupt *interrupt)
 {
     csp_alternative *const alternative = &interrupt->alternative;
@@ -70,7 +70,7 @@ bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party)
         csp_interrupt_retract(interrupt);
         withdrawn = !interrupt->alternative.pledged;
     } else {
-        /* The body has ended, and the process is in the ready queue. */
+        /* The body has ended, and the process is already in the ready queue. */
     }
     if (withdrawn) {
         csp_unwatch_guard(&interrupt->guard);
@@ -105,7 +105,7 @@ csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt)
     return CSP_WAITS;
 }
 
-/* The other side was faster, or has not chosen: the communication is still to be made. */
+/* Makes the communication of the guard, unless the other side has chosen the guard and made it. */
 static csp_progress communicate(csp_party *party, csp_interrupt *interrupt)
 {
     csp_guard *const guard = &interrupt->guard;

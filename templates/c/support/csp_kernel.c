@@ -17,10 +17,10 @@ static inline csp_party *next_party(void)
     return NULL;
 }
 
-/* So many processes may follow each other in one step before requests to stop are looked at. */
+/* The number of processes that may follow each other in one step before requests to stop are checked. */
 enum { LONGEST_STEP = 65536 };
 
-/* Goes on with a party until what follows it has to wait. */
+/* Runs a party, and the parties that follow it, until one has to wait. */
 static void run_step(csp_party *first)
 {
     csp_party *party = first;

@@ -1,4 +1,4 @@
-/* Ports of processes that are written by hand. */
+/* Ports of hand-written processes. */
 #include "csp_leaf.h"
 
 #include "csp_text.h"
@@ -43,7 +43,7 @@ static void describe_size(const csp_operands *operands, char *text, size_t size)
     csp_append_integer(text, size, operands->integers[1]);
 }
 
-/* The types of a process by hand are known to its compiler only: what is read or written has at least to be as large as a value. */
+/* Only the C compiler knows the types of a hand-written process; the kernel can at least check the size of a variable against that of a value. */
 static bool fits(csp_party *party, const csp_connection *connection, size_t size)
 {
     if (size == connection->size) {

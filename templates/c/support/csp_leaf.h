@@ -1,8 +1,8 @@
-/* For processes that are written by hand: ports that can be connected to anything.
+/* For hand-written processes: ports that can be connected to anything.
  *
  * The body of `process Logger c "logger.c"` is a pair of files, logger.h and logger.c. The header includes the generated logger_ports.h and
  * defines `struct logger`, whose first member is `csp_process process`; the source defines `logger_initialize`, which logger_ports.h declares, and
- * a step function. The whole of a process that writes down what it reads:
+ * a step function. This is a whole process, which logs what it reads:
  *
  *     struct logger {                              // logger.h
  *         csp_process process;
@@ -29,7 +29,7 @@
  *             csp_unwind(party);
  *             csp_ends_close(&self->ends);
  *             csp_observe_end(party->number);
- *             return csp_fail(party);              // at its end: the same with csp_end, and without csp_unwind
+ *             return csp_fail(party);              // a normal end: the same with csp_end, and without csp_unwind
  *         default:
  *             return NULL;
  *         }
@@ -49,8 +49,8 @@
  *         csp_in_init(&self->level, ports->level, &self->ends);
  *     }
  *
- * A variable in a step function lives until the process waits; what has to live longer is a member of the struct. It waits with CSP_READ,
- * CSP_WRITE, and CSP_AWAIT with csp_wait; it fails with `(void)csp_raise(party, EXCEPTION_..., "logger.c:12"); goto fails;`.
+ * A local variable of a step function exists until the process waits; what has to exist longer is a member of the struct. A process waits with
+ * CSP_READ, CSP_WRITE, and CSP_AWAIT with csp_wait; it fails with `(void)csp_raise(party, EXCEPTION_..., "logger.c:12"); goto fails;`.
  */
 #ifndef CSP_LEAF_H
 #define CSP_LEAF_H
@@ -60,7 +60,7 @@
 #include "csp_process.h"
 
 typedef enum csp_end_kind {
-    CSP_END_VARIABLE, /* a variable or a constant; NULL: takes everything */
+    CSP_END_VARIABLE, /* a variable or a constant; NULL: discards what is written */
     CSP_END_CHANNEL,
     CSP_END_ANY,
     CSP_END_BROADCAST,
@@ -75,7 +75,7 @@ typedef enum csp_end_kind {
 typedef struct csp_connection {
     csp_end_kind kind;
     void *at;
-    size_t size; /* of its values */
+    size_t size; /* size of a value */
 } csp_connection;
 
 typedef struct csp_in {
@@ -93,13 +93,14 @@ typedef struct csp_out {
     csp_medium *medium;
 } csp_out;
 
-/* Before the program starts. `ends` are closed when the process ends. */
+/* To be called before the program starts. `ends` are closed when the process ends. */
 void csp_in_init(csp_in *in, csp_connection connection, csp_ends *ends);
 void csp_out_init(csp_out *out, csp_connection connection);
 
 csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size);
 csp_progress csp_in_read_again(csp_party *party, csp_in *in, void *value, size_t size);
-/* A variable of another size than the values of the port is a fault. A value for the outside has to be finite: csp_finite of csp_arithmetic.h refuses others. */
+/* A variable of another size than the values of the port is a fault. A value for an output of the program has to be finite: check it with csp_finite of
+ * csp_arithmetic.h. */
 csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t size);
 
 #define CSP_READ(in, variable, PLACE, FAILED)                                                                          \

@@ -1,4 +1,4 @@
-/* Several communications offered at once: begun in port order; the process goes on when the last of them is done. */
+/* Concurrent communications: begun in the order of the ports; the process continues when the last of them is complete. */
 #include "csp_internal.h"
 
 static void prepare(csp_offers *offers)
@@ -10,7 +10,7 @@ static void prepare(csp_offers *offers)
     }
 }
 
-/* Neither offered nor in the ready queue any longer. */
+/* Marks an offer as neither waiting nor in the ready queue. */
 static void forget(csp_offer *offer)
 {
     if (offer->waits) {
@@ -52,7 +52,7 @@ static void done(csp_offer *offer)
     offer->offers->waiting--;
 }
 
-/* Takes what has come from outside for an offer; false: there is nothing any more, and it waits again. */
+/* Takes what has arrived from outside for an offer. Returns false if it is gone; the offer then waits again. */
 static bool collect(csp_offer *offer)
 {
     const csp_party *const process = offer->offers->process;
@@ -95,7 +95,7 @@ static bool has_come(const csp_offer *offer)
     return ((const csp_sampled_end *)(const void *)offer->medium)->fresh;
 }
 
-/* The process runs because of `readied`: takes, in port order, whatever else there is by now. */
+/* The process runs because of `readied`: takes, in the order of the ports, whatever else has arrived. */
 static void collect_all(csp_offers *offers, csp_offer *readied)
 {
     for (uint32_t index = 0U; index < offers->used; index++) {
@@ -116,7 +116,7 @@ static void collect_all(csp_offers *offers, csp_offer *readied)
             csp_unready(&offer->party);
             done(offer);
         } else {
-            /* It waits still. */
+            /* It still waits. */
         }
     }
 }

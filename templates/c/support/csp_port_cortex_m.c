@@ -1,10 +1,10 @@
-/* The port for bare Cortex-M: SysTick counts the time, the processor sleeps until the next interrupt, messages go to a debugger by
- * semihosting. Needs csp_port_cortex_m_startup.c, or vectors of your own that call csp_port_tick at every SysTick. */
+/* The port for bare Cortex-M: SysTick counts time, the processor sleeps until the next interrupt, messages go to a debugger by
+ * semihosting. Needs csp_port_cortex_m_startup.c, or a vector table of your own that calls csp_port_tick at every SysTick. */
 #include "csp_port.h"
 
 #include "csp_program.h"
 
-/* The clock of the processor in hertz, and how many of its cycles a tick has: 1 ms, unless defined otherwise. */
+/* The clock of the processor in hertz, and the number of its cycles in a tick: 1 ms unless defined otherwise. */
 #ifndef CSP_CORTEX_M_CLOCK
 #define CSP_CORTEX_M_CLOCK 25000000
 #endif
@@ -74,7 +74,7 @@ __attribute__((weak)) void csp_port_alive(void)
 {
 }
 
-/* Read again if a tick came in between. Where interrupts are masked, a tick that has passed is not counted yet. */
+/* Reads the counter again if a tick occurred in between. While interrupts are masked, a pending tick has not been counted yet. */
 int64_t csp_port_now(void)
 {
     uint64_t counted = 0U;
@@ -92,8 +92,8 @@ int64_t csp_port_now(void)
     return ((int64_t)counted * TICK) + (cycles * TICK / CSP_CORTEX_M_CYCLES);
 }
 
-/* Until the next interrupt: a tick, or one that brings an event. Masked interrupts end the sleep, too, so that none is missed that comes
- * just before it. */
+/* Sleeps until the next interrupt: a tick, or one that brings an event. Masked interrupts also end the sleep, so an interrupt just before it is
+ * not missed. */
 void csp_port_wait_until(int64_t instant)
 {
     const uint32_t outside = csp_port_enter_critical();

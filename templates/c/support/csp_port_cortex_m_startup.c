@@ -1,7 +1,7 @@
-/* What a Cortex-M does after reset: memory as C expects it, then main; and after a fault of the processor, exit, abort or a failed assertion:
- * safe values at the outputs.
+/* The start of a Cortex-M after reset: initializes memory as C requires, then calls main. After a fault of the processor, exit, abort or a failed
+ * assertion, it sets the outputs to their safe values.
  *
- * Interrupts of devices have their handlers in a table of your own behind that of the processor:
+ * The handlers of device interrupts are in a table of your own, which is placed after that of the processor:
  *
  *     void (*const interrupts[])(void) __attribute__((section(".vectors.devices"), used)) = {[8] = on_timer};
  */
@@ -11,14 +11,14 @@
 
 #include "csp_program.h"
 
-/* By the linker script csp_port_cortex_m.ld. */
+/* Defined by the linker script csp_port_cortex_m.ld. */
 extern uint32_t csp_stack_end[];
 extern uint32_t csp_data_begin[];
 extern uint32_t csp_data_end[];
 extern const uint32_t csp_data_in_flash[];
 extern uint32_t csp_zero_begin[];
 extern uint32_t csp_zero_end[];
-extern uint32_t csp_stack_guard[] __attribute__((weak)); /* so much below the stack that is not to be touched; may be missing */
+extern uint32_t csp_stack_guard[] __attribute__((weak)); /* the beginning of the guarded region below the stack; may be undefined */
 
 #define CONFIGURATION (*(volatile uint32_t *)0xE000ED14U)
 #define HARD_FAULT_STATUS (*(volatile uint32_t *)0xE000ED2CU)
@@ -39,22 +39,22 @@ enum { TO_THREAD_FROM_ANY_LEVEL = 1, SEMIHOSTING_CALL = 0xBEAB, FRAME = 8, AT_PC
 
 enum { FAULT_STACK = 32 }; /* words of 64 bits */
 
-#define NO_DEBUGGER (UINT32_C(1) << 31U) /* a breakpoint that nobody waits for */
+#define NO_DEBUGGER (UINT32_C(1) << 31U) /* a breakpoint without a debugger */
 
 int main(void);
 void csp_reset(void);
-/* Of the handler of faults, which is in assembly. */
+/* The stack of the fault handler, which is in assembly. */
 extern uint64_t csp_fault_stack[];
 uint64_t csp_fault_stack[FAULT_STACK];
 void csp_fault_entry(uint32_t *frame);
-/* What exit, abort and assert of the library end in. */
+/* Called at the end of exit, abort and assert of the library. */
 void _exit(int status);
 void abort(void);
 void __assert_func(const char *file, int line, const char *function, const char *expression);
 
-static volatile bool successful; /* the end in an interrupt */
+static volatile bool successful; /* the status of an exit in an interrupt handler */
 
-/* Who writes below the stack faults, where the processor can see to it. */
+/* Makes writes below the stack fault, if the processor has a memory protection unit. */
 static void guard_stack(void)
 {
     if ((csp_stack_guard != NULL) && ((PROTECTION_TYPE & (uint32_t)REGIONS) != 0U)) {
@@ -78,7 +78,7 @@ void csp_reset(void)
     csp_port_exit(main() == 0);
 }
 
-/* In thread mode again, so that a device function that faults in here comes back by another fault, and the next output is released. */
+/* Runs in thread mode: if a device function faults here, this function is started again, and the next output is released. */
 static void after_fault(void)
 {
     csp_release_outputs();
@@ -91,11 +91,11 @@ static void after_exit(void)
     csp_port_exit(successful);
 }
 
-/* Nothing of what ran is left: the stack begins anew, for it may be the stack that is wrong. Interrupts of devices are off: one that nobody
- * handles would come for ever. That of the clock goes on. */
-__attribute__((noreturn)) static void go_on_with(void (*function)(void))
+/* Discards everything that was running: the stack is reset, because it may be corrupt. Interrupts of devices are disabled, because one without
+ * a handler would recur forever. The timer interrupt stays enabled. */
+__attribute__((noreturn)) static void restart_with(void (*function)(void))
 {
-    uint32_t *volatile end = csp_stack_end; /* as the linker has it: no object, for the compiler */
+    uint32_t *volatile end = csp_stack_end; /* an address from the linker, which the compiler must not take for an object */
     uint32_t *const frame = end - FRAME;
     for (uint32_t word = 0U; word < (uint32_t)INTERRUPT_WORDS; word++) {
         DISABLED_INTERRUPTS[word] = UINT32_MAX;
@@ -104,7 +104,7 @@ __attribute__((noreturn)) static void go_on_with(void (*function)(void))
     frame[AT_PC] = (uint32_t)(uintptr_t)function & ~UINT32_C(1);
     frame[AT_STATE] = (uint32_t)THUMB;
     CONFIGURATION |= (uint32_t)TO_THREAD_FROM_ANY_LEVEL;
-    FLOATING_POINT_CONTEXT &= ~(uint32_t)KEEPS_CONTEXT; /* which would be written to the old stack */
+    FLOATING_POINT_CONTEXT &= ~(uint32_t)KEEPS_CONTEXT; /* it would be saved on the old stack */
     __asm__ volatile("dsb\n\t"
                      "msr control, %2\n\t" /* privileged */
                      "msr basepri, %2\n\t"
@@ -119,28 +119,28 @@ __attribute__((noreturn)) static void go_on_with(void (*function)(void))
     __builtin_unreachable();
 }
 
-/* In the handler of an interrupt device functions could not wait for the clock. */
+/* Leaves the interrupt handler first, because device functions could not wait for the clock in it. */
 void _exit(int status)
 {
     uint32_t exception = 0U;
     __asm__ volatile("mrs %0, ipsr" : "=r"(exception));
     successful = status == 0;
     if ((exception & (uint32_t)OF_HANDLER) != 0U) {
-        go_on_with(after_exit);
+        restart_with(after_exit);
     }
     after_exit();
     for (;;) {
-        /* The end does not come back. */
+        /* Does not return. */
     }
 }
 
-/* That of the library looks for handlers of signals, and takes a heap for them. */
+/* Replaces that of the library, which looks for signal handlers and uses a heap for them. */
 void abort(void)
 {
     csp_port_write("abort\n");
     _exit(1);
     for (;;) {
-        /* The end does not come back. */
+        /* Does not return. */
     }
 }
 
@@ -170,14 +170,14 @@ void csp_fault_entry(uint32_t *frame)
     if ((HARD_FAULT_STATUS & NO_DEBUGGER) != 0U) {
         HARD_FAULT_STATUS = NO_DEBUGGER;
         if (*(const uint16_t *)(uintptr_t)frame[AT_PC] == (uint16_t)SEMIHOSTING_CALL) {
-            frame[AT_PC] += 2U; /* the text is for a debugger, and there is none */
+            frame[AT_PC] += 2U; /* the text was for a debugger, and there is none */
             return;
         }
     }
-    go_on_with(after_fault);
+    restart_with(after_fault);
 }
 
-/* Also of interrupts that no handler is there for. It has a stack of its own, and hands over what the processor has put on the other. */
+/* Also the handler of interrupts that have none. It has a stack of its own, and passes on the frame that the processor has pushed onto the other. */
 __attribute__((naked)) static void fault(void)
 {
     __asm__ volatile("tst lr, #4\n\t"

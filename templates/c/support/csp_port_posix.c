@@ -1,5 +1,5 @@
-/* The port for real time on POSIX systems: the monotonic clock, absolute waits, and where the system allows it, memory that stays and a
- * scheduling class that ordinary programs cannot interrupt. It tells at the end how late instants were met. */
+/* The port for real time on POSIX systems: the monotonic clock, absolute waits, and, if the system permits it, locked memory and a
+ * scheduling class that ordinary programs cannot preempt. At the end it reports how late instants were executed. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "csp_port.h"
@@ -22,13 +22,13 @@
 
 #define NANOSECONDS INT64_C(1000000000)
 
-/* So often csp_port_alive is called while there is nothing to do. */
+/* The interval at which csp_port_alive is called in idle times. */
 #define LONGEST_WAIT (NANOSECONDS / 20)
 
-/* Priority among real-time programs: above most, below the threads of the system. */
+/* The priority among real-time programs: above most of them, below the threads of the system. */
 enum { PRIORITY = 60 };
 
-/* Upper ends of the classes of lateness in nanoseconds, each twice the one before; the last class has no end. */
+/* The upper bounds of the classes of lateness in nanoseconds, each twice the previous one; the last class has none. */
 enum { CLASSES = 14, FIRST_END = 2000 };
 
 enum { MISSED = 2048 }; /* characters */
@@ -39,10 +39,10 @@ static int64_t started;
 static bool locked;
 static bool preferred;
 
-/* What wakes writes to one end, and who waits looks at the other. */
+/* A pipe: csp_port_wake writes to one end, and csp_port_wait_until waits at the other. */
 static int wakes[2] = {-1, -1};
 
-/* Events come from handlers of signals and from other threads. */
+/* Events may come from signal handlers and from other threads. */
 static pthread_mutex_t critical = PTHREAD_MUTEX_INITIALIZER;
 static __thread uint32_t depth;         /* of critical sections */
 static __thread sigset_t signals_outside; /* the outermost */
@@ -59,7 +59,7 @@ static int64_t clock_now(void)
     return ((int64_t)present.tv_sec * NANOSECONDS) + (int64_t)present.tv_nsec;
 }
 
-/* Once, and for good: a thread that is about to write would write to whatever is opened instead. */
+/* The pipe is opened once and never closed: a thread that is about to write to it would write to another file instead. */
 static void open_wakes(void)
 {
     int ends[2] = {-1, -1};
@@ -113,12 +113,12 @@ void csp_port_wait_until(int64_t instant)
     if (pselect(count, &waited, NULL, NULL, &time_left, NULL) > 0) {
         char taken[64];
         while (read(wakes[0], taken, sizeof taken) > 0) {
-            /* One look at what has come is enough for all. */
+            /* One check is enough for all requests so far. */
         }
     }
 }
 
-/* A handler of a signal may call it: it does not wait, and where the pipe is full, it wakes already. */
+/* May be called by signal handlers: it does not wait, and a full pipe wakes the run anyway. */
 void csp_port_wake(void)
 {
     const char wake = 1;
@@ -172,7 +172,7 @@ void csp_port_finish(const struct csp_program *program)
 {
     if (instants > 0U) {
         show_lateness();
-        if (!program->tells_misses) {
+        if (!program->reports_misses) {
             char text[MISSED] = "";
             csp_describe_missed(program, text, sizeof text);
             (void)fprintf(stderr, "  missed samples: %s\n", text);
@@ -181,7 +181,7 @@ void csp_port_finish(const struct csp_program *program)
     csp_signals_end();
 }
 
-/* Handlers of signals, and other threads, are the interrupt handlers here. */
+/* Signal handlers and other threads take the place of interrupt handlers here. */
 uint32_t csp_port_enter_critical(void)
 {
     static const int never_held[] = {CSP_CRASHES};

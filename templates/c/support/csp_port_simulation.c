@@ -1,4 +1,4 @@
-/* The port for simulation: time is virtual, so there is nothing to wait for. */
+/* The port for simulation: time is virtual, so it never waits. */
 #include "csp_port.h"
 
 #include <stdio.h>

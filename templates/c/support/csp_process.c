@@ -1,4 +1,4 @@
-/* Processes begin, end and fail; branches of parallels. */
+/* How processes begin, end and fail; branches of parallels. */
 #include "csp_arithmetic.h"
 #include "csp_internal.h"
 
@@ -18,7 +18,7 @@ static inline size_t number_of(const csp_process *process)
     return (process->kind->stride == 0U) ? 0U : (size_t)CSP_NUMBER(process);
 }
 
-/* The bytes from a process to what stands at `offset` in its struct; for a csp_numbered, `stride` behind that of the one before it. */
+/* The distance in bytes from a process to the object at `offset` in its struct; the objects of csp_numbered processes are `stride` bytes apart. */
 static inline ptrdiff_t way_to(const csp_process *process, size_t offset, size_t stride)
 {
     const size_t number = number_of(process);
@@ -80,7 +80,7 @@ void csp_unwind(csp_party *party)
     } else if ((csp.error.process == NULL) && (csp.error.exception != (uint16_t)CSP_CANCELLATION)) {
         csp.error.process = (const csp_process *)(const void *)party;
     } else {
-        /* It is told already. */
+        /* `csp.error` is already complete. */
     }
     if ((csp.error.place == NULL) && (csp.error.process == (const csp_process *)(const void *)party)) {
         csp.error.place = csp_place_of(csp.error.process)->where;
@@ -134,7 +134,7 @@ static inline void branch_ended(csp_parallel *parallel, bool cancelled)
     }
 }
 
-/* The first exception of a branch cancels the others, and is what the parallel raises. */
+/* The first exception of a branch cancels the other branches, and is raised by the parallel. */
 static void branch_failed(csp_parallel *parallel)
 {
     const bool cancelled = csp.error.exception == (uint16_t)CSP_CANCELLATION;
@@ -150,7 +150,7 @@ static void branch_failed(csp_parallel *parallel)
             branch = csp_next_branch(parallel);
         }
     } else {
-        /* A later one is not told. */
+        /* A later exception is ignored. */
     }
     branch_ended(parallel, cancelled);
 }

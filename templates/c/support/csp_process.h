@@ -1,12 +1,12 @@
-/* Processes: begin, end, fail, call, run in parallel, wait. */
+/* Processes: beginning, ending, failing, calling, running in parallel, waiting. */
 #ifndef CSP_PROCESS_H
 #define CSP_PROCESS_H
 
 #include "csp_core.h"
 
-/* The body of a step function is a `switch (party->state)` with `case 0:` in front. These macros make its other cases.
+/* The body of a step function is a `switch (party->state)` that begins with `case 0:`. These macros contain its other cases.
  *
- * `first` begins an operation and `again` goes on with it each time the process runs again at PLACE; both are of type csp_progress.
+ * `first` begins an operation and `again` continues it each time the process runs again at PLACE; both are of type csp_progress.
  * The function has a variable `csp_progress progress`. FAILED is a label. */
 #define CSP_AWAIT(first, again, PLACE, FAILED)                                                                         \
     progress = (first);                                                                                                \
@@ -21,7 +21,7 @@
         goto FAILED;                                                                                                   \
     }
 
-/* One communication, which is done when the process runs again. `operation` reads or writes: csp_channel_read, csp_any_write... */
+/* One communication, which is complete when the process runs again. `operation` reads or writes: csp_channel_read, csp_any_write... */
 #define CSP_COMMUNICATE(operation, channel, variable, PLACE, FAILED)                                                   \
     if (csp_is_cancelled(party)) {                                                                                     \
         (void)csp_refuse(party);                                                                                       \
@@ -33,58 +33,59 @@
     case PLACE:;                                                                                                       \
     }
 
-/* Takes what an input from outside has: `operation` is csp_sampled_read or csp_event_read, which goes on as ..._again. */
+/* Reads an input from outside: `operation` is csp_sampled_read or csp_event_read, which ..._again continues. */
 #define CSP_TAKE(operation, end, variable, PLACE, FAILED)                                                              \
     CSP_AWAIT(operation(party, (end), &(variable), sizeof(variable)),                                                  \
               operation##_again(party, (end), &(variable), sizeof(variable)), PLACE, FAILED)
 
-/* Runs another process in sequence. The process goes on here when that has ended, or in the failed state of PLACE. */
+/* Runs another process in sequence. When that has ended, the process continues here, or in the failed state of PLACE. */
 #define CSP_CALL(callee, PLACE)                                                                                        \
     party->state = (uint16_t)(PLACE);                                                                                  \
     return csp_call(party, (callee));                                                                                  \
     case PLACE:;
 
-/* At what is a communication, but never waits: outputs to the outside, variables used as ports of control laws. */
+/* The check for cancellation at communications that never wait: outputs to the outside, variables that are ports of control laws. */
 #define CSP_CHECK(FAILED)                                                                                              \
     if (csp_is_cancelled(party)) {                                                                                     \
         (void)csp_refuse(party);                                                                                       \
         goto FAILED;                                                                                                   \
     }
 
-/* The next numbers that are free, while a program is built. */
+/* The next free numbers, while a program is built. */
 typedef struct csp_numbers {
     uint32_t process;
     uint32_t channel;
-    uint32_t variable; /* without an initial value, that a process may read before it was written */
+    uint32_t variable; /* of variables without an initial value that a process may read before they are written */
 } csp_numbers;
 
 typedef struct csp_written {
     bool done;
-    uint32_t number; /* of the variable */
+    uint32_t number; /* number of the variable */
 } csp_written;
 
-/* Notes a fault unless the variable was written; NULL: it surely was. */
+/* Notes a fault unless the variable was written; NULL: it always is. */
 void csp_require_written(const csp_written *written);
 
-/* Before the program starts. */
+/* To be called before the program starts. */
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
 
-/* Begins `callee` in sequence, in the task of `party`; it is to be returned to the scheduler. */
+/* Begins `callee` in sequence, in the task of `party`. Return the result to the scheduler. */
 csp_party *csp_call(csp_party *party, csp_process *callee);
 
-/* The process has come to its end, or fails with `csp.error`; what is returned is to be returned to the scheduler. */
+/* End the process: normally, or with the failure in `csp.error`. Return the result to the scheduler. */
 csp_party *csp_end(csp_party *party);
 csp_party *csp_fail(csp_party *party);
 
-/* The first thing at a FAILED label, before ends are closed and exceptions caught: tells `csp.error` of a process that was cancelled while it waited. */
+/* To be called first at a FAILED label, before ends are closed and exceptions caught: completes `csp.error`, also if the process was cancelled while it
+ * waited. */
 void csp_unwind(csp_party *party);
 
-/* Raises an exception in the process; `place` is that of the statement, NULL: that of the process's state. Always CSP_FAILS. */
+/* Raises an exception in the process; `place` is that of the statement; NULL: that of the present state. Always CSP_FAILS. */
 csp_progress csp_raise(csp_party *party, uint16_t exception, const char *place);
-/* Raises the Fault that csp_fault (csp_arithmetic.h) tells. Always CSP_FAILS. */
+/* Raises the Fault that is noted in csp_fault (csp_arithmetic.h). Always CSP_FAILS. */
 csp_progress csp_raise_fault(csp_party *party);
 
-/* Whether a `catch` of `exception` applies to `csp.error`; if so it is caught. */
+/* Catches `csp.error` if it is `exception`; returns whether it was. */
 bool csp_catch(uint16_t exception);
 
 /* ---- Delays ---- */
@@ -92,28 +93,28 @@ bool csp_catch(uint16_t exception);
 /* A node of the heap of instants. */
 struct csp_timer {
     int64_t instant;
-    uint64_t begun;    /* timers of one instant fall due in the order in which they began */
+    uint64_t begun;    /* timers of one instant expire in the order in which they began */
     csp_timer *child;
     csp_timer *sibling;
-    csp_timer *previous; /* the sibling before it, or the parent of the first; NULL: the root, or not in the heap */
-    csp_party *party;    /* that waits, or NULL: */
-    csp_guard *guard;    /* the time-out of an alternative */
+    csp_timer *previous; /* the previous sibling, or for the first one the parent; NULL: the root, or not in the heap */
+    csp_party *party;    /* the party that waits; NULL: see `guard` */
+    csp_guard *guard;    /* the guard with this time-out */
     bool runs;
 };
 
 csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration);
 csp_progress csp_wait_again(csp_party *party);
-/* Never ends, but by cancellation. */
+/* Waits until the process is cancelled. */
 csp_progress csp_stop(csp_party *party);
 
 /* ---- Parallel ---- */
 
-/* Branches one after another in the struct of the parent, counted from the struct's beginning. */
+/* Branches at equal distances in the struct of the parent; offsets are from the beginning of the struct. */
 typedef struct csp_branches {
     uint32_t offset; /* of the first csp_process */
     uint32_t stride; /* from one to the next, in bytes */
     uint32_t count;
-    uint8_t level;   /* that is added to the level of the parent; 0 but for prioritized parallels */
+    uint8_t level;   /* added to the level of the parent; 0 except for prioritized parallels */
     uint32_t parent_stride; /* from the first csp_process of one csp_numbered parent to that of the next */
 } csp_branches;
 
@@ -121,20 +122,20 @@ typedef struct csp_parallel {
     uint32_t pending;
     uint32_t runs; /* number of csp_branches */
     csp_process *parent;
-    struct csp_interrupt *interrupt; /* whose body it is, or NULL */
+    struct csp_interrupt *interrupt; /* the interrupt whose body it is, or NULL */
     const csp_branches *branches;
-    uint32_t run; /* where a walk over the tree of processes stands */
+    uint32_t run; /* position of a walk over the tree of processes */
     uint32_t index;
     bool abandoned; /* the parent was cancelled */
     bool cancelled; /* a branch was ended by cancellation */
-    csp_error error; /* the first of a branch */
+    csp_error error; /* the first error of a branch */
 } csp_parallel;
 
 /* Starts all branches, in order. `party` waits for them with CSP_AWAIT(csp_par(...), csp_par_again(...), ...). */
 csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs);
 csp_progress csp_par_again(csp_party *party, csp_parallel *parallel);
 
-/* The struct that has `member` (a csp_process) at `party`: for step functions of branches. */
+/* The struct whose `member` (a csp_process) is at `party`; for step functions of branches. */
 #define CSP_ENCLOSING(party, type, member) ((type *)(void *)((char *)(party) - offsetof(type, member)))
 
 /* The same for a branch that is the csp_numbered `array[number]`. */
@@ -142,7 +143,7 @@ csp_progress csp_par_again(csp_party *party, csp_parallel *parallel);
     ((type *)(void *)((char *)(party) - (offsetof(type, array) + ((size_t)(number) * sizeof(csp_numbered)))))
 #define CSP_NUMBER(party) (((const csp_numbered *)(const void *)(party))->number)
 
-/* The bytes from one element of an array in a struct to the next. */
+/* The distance in bytes between elements of an array in a struct. */
 #define CSP_STRIDE(type, array) (offsetof(type, array[1]) - offsetof(type, array[0]))
 
 #endif

@@ -1,11 +1,11 @@
-/* Calls of device functions, and safe values: every output is handed its own once, as its last value, however the run ends. */
+/* Calls of device functions, and safe values: each output gets its safe value once, as its last value, however the run ends. */
 #include "csp_internal.h"
 #include "csp_shared.h"
 
 static const csp_program *volatile driving; /* the program whose outputs are not released; NULL: none */
-static volatile uint32_t next_port;         /* that is handed its safe value */
-static volatile bool closed;                /* for all but safe values */
-static const csp_medium *volatile called;   /* the port whose device function is called; NULL: none */
+static volatile uint32_t next_port;         /* the next port to get its safe value */
+static volatile bool closed;                /* only safe values are written */
+static const csp_medium *volatile called;   /* the port whose device function is being called; NULL: none */
 
 void csp_begin_driving(const csp_program *program)
 {
@@ -39,8 +39,8 @@ bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *val
     return came;
 }
 
-/* It says first that it writes, and then looks whether it may; who releases the outputs in another thread closes first, and then looks whether
- * anything is written. */
+/* First announces the write, then checks whether it is allowed. A thread that releases the outputs first sets `closed`, then checks whether a write is
+ * in progress. */
 void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value)
 {
     if (driver->write == NULL) {
@@ -72,7 +72,7 @@ static void release_port(const csp_port *port)
     csp_observe_release(port->medium->number, port->safe);
 }
 
-/* A device function that fails in here ends in a handler that calls this again: it goes on with the next port. */
+/* If a device function fails here, a handler calls this function again, which continues with the next port. */
 void csp_release_outputs(void)
 {
     const csp_program *const program = CSP_LOAD(driving);

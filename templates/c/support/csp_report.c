@@ -1,4 +1,4 @@
-/* Who waits for whom, and why a run has failed: texts for people. */
+/* Texts for users: which processes wait for which, and why a run has failed. */
 #include "csp_internal.h"
 #include "csp_shared.h"
 #include "csp_text.h"
@@ -43,7 +43,7 @@ void csp_report_waiting(const csp_program *program, csp_report *report)
             } else if ((task->party.flags & (unsigned)CSP_ENDED) != 0U) {
                 task = NULL;
             } else {
-                /* The next that waits. */
+                /* Continue with the next process that waits. */
             }
         }
     }
@@ -150,7 +150,7 @@ bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_en
     }
 }
 
-/* "1.5 ms", to the nanosecond. */
+/* Appends a duration as "1.5 ms", exact to the nanosecond. */
 static void append_duration(int64_t duration, char *text, size_t size)
 {
     static const struct {
@@ -227,16 +227,16 @@ static void append_place(const char *where, char *text, size_t size)
     }
 }
 
-static bool was_told(const csp_waiting_process *waiting, uint32_t count, const csp_wait_entry *entry)
+static bool is_repeated(const csp_waiting_process *waiting, uint32_t count, const csp_wait_entry *entry)
 {
     csp_wait_entry earlier = {"", false, 0U, 0, NULL};
-    bool told = false;
-    for (uint32_t index = 0U; (index < count) && !told; index++) {
+    bool repeated = false;
+    for (uint32_t index = 0U; (index < count) && !repeated; index++) {
         (void)csp_wait_of(waiting, index, &earlier);
-        told = (strcmp(earlier.words, entry->words) == 0) && (earlier.named == entry->named) &&
+        repeated = (strcmp(earlier.words, entry->words) == 0) && (earlier.named == entry->named) &&
                (earlier.channel == entry->channel) && (earlier.duration == entry->duration);
     }
-    return told;
+    return repeated;
 }
 
 void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size)
@@ -246,7 +246,7 @@ void csp_describe_waiting(const csp_program *program, const csp_waiting_process 
     append_process(program, waiting->process, waiting->place->inner, text, size);
     csp_append(text, size, " waits ");
     for (uint32_t index = 0U; csp_wait_of(waiting, index, &entry); index++) {
-        if (was_told(waiting, index, &entry)) {
+        if (is_repeated(waiting, index, &entry)) {
             continue;
         }
         if (index > 0U) {
@@ -267,7 +267,7 @@ void csp_describe_message(const csp_program *program, char *text, size_t size)
         append_channel(program, (uint32_t)csp.error.operands.integers[0], text, size);
         csp_append(text, size, " was overwritten before it had been taken");
     } else {
-        /* The name of the exception says it. */
+        /* The name of the exception is the message. */
     }
 }
 
@@ -316,7 +316,7 @@ void csp_describe_error(const csp_program *program, char *text, size_t size)
     }
 }
 
-/* The process that runs, as another thread sees it; NULL: none. */
+/* The process that is running, as another thread sees it; NULL: none. */
 static const csp_process *present_process(void)
 {
     const csp_party *const party = CSP_LOAD(csp.current);
@@ -326,7 +326,7 @@ static const csp_process *present_process(void)
     return (const csp_process *)(const void *)party;
 }
 
-/* Where a process is that has waited at this place last. */
+/* Appends where a process is, given the place where it last waited. */
 static void append_whereabouts(const csp_place *place, char *text, size_t size)
 {
 #if CSP_TRACE
@@ -355,7 +355,7 @@ void csp_describe_at_work(char *text, size_t size)
     append_whereabouts(place, text, size);
 }
 
-/* It is read while it may change: a process is named by what changes least. */
+/* The state is read while it may change, so a process is described by what changes least. */
 void csp_describe_present(char *text, size_t size)
 {
     const csp_calls calls = csp_calls_now();
@@ -366,13 +366,13 @@ void csp_describe_present(char *text, size_t size)
     } else if (calls.port != NULL) {
         csp_append(text, size, calls.releases ? "" : "the device function of ");
         append_channel(calls.program, calls.port->number, text, size);
-        csp_append(text, size, calls.releases ? " does not take its safe value" : " has not come back");
+        csp_append(text, size, calls.releases ? " does not take its safe value" : " has not returned");
     } else if (process != NULL) {
         append_process(calls.program, process, csp_place_of(process)->inner, text, size);
         append_place(csp_place_of(process)->where, text, size);
-        csp_append(text, size, " has not come to its next communication");
+        csp_append(text, size, " has not reached its next communication");
     } else {
-        csp_append(text, size, "the program has not gone on");
+        csp_append(text, size, "the program has not continued");
     }
 }
 

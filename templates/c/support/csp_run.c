@@ -1,14 +1,14 @@
-/* A run: when time goes on, and how it ends. */
+/* A run: when time advances, and how the run ends. */
 #include "csp_arithmetic.h"
 #include "csp_internal.h"
 #include "csp_port.h"
 #include "csp_shared.h"
 
-/* Steps of processes between looks at the clock, and at requests to stop. In real time a process of a higher priority waits for one step of
- * the others, not for all of them that are ready. */
+/* The number of steps of processes between checks of the clock and of requests to stop. In real time a process with a higher priority waits for
+ * one step of another process, not for all that are ready. */
 enum { STEPS_IN_REAL_TIME = (CSP_LEVELS > 1U) ? 1 : 64, STEPS_IN_VIRTUAL_TIME = 65536 };
 
-/* The last instant of any run in virtual time, after 292 years: later ones are outside of int64_t. */
+/* The last instant of any run in virtual time, after 292 years; later ones do not fit in int64_t. */
 #define END_OF_TIME INT64_C(9223372036000000000)
 
 static bool built;
@@ -42,7 +42,7 @@ static int64_t later(int64_t one, int64_t other)
     return (one > other) ? one : other;
 }
 
-/* Whether the port can make a process ready, or will hand over a value. Interrupt handlers bring events where devices are real. */
+/* Whether a port can make a process ready, or will write a value. With real devices, interrupt handlers may bring events. */
 static bool port_can_come(const csp_program *program, const csp_port *port)
 {
     switch (port->kind) {
@@ -58,7 +58,7 @@ static bool port_can_come(const csp_program *program, const csp_port *port)
     }
 }
 
-/* Whether anything can make a process ready or hand over a value later. */
+/* Whether anything can make a process ready or write a value later. */
 static bool can_come(const csp_program *program)
 {
     if (csp_timer_next() != INT64_MAX) {
@@ -144,7 +144,7 @@ static bool has_news(const csp_program *program)
     return news;
 }
 
-/* Events that interrupt handlers have brought occur now, which is before the next instant. */
+/* Makes events occur that interrupt handlers have brought, before the next instant. */
 static void take_over(const csp_program *program)
 {
     csp.now = later(csp.now, earlier(csp_port_now(), csp_instants_next() - 1));
@@ -155,8 +155,8 @@ static void take_over(const csp_program *program)
     }
 }
 
-/* Meets what has passed by now. What passes meanwhile has to wait for the next turn: processes run in between, however slow devices are.
- * Whether the run goes on; otherwise `ending` says how it has ended. */
+/* Executes the instants that have passed. Those that pass meanwhile are left for the next iteration, so processes run in between even if devices are
+ * slow. Returns whether the run continues; otherwise `ending` is how it has ended. */
 static bool meet_the_past(const csp_program *program, int64_t until, csp_ending *ending)
 {
     const int64_t present = csp_port_now();
@@ -183,7 +183,7 @@ static bool meet_the_past(const csp_program *program, int64_t until, csp_ending 
     }
 }
 
-/* All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten. */
+/* All instants that have passed are executed before the next steps of processes, so a process that computes too long misses samples. */
 static csp_ending run_in_real_time(const csp_program *program, int64_t until)
 {
     csp_ending ending = CSP_FAILED;

@@ -1,5 +1,5 @@
 /* See csp_signals.h. */
-#define _DEFAULT_SOURCE /* memory without a file */
+#define _DEFAULT_SOURCE /* anonymous memory */
 #define _XOPEN_SOURCE 700 /* POSIX, and a stack for handlers */
 
 #include "csp_signals.h"
@@ -16,9 +16,9 @@
 #include "csp_shared.h"
 #include "csp_watch.h"
 
-enum { STACK = 65536, SIGNALS = 128 /* more than there are */ };
+enum { STACK = 65536, SIGNALS = 128 /* more than exist */ };
 
-/* Signals that end no process, or that cannot be handled. */
+/* Signals that do not end a process, or that cannot be handled. */
 static const int harmless[] = {SIGCHLD, SIGCONT, SIGURG, SIGTSTP, SIGTTIN, SIGTTOU, SIGSTOP, SIGKILL,
 #ifdef SIGWINCH
                                SIGWINCH,
@@ -30,12 +30,12 @@ static bool ours[SIGNALS]; /* which signals have a handler of this file */
 static sigset_t held_before;
 static stack_t stack_before;
 
-static volatile uint32_t begun; /* so many times */
+static volatile uint32_t begun; /* the depth of nested csp_signals_begin */
 static pthread_t owner;         /* the thread of the run */
 static pthread_key_t end_of_owner;
 static volatile uint32_t first; /* the signal that stopped the run; 0: none */
 static struct timespec asked_at;
-static volatile bool leaving; /* another thread ends the process, when the outputs are released */
+static volatile bool leaving; /* another thread will end the process when the outputs are released */
 
 static bool contains(const int *numbers, size_t count, int number)
 {
@@ -86,7 +86,7 @@ bool csp_signals_leaving(void)
     return CSP_LOAD(leaving);
 }
 
-/* Long enough ago for what is left to be told. */
+/* Whether the first request is long enough ago that everything should have been reported. */
 static bool asked_before(void)
 {
     struct timespec present = {0, 0};
@@ -102,7 +102,7 @@ void csp_signals_ask_to_stop(int number)
     } else if (!csp_is_driving() && asked_before()) {
         _exit((int)CSP_SIGNALLED + (int)CSP_LOAD(first));
     } else {
-        /* It has been asked. */
+        /* The run has already been requested to stop. */
     }
     csp_request_stop();
 }
@@ -116,7 +116,7 @@ static void stop(int number)
 
 /* ---- Releases ---- */
 
-/* Another thread leaves it to the run, which is not to go on meanwhile; the watcher sees to it that this has an end. */
+/* A thread other than that of the run waits until the run has stopped and released the outputs; the watcher limits how long that takes. */
 static void release(void)
 {
     if (!csp_is_driving()) {
@@ -132,7 +132,7 @@ static void release(void)
     csp_release_outputs();
 }
 
-/* What is left to be released is, if a safe value exits: each exit takes a function from the list and goes on behind it. */
+/* Registered again before the release, for the case that a device function calls exit: each exit removes a function from the list and continues after it. */
 static void at_exit(void)
 {
     if (csp_is_driving()) {
@@ -184,13 +184,13 @@ static void take_signals(void)
         if (contains(crashes, sizeof crashes / sizeof crashes[0], number)) {
             csp_signals_handle(number, crash, SA_ONSTACK | SA_NODEFER);
         } else {
-            csp_signals_handle(number, stop, SA_RESTART); /* of writes: waits end */
+            csp_signals_handle(number, stop, SA_RESTART); /* restarts writes; waits end */
         }
     }
 }
 
-/* A crash may be that of the stack, and that of a safe value may be one of this stack: below it nothing can be written, and who is there is
- * not on it any longer, so that the next handler begins it anew. */
+/* Provides a stack for signal handlers, because a crash may be an overflow of the stack. A device function may overflow this stack, too: the page below
+ * it is protected, and outside of it the next handler begins at its top again. */
 static void take_stack(void)
 {
     static char *memory;
@@ -210,7 +210,7 @@ static void take_stack(void)
     (void)sigaltstack(&alternate, &stack_before);
 }
 
-/* Whatever the program holds back: a crash whose signal is held back ends the process at once. */
+/* Unblocks the signals that are needed here: a crash whose signal is blocked would end the process immediately. */
 static void let_through(void)
 {
     sigset_t wanted;
@@ -265,7 +265,7 @@ void csp_signals_begin(void)
     csp_watch_begin(owner);
 }
 
-/* After a signal the program is to end: further ones do not end it by their default, with another status. */
+/* After a signal the program is going to end, so handlers stay: the default of a further signal would end it with another status. */
 void csp_signals_end(void)
 {
     if (begun != 1U) {

@@ -1,11 +1,11 @@
-/* Ends of a program on POSIX systems, for programs that drive something: whatever ends it, its outputs get their safe values first.
+/* The end of programs with actuators on POSIX systems: whatever ends the program, its outputs get their safe values first.
  *
- * Every signal that would end the process asks the run to stop, however many of them come. If it does not within CSP_GRACE seconds,
- * because a step or a device function hangs, the outputs are released from a signal handler in the thread of the run, and the program ends;
- * an output whose device function hangs then, too, is given up after the same time. A crash (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT,
- * SIGTRAP, SIGSYS), exit() and the end of the run's thread release the outputs as well. If it is another thread that crashes or exits, it
- * waits until the run has stopped. Signals that were ignored, as SIGHUP under nohup and SIGINT in the background of a script, and those that
- * have handlers of the program's own, stay as they are. SIGURG is used while a run has to be interrupted.
+ * Every signal that would end the process requests the run to stop, however many of them arrive. If it does not stop within CSP_GRACE seconds,
+ * because a step or a device function hangs, the outputs are released from a signal handler in the thread of the run, and the program ends.
+ * An output whose device function hangs then, too, is given up after the same time. A crash (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT,
+ * SIGTRAP, SIGSYS), exit() and the end of the run's thread also release the outputs. If another thread crashes or exits, it waits until
+ * the run has stopped. Signals that were ignored, such as SIGHUP under nohup and SIGINT for background jobs of scripts, and signals with
+ * handlers of the program stay as they are. SIGURG is used to interrupt a run.
  */
 #ifndef CSP_SIGNALS_H
 #define CSP_SIGNALS_H
@@ -13,38 +13,38 @@
 #include "csp_program.h"
 
 #ifndef CSP_GRACE
-#define CSP_GRACE 1U /* second, less than who starts the program waits before it kills it */
+#define CSP_GRACE 1U /* second; less than the time after which the starter of the program kills it */
 #endif
 
 #ifndef CSP_PATIENCE
 #define CSP_PATIENCE 2U /* seconds */
 #endif
 
-/* Those of what the processor or the library finds wrong: they are never held back. */
+/* Signals for errors that the processor or the library detects: they are never blocked. */
 #define CSP_CRASHES SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS
 
-/* Around a run, in the thread that makes it; perhaps once more around that. */
+/* To be called before and after a run, in its thread; calls may be nested. */
 void csp_signals_begin(void);
 void csp_signals_end(void);
 
-/* From here to the end: if the run makes no turn for CSP_PATIENCE seconds, a step or a device function hangs. It is named, the outputs are
- * released, and the program ends with status 1. */
+/* From this call to csp_signals_end: if the run makes no progress for CSP_PATIENCE seconds, a step or a device function hangs. It is reported, the
+ * outputs are released, and the program ends with status 1. */
 void csp_signals_watch(int priority);
 
-/* From here to the end: ten times a second a line goes to this descriptor, which is not to block: the instant in nanoseconds, a space, and, where
- * that is the one of the line before, who is at work: "Main (loops.csp:12)". */
-void csp_signals_tell(int descriptor);
+/* From this call to csp_signals_end: ten times a second a line is written to this descriptor, which must not block: the instant in nanoseconds, a
+ * space, and, if the instant is that of the previous line, the process that is running: "Main (loops.csp:12)". */
+void csp_signals_report(int descriptor);
 
-/* From here to the end: a thread of its own calls it ten times a second, and whoever ends the program before its run has ended by itself calls it
- * once more, for the last time. It is not to wait for the run. */
+/* From this call to csp_signals_end: a separate thread calls `attend` ten times a second. What ends the program before the run has ended by itself
+ * calls it once more, for the last time. It must not wait for the run. */
 void csp_signals_attend(void (*attend)(bool last));
 
-/* The program ends as by SIGTERM when the process of this number is no longer its parent, which asks it to end by SIGTERM, even if that was
- * ignored. */
+/* The program ends as by SIGTERM when the process with this number is no longer its parent. SIGTERM ends it even if it was ignored, because the parent
+ * uses it to end the program. */
 void csp_signals_end_with_parent(long parent);
 
-/* The status to end the program with: 0 if it ended by itself or at its time limit; 128 and the number of the signal that stopped it, as
- * shells say it; 1 otherwise. */
+/* The exit status of the program: 0 if it ended by itself or at its time limit; 128 plus the number of the signal that stopped it, as in
+ * shells; 1 otherwise. */
 int csp_exit_status(csp_ending ending);
 
 #endif

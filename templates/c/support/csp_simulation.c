@@ -16,9 +16,9 @@ enum { EXIT_WRONG_OPTION = 2, TEXT = 2048 };
 
 typedef struct request {
     const char *environment;
-    int64_t until;  /* negative: for ever */
-    int64_t parent; /* the number of the process with which it ends; 0: none */
-    int64_t listener; /* the descriptor that is told of each look at the run; negative: none */
+    int64_t until;  /* negative: without limit */
+    int64_t parent; /* the number of the process at whose end it ends; 0: none */
+    int64_t listener; /* the descriptor for a line about each check of the run; negative: none */
     csp_observed observed;
 } request;
 
@@ -120,7 +120,7 @@ static void show_missed(const csp_program *program)
     (void)fprintf(stderr, "  missed samples: %s\n", text);
 }
 
-/* Of a process, or of the environment, whose faults stay where arithmetic notes them. */
+/* Describes the failure of a process, or of the environment, whose faults remain in `csp_fault`. */
 static void describe_failure(const csp_program *program, char *text, size_t size)
 {
     if (csp.error.exception != (uint16_t)CSP_NO_EXCEPTION) {
@@ -164,7 +164,7 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     }
     static csp_environment environment;
     csp_program run = *program;
-    run.tells_misses = true;
+    run.reports_misses = true;
     if (scenario->environment != NULL) {
         environment = *scenario->environment;
         run.environment = &environment;
@@ -177,7 +177,7 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     if (asked.parent != 0) {
         csp_signals_end_with_parent((long)asked.parent);
     }
-    csp_signals_tell((int)asked.listener);
+    csp_signals_report((int)asked.listener);
     csp_stream_begin(&run, names, asked.observed);
     const double began = seconds_now();
     const csp_ending ending = csp_run(&run, asked.until);
@@ -186,10 +186,10 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     if (asked.observed == CSP_SILENT) {
         show(&run, ending, duration);
     } else if (!csp_stream_end(&run, ending, duration)) {
-        (void)fprintf(stderr, "standard output did not take everything that was told\n");
+        (void)fprintf(stderr, "could not write everything to standard output\n");
         return (status == EXIT_SUCCESS) ? EXIT_FAILURE : status;
     } else {
-        /* It is told. */
+        /* It has been reported. */
     }
     return status;
 }

@@ -1,18 +1,18 @@
-/* Runs of a program in virtual time against an environment that is compiled in: the main of a simulation. */
+/* The main of a simulation: runs a program in virtual time against an environment that is compiled into it. */
 #ifndef CSP_SIMULATION_H
 #define CSP_SIMULATION_H
 
 #include "csp_program.h"
 
-/* An environment that the program can be run in. */
+/* An environment in which the program can run. */
 typedef struct csp_scenario {
     const char *name;
     const csp_environment *environment; /* NULL: a program without ports */
-    void (*connect)(void);              /* builds the network with the environment behind its ports */
-    bool counts_misses;                 /* missed samples are counted and raise no Timeout */
+    void (*connect)(void);              /* builds the network with its ports connected to the environment */
+    bool counts_misses;                 /* missed samples are counted instead of raising Timeout */
 } csp_scenario;
 
-/* Names and sizes of what is observed, by number; processes and groups count from 1. Empty without CSP_TRACE. */
+/* Names and sizes of everything that is observed, by number; processes and groups are numbered from 1. Empty without CSP_TRACE. */
 typedef struct csp_names {
     uint32_t channel_count;
     const char *const *channel_names;
@@ -22,15 +22,15 @@ typedef struct csp_names {
     const char *const *process_kinds; /* the definition; "" for a named group */
 } csp_names;
 
-/* Runs one of the scenarios, the first unless told otherwise:
+/* Runs one of the scenarios, the first by default:
  *
  *     --environment NAME    the scenario
  *     --for NANOSECONDS     ends at this time
  *     --parent NUMBER       ends when the process of this number is no longer its parent, and by its SIGTERM
- *     --observe all|ports|none    writes what happens to standard output, in the records of csp_stream.h (with CSP_TRACE)
+ *     --observe all|ports|none    writes events to standard output, in the records of csp_stream.h (with CSP_TRACE)
  *
- * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or stands still, 2 for a wrong option; stopped by
- * a signal 128 and its number. */
+ * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or cannot continue, 2 for a wrong option; 128 plus
+ * the number of the signal that stopped it. */
 int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count);
 

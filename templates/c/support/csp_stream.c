@@ -1,5 +1,5 @@
 /* See csp_stream.h. */
-#define _POSIX_C_SOURCE 200809L /* threads, signals, and a clock of the time that this program has used */
+#define _POSIX_C_SOURCE 200809L /* threads, signals, and a clock for the processor time of this program */
 
 #include "csp_stream.h"
 
@@ -18,30 +18,30 @@
 #include "csp_shared.h"
 #include "csp_signals.h"
 
-enum { BUFFER = 1 << 17 /* for the longest value and more */, TEXT = 2048, LONGEST_WAIT = 1000 /* milliseconds */ };
+enum { BUFFER = 1 << 17 /* more than the longest value */, TEXT = 2048, LONGEST_WAIT = 1000 /* milliseconds */ };
 
-/* The thread of the run fills the buffer and may be stopped anywhere, for good. What others send, or who releases outputs in its place begins
- * with, is whole records: `complete` bytes. The sender has the lock, and only that takes anything away in front. */
+/* The thread of the run fills the buffer and may be stopped anywhere, for good. Other threads, and the one that releases outputs in its place, send only
+ * whole records: `complete` bytes. Only the sender, which holds the lock, removes bytes from the front. */
 static unsigned char buffer[BUFFER];
 static size_t filled;
 static volatile size_t complete;
 static size_t sent;
 static pthread_mutex_t sending = PTHREAD_MUTEX_INITIALIZER;
 static bool silent;
-static volatile bool lost; /* not all could be written */
+static volatile bool lost; /* some records could not be written */
 
-/* What cannot be told need not be run. */
+/* Stops the run, because its records cannot be written. */
 static void give_up(void)
 {
     const bool nobody_reads = errno == EPIPE;
     CSP_STORE(lost, true);
     csp_request_stop();
     if (nobody_reads) {
-        (void)kill(getpid(), SIGPIPE); /* the thread that wrote may hold it back */
+        (void)kill(getpid(), SIGPIPE); /* the writing thread may have blocked the signal */
     }
 }
 
-/* Whether to go on: something was taken, or may be by another attempt. */
+/* Writes some of the data. Returns whether to continue: some was written, or another attempt may succeed. */
 static bool send_some(const unsigned char *data, size_t size, size_t *taken)
 {
     const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, data, size);
@@ -52,7 +52,7 @@ static bool send_some(const unsigned char *data, size_t size, size_t *taken)
     return !CSP_LOAD(lost);
 }
 
-/* Not between what is written and what is noted of it: whoever interrupts the run does not come back. */
+/* Blocks signals between a write and its bookkeeping, because a handler that interrupts the run does not return. */
 static void hold_back(sigset_t *before)
 {
     static const int numbers[] = {SIGURG, CSP_CRASHES};
@@ -64,14 +64,14 @@ static void hold_back(sigset_t *before)
     (void)pthread_sigmask(SIG_BLOCK, &held, before);
 }
 
-/* All complete records; the beginning of one that is not moves to the front. */
+/* Sends all complete records, and moves an incomplete one to the front. */
 static void send_complete(void)
 {
     sigset_t before;
     hold_back(&before);
     (void)pthread_mutex_lock(&sending);
     while ((sent < complete) && send_some(&buffer[sent], complete - sent, &sent)) {
-        /* A pipe takes what it has room for. */
+        /* A pipe accepts as much as it has room for. */
     }
     (void)memmove(buffer, &buffer[complete], filled - complete);
     filled -= complete;
@@ -87,7 +87,7 @@ static bool has_room(int wait)
     return poll(&output, 1U, wait) > 0;
 }
 
-/* From another thread, or in place of the run, which may have stopped while it sends: without a wait, but for the last time. */
+/* Called by another thread, or in place of the run, which may have been stopped while sending: does not wait, except for the last time. */
 static void attend(bool last)
 {
     if (pthread_mutex_trylock(&sending) != 0) {
@@ -96,7 +96,7 @@ static void attend(bool last)
     const size_t end = CSP_LOAD(complete);
     bool goes_on = true;
     while (goes_on && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
-        const size_t rest = end - sent; /* of which a pipe with room takes a part without a wait */
+        const size_t rest = end - sent; /* a pipe with room accepts a part of it without waiting */
         goes_on = send_some(&buffer[sent], (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF, &sent);
     }
     (void)pthread_mutex_unlock(&sending);
@@ -104,7 +104,7 @@ static void attend(bool last)
 
 #if CSP_MEASURE
 
-static int64_t telling; /* nanoseconds that went into writing records: no part of execution times */
+static int64_t reporting; /* nanoseconds that were spent on writing records, which do not count as execution time */
 
 static int64_t time_used(void)
 {
@@ -117,7 +117,7 @@ static void flush(void)
 {
     const int64_t before = time_used();
     send_complete();
-    telling += time_used() - before;
+    reporting += time_used() - before;
 }
 
 #else
@@ -134,7 +134,7 @@ static void completes(void)
     CSP_STORE_AFTER(complete, filled);
 }
 
-/* A record that is longer than the buffer goes in pieces. */
+/* A record that is longer than the buffer is sent in pieces. */
 static void put(const void *data, size_t size)
 {
     const unsigned char *const bytes = (const unsigned char *)data;
@@ -157,7 +157,7 @@ static void put(const void *data, size_t size)
     filled += size - done;
 }
 
-/* A record begins where the last complete one ends, whatever was begun since. */
+/* Begins a record where the last complete one ends, discarding an incomplete one. */
 static void put_first(uint8_t kind)
 {
     filled = complete;
@@ -211,7 +211,7 @@ void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t 
     completes();
 }
 
-static void tell_value(uint8_t kind, uint32_t port, const void *value)
+static void report_value(uint8_t kind, uint32_t port, const void *value)
 {
     if (port < observed_channels) {
         put_first(kind);
@@ -224,12 +224,12 @@ static void tell_value(uint8_t kind, uint32_t port, const void *value)
 
 void csp_observe_sample(uint32_t port, const void *value)
 {
-    tell_value(12, port, value);
+    report_value(12, port, value);
 }
 
 void csp_observe_release(uint32_t port, const void *value)
 {
-    tell_value(6, port, value);
+    report_value(6, port, value);
 }
 
 static void begins_or_ends(uint8_t kind, uint32_t number)
@@ -250,7 +250,7 @@ void csp_observe_end(uint32_t number)
     begins_or_ends(5, number);
 }
 
-/* Names the channels before ``end`` that have no name yet for whoever reads. */
+/* Writes the names of the channels before `end` that have not been named yet. */
 static void name_channels(uint32_t end)
 {
     for (; named_channels < end; named_channels++) {
@@ -262,7 +262,7 @@ static void name_channels(uint32_t end)
     }
 }
 
-/* Who waits may wait at any channel, observed or not. */
+/* A waiting process may wait at any channel, observed or not. */
 static void name_all_channels(void)
 {
     name_channels(known->channel_count);
@@ -310,8 +310,8 @@ static bool is_missing(const csp_broadcast *channel, const csp_broadcast_end *en
     return (channel->writer != NULL) ? end->fresh : ((end->reader == NULL) && (end->waiting == NULL));
 }
 
-/* For who waits to write to a broadcast: which of its ends are missing, counted from 0 in the order in which they are served. */
-static void tell_missing(const csp_medium *medium)
+/* For a process that waits to write to a broadcast channel: which of its ends are missing, numbered from 0 in the order in which they are served. */
+static void report_missing(const csp_medium *medium)
 {
     const csp_broadcast *const channel =
         (medium->kind == (uint8_t)CSP_BROADCAST) ? (const csp_broadcast *)(const void *)medium : NULL;
@@ -330,7 +330,7 @@ static void tell_missing(const csp_medium *medium)
     }
 }
 
-static void tell_waiting(const csp_program *program, const csp_waiting_process *waiting)
+static void report_waiting_process(const csp_program *program, const csp_waiting_process *waiting)
 {
     char text[TEXT] = "";
     csp_wait_entry entry;
@@ -353,13 +353,13 @@ static void tell_waiting(const csp_program *program, const csp_waiting_process *
     for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
         if (entry.named) {
             put_number(entry.channel);
-            tell_missing(entry.medium);
+            report_missing(entry.medium);
         }
     }
     completes();
 }
 
-/* Exception, message, place. What fails in an environment stays where arithmetic notes it. */
+/* Writes exception, message and place. A fault of the environment remains in `csp_fault`. */
 static void put_failure(const csp_program *program, bool failed)
 {
     char text[TEXT] = "";
@@ -371,7 +371,7 @@ static void put_failure(const csp_program *program, bool failed)
     } else if (noted) {
         csp_fault.describe(&csp_fault.operands, text, sizeof text);
     } else {
-        /* There is nothing to tell. */
+        /* There is nothing to report. */
     }
     put_text(text);
     text[0] = '\0';
@@ -383,8 +383,8 @@ static void put_failure(const csp_program *program, bool failed)
 
 #if CSP_MEASURE
 
-/* Of each process that ran: its longest step, and how many there were. A step is what runs from one choice of the scheduler to the
- * next; where a process calls another, it counts for both. */
+/* The longest step and the number of steps of each process that ran. A step is what runs from one choice of the scheduler to the
+ * next; if a process calls another, it counts for both. */
 typedef struct measured {
     int64_t longest;
     int64_t steps;
@@ -401,7 +401,7 @@ static int64_t began;
 void csp_measure_begin(void)
 {
     running_count = 0;
-    telling = 0;
+    reporting = 0;
     began = time_used();
 }
 
@@ -430,7 +430,7 @@ static void make_room(uint32_t number)
 
 void csp_measure_end(void)
 {
-    const int64_t took = time_used() - began - telling;
+    const int64_t took = time_used() - began - reporting;
     for (uint32_t index = 0; index < running_count; index++) {
         make_room(running[index]);
         measured *const entry = &measurements[running[index]];
@@ -441,7 +441,7 @@ void csp_measure_end(void)
     }
 }
 
-static void tell_execution_times(void)
+static void report_execution_times(void)
 {
     for (uint32_t number = 1; number < measured_processes; number++) {
         if (measurements[number].steps > 0) {
@@ -459,10 +459,10 @@ static void tell_execution_times(void)
 bool csp_stream_end(const csp_program *program, csp_ending ending, double duration)
 {
 #if CSP_MEASURE
-    tell_execution_times();
+    report_execution_times();
 #endif
     if (ending == CSP_DEADLOCK) {
-        csp_report_waiting(program, tell_waiting);
+        csp_report_waiting(program, report_waiting_process);
     }
     for (uint32_t index = 0; index < program->port_count; index++) {
         if (program->ports[index].kind == CSP_PORT_SAMPLED) {

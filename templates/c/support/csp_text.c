@@ -1,5 +1,5 @@
-/* See csp_text.h. The digits of reals are found in whole numbers, as Steele and White do ("How to print floating-point numbers
- * accurately", 1990), with the refinements of Burger and Dybvig (1996): the fewest that lie nearer to the number than to its neighbours. */
+/* See csp_text.h. The digits of reals are computed with integers, by the method of Steele and White ("How to print floating-point numbers
+ * accurately", 1990) with the refinements of Burger and Dybvig (1996): the fewest digits that are nearer to the number than to its neighbours. */
 #include "csp_text.h"
 
 #include <stdbool.h>
@@ -38,7 +38,7 @@ void csp_append_integer(char *text, size_t size, int64_t value)
     csp_append_digits(text, size, (value < 0) ? (uint64_t)0 - (uint64_t)value : (uint64_t)value, 1);
 }
 
-/* ---- Whole numbers of up to 1280 bits, the lowest limb first: enough for every double, times ten ---- */
+/* ---- Integers of up to 1280 bits, the lowest limb first: enough for ten times any double ---- */
 
 enum { LIMBS = 40, SHIFT = 16 };
 
@@ -83,7 +83,7 @@ static void add(whole *number, const whole *summand)
     }
 }
 
-/* Of the greater one. */
+/* `number` must not be less than `other`. */
 static void subtract(whole *number, const whole *other)
 {
     uint64_t borrow = 0U;
@@ -94,7 +94,7 @@ static void subtract(whole *number, const whole *other)
     }
 }
 
-/* Negative: `one` is less; 0: equal. */
+/* Negative: `one` is less than `other`; 0: they are equal. */
 static int compare(const whole *one, const whole *other)
 {
     for (size_t limb = LIMBS; limb > 0U; limb--) {
@@ -109,13 +109,13 @@ static int compare(const whole *one, const whole *other)
 
 enum { MANTISSA = 52, LEAST_EXPONENT = -1074, MOST_DIGITS = 17 };
 
-/* A positive number is `rest / unit`; half of the ways to its neighbours are `below / unit` and `above / unit`. */
+/* A positive number is `rest / unit`; half of the distances to its neighbours are `below / unit` and `above / unit`. */
 typedef struct scaled {
     whole rest;
     whole unit;
     whole below;
     whole above;
-    bool even; /* what lies half-way is read as this number */
+    bool even; /* numbers half-way to a neighbour are read as this number */
 } scaled;
 
 static void scale(scaled *number, uint64_t mantissa, int exponent)
@@ -147,8 +147,8 @@ static void multiply_by_ten(scaled *number)
     multiply(&number->above, 10U);
 }
 
-/* Divides or multiplies until the first digit stands behind the point; the power of ten that makes up for it. The number is at least
- * `2 ^ exponent`. */
+/* Divides or multiplies by powers of ten until the first digit is just after the decimal point, and returns the exponent that compensates for it. The number
+ * is at least `2 ^ exponent`. */
 static int normalize(scaled *number, int exponent)
 {
     int power = (exponent >= 0) ? ((exponent * 30103) / 100000) : -(((-exponent * 30103) + 99999) / 100000);
@@ -193,7 +193,7 @@ static size_t find_digits(scaled *number, char *digits)
     return count;
 }
 
-/* `digits` behind "0.", times a power of ten. */
+/* Appends "0." followed by `digits`, times a power of ten. */
 static void append_digits_with_point(char *text, size_t size, const char *digits, size_t count, int power)
 {
     if ((power > -4) && (power <= 0)) {
@@ -223,7 +223,7 @@ static void append_positive(char *text, size_t size, uint64_t mantissa, int expo
 {
     scaled number;
     char digits[MOST_DIGITS + 1];
-    int greatest = exponent - 1; /* the power of two that is not more than the number */
+    int greatest = exponent - 1; /* the largest power of two that is not greater than the number */
     for (uint64_t rest = mantissa; rest > 0U; rest >>= 1U) {
         greatest++;
     }

@@ -1,4 +1,4 @@
-/* Instants at which something is due: a pairing heap of nodes that their users own. */
+/* Timers: a pairing heap of nodes that are owned by their users. */
 #include "csp_internal.h"
 
 static csp_timer *root;
@@ -9,7 +9,7 @@ static bool comes_before(const csp_timer *one, const csp_timer *other)
     return (one->instant < other->instant) || ((one->instant == other->instant) && (one->begun < other->begun));
 }
 
-/* The heap of two, of which neither has siblings. */
+/* Merges two heaps, neither of which has siblings. */
 static csp_timer *meld(csp_timer *one, csp_timer *other)
 {
     csp_timer *parent = one;
@@ -29,7 +29,7 @@ static csp_timer *meld(csp_timer *one, csp_timer *other)
     return parent;
 }
 
-/* The heap of siblings: in pairs from the left, then these from the right. */
+/* Merges siblings into one heap: in pairs from the left, then the pairs from the right. */
 static csp_timer *meld_siblings(csp_timer *first)
 {
     csp_timer *pairs = NULL; /* linked by `sibling`, the last first */
@@ -100,7 +100,7 @@ bool csp_timer_stop(csp_timer *timer)
 
 void csp_timer_begin(csp_timer *timer, int64_t instant)
 {
-    (void)csp_timer_stop(timer); /* in the heap a timer stands once */
+    (void)csp_timer_stop(timer); /* a timer is in the heap at most once */
     timer->instant = instant;
     timer->begun = begun;
     begun++;

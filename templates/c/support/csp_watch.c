@@ -20,11 +20,11 @@ enum { TEXT = 512, LOOK = 1000000000 / CSP_LOOKS, THREAD_STACK = 1 << 17 };
 static pthread_t owner; /* the thread of the run */
 static pthread_t watcher;
 static volatile bool watched;
-static volatile bool patient; /* a run that does not go on hangs */
+static volatile bool patient; /* whether a run without progress is taken to hang */
 static volatile bool hangs;
-static volatile bool forced;       /* the run, to let go */
+static volatile bool forced;       /* the run is to be interrupted */
 static volatile uint32_t parent;   /* 0: any */
-static volatile int listener = -1; /* who is told of each look; negative: nobody */
+static volatile int listener = -1; /* the descriptor for a line about each check; negative: none */
 static void (*volatile attendant)(bool last); /* NULL: none */
 
 void csp_watch_wait_a_look(void)
@@ -53,7 +53,7 @@ static void end_by_force(void)
     _exit((first != 0U) ? ((int)CSP_SIGNALLED + (int)first) : EXIT_FAILURE);
 }
 
-/* In the thread of the run: what hangs in here is interrupted by the same again. */
+/* Runs in the thread of the run; a device function that hangs here is interrupted by the same signal again. */
 static void let_go(int number)
 {
     const int error = errno;
@@ -72,7 +72,7 @@ static void *release_instead(void *nothing)
     return nothing;
 }
 
-/* The first attempt is the signal; each one after that takes the next output. A thread that holds the signal back is not waited for. */
+/* The first attempt sends the signal; each further one gives up an output. A thread that blocks the signal is not waited for. */
 static void force(bool in_vain)
 {
     pthread_attr_t attributes;
@@ -91,9 +91,9 @@ static void force(bool in_vain)
     }
 }
 
-/* ---- What is told ---- */
+/* ---- Reports ---- */
 
-static void tell_what_hangs(void)
+static void report_what_hangs(void)
 {
     char text[TEXT] = "";
     char line[TEXT + 64] = "";
@@ -104,7 +104,7 @@ static void tell_what_hangs(void)
     (void)written;
 }
 
-/* Its halves may be of two instants where a processor stores them one after the other; not twice the same, however. */
+/* On a processor that stores its halves separately they may be of two instants, but not the same wrong value twice. */
 static int64_t instant_now(void)
 {
     const volatile int64_t *const now = &csp.now;
@@ -117,8 +117,9 @@ static int64_t instant_now(void)
     return found;
 }
 
-/* A line, in one piece: the instant, and who is at work where that is the instant of the look before, too. Who does not listen misses it. */
-static void tell_of_look(int64_t *told)
+/* Writes a line with the instant, and with the running process if the instant has not changed since the last check. If the reader is not ready, the
+ * line is lost. */
+static void report_check(int64_t *reported)
 {
     const int descriptor = CSP_LOAD(listener);
     char text[TEXT] = "";
@@ -127,10 +128,10 @@ static void tell_of_look(int64_t *told)
         return;
     }
     const int64_t now = instant_now();
-    if (now == *told) {
+    if (now == *reported) {
         csp_describe_at_work(text, sizeof text);
     }
-    *told = now;
+    *reported = now;
     const int length = snprintf(line, sizeof line, "%" PRId64 " %s\n", now, text);
     const ssize_t written = write(descriptor, line, (size_t)length);
     (void)written;
@@ -143,11 +144,11 @@ static void *watch(void *nothing)
     uint32_t turns = 0U;
     uint32_t released = 0U;
     uint32_t looks = 0U;
-    int64_t told = -1;
+    int64_t reported = -1;
     bool in_vain = false;
     for (;;) {
         csp_watch_wait_a_look();
-        tell_of_look(&told);
+        report_check(&reported);
         csp_watch_attend(false);
         const uint32_t looked_for = CSP_LOAD(parent);
         if ((looked_for != 0U) && (getppid() != (pid_t)looked_for)) {
@@ -164,7 +165,7 @@ static void *watch(void *nothing)
         looks = (goes_on || !csp_is_driving() || !(asked || CSP_LOAD(patient))) ? 0U : (looks + 1U);
         if (looks >= ((asked ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)CSP_LOOKS)) {
             if (!asked) {
-                tell_what_hangs();
+                report_what_hangs();
                 CSP_STORE(hangs, true);
             }
             force(in_vain);
@@ -189,7 +190,7 @@ void csp_watch_begin(pthread_t run)
     }
     (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
     (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* which the thread inherits */
+    (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* the new thread inherits the mask */
     const bool created = pthread_create(&watcher, &attributes, watch, NULL) == 0;
     CSP_STORE(watched, created);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -220,7 +221,7 @@ void csp_watch_parent(uint32_t number)
     CSP_STORE(parent, number);
 }
 
-void csp_signals_tell(int descriptor)
+void csp_signals_report(int descriptor)
 {
     CSP_STORE(listener, descriptor);
 }
@@ -235,7 +236,7 @@ void csp_signals_watch(int priority)
     struct sched_param parameter;
     parameter.sched_priority = priority;
     if (CSP_LOAD(watched)) {
-        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
+        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* if permitted */
     }
     CSP_STORE(patient, true);
 }

@@ -1,4 +1,4 @@
-/* The thread that looks on while a program runs: what the files around signals tell each other. */
+/* The thread that watches a running program; an interface within the kernel. */
 #ifndef CSP_WATCH_H
 #define CSP_WATCH_H
 
@@ -6,20 +6,20 @@
 
 #include "csp_signals.h"
 
-enum { CSP_LOOKS = 10 /* a second */, CSP_SIGNALLED = 128 };
+enum { CSP_LOOKS = 10 /* checks per second */, CSP_SIGNALLED = 128 };
 
-/* Around a run, whose thread is `run`. */
+/* To be called before and after a run; `run` is its thread. */
 void csp_watch_begin(pthread_t run);
 void csp_watch_end(void);
-/* In a child that was forked: there is no such thread. */
+/* To be called in a forked child, which has no such thread. */
 void csp_watch_forget(void);
 bool csp_watch_runs(void);
 void csp_watch_parent(uint32_t number);
 void csp_watch_wait_a_look(void);
-/* What attends the run is called. */
+/* Calls the function of csp_signals_attend. */
 void csp_watch_attend(bool last);
 
-/* Of csp_signals.c: the signal that stopped the run, 0: none; whether another thread ends the process, when the outputs are released. */
+/* Defined in csp_signals.c: the signal that stopped the run, 0: none; and whether another thread ends the process when the outputs are released. */
 uint32_t csp_signals_first(void);
 bool csp_signals_leaving(void);
 void csp_signals_ask_to_stop(int number);
