@@ -66,13 +66,14 @@ class _Alarm:
         self._over = threading.Event()
         self._ringing = threading.Lock()
         self._hook = sys.unraisablehook
+        self._thread = threading.Thread(target=self._wait, name="time limit", daemon=True)
 
     def start(self) -> None:
         """Begin to wait for the end of the time."""
         if sys.implementation.name != "cpython":
             return
         with suppress(RuntimeError):  # There are no threads.
-            threading.Thread(target=self._wait, name="time limit", daemon=True).start()
+            self._thread.start()
 
     def stop(self) -> None:
         """Ring no more; is cut off itself where it rings just now, or has rung before."""
@@ -89,6 +90,8 @@ class _Alarm:
     def restore(self) -> None:
         """Report again what fails where nobody can catch it."""
         sys.unraisablehook = self._hook
+        if self._thread.is_alive():
+            self._thread.join()
 
     def _wait(self) -> None:
         pause = max(self._limits.remaining, 0.0) + LATER

@@ -75,6 +75,18 @@ process Main {
   composition { c ! 1 || (mu c ? v) || (mu c ? w) }
 }
 """
+READ_BY_PARTS = """
+process Main {
+  communication { channel c : int broadcast var a : int var b : int var d : int }
+  composition { (c ! 1 ; c ! 2) || (c ? a ; c ? a) || c ? b || (c ? d ; c ? d) }
+}
+"""
+READ_BY_PARTS_AND_OTHERS = """
+process Main {
+  communication { channel c : int broadcast var a : int var b : int r : R s : S c -> r.c c -> s.c }
+  composition { (c ! 1 ; c ! 2) || (c ? a ; c ? a) || (c ? b ; c ? b) || r || s }
+}
+"""
 RING_OF_ANY = """
 process X { out c : int in back : int communication { var v : int } composition { c ! 1 ; back ? v ; c ! 2 } }
 process Y { in c : int out back : int communication { var v : int } composition { mu (c ? v ; c ? v ; back ! v) } }
@@ -145,6 +157,18 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
         ),
         (LOCAL_ANY, [HEAD, *[f"  Main waits to read Main.c (case.csp:8); {NOBODY_WRITES}"] * 2]),
         (
+            READ_BY_PARTS,
+            [HEAD, f"  Main waits to write Main.c (case.csp:8); {NOBODY_TAKES}"],
+        ),
+        (
+            READ_BY_PARTS_AND_OTHERS,
+            [
+                HEAD,
+                "  Main waits to write Main.c (case.csp:8), for Main.r, which has ended",
+                "  Main.s waits to read Main.c (case.csp:4)",
+            ],
+        ),
+        (
             RING_OF_ANY,
             [
                 "deadlock at 0 s: 2 processes wait for each other",
@@ -166,6 +190,8 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
         "readers of any",
         "writers of any",
         "local any",
+        "read by parts",
+        "read by parts and others",
         "ring of any",
     ],
 )

@@ -149,7 +149,6 @@ def test_afterwards_no_alarm_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     hook, filters = sys.unraisablehook, list(warnings.filters)
     with ended_by_alarm(Limits()):
         (waiting,) = (thread for thread in threading.enumerate() if thread.name == "time limit")
-    waiting.join(5)
     assert not waiting.is_alive()
     with pytest.raises(LimitError), ended_by_alarm(Limits(seconds=0.0)):
         never_look_at_the_clock()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import time
 from argparse import Namespace
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, cast
 
+from cspdiag.base.files.json_text import read_json
 from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source, require_ordinary_file
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
@@ -132,7 +132,7 @@ def measured_times(path: str) -> list[Measured]:
     try:
         require_ordinary_file(path)
         with open(path, encoding="utf-8") as file:
-            content = json.load(file)
+            content = read_json(file.read())
     except UnicodeDecodeError:
         raise UsageError(f"{path}: is not text, so not JSON: {how}") from None
     except ValueError as problem:

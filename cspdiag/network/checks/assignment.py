@@ -60,6 +60,9 @@ def check_assignment(
     for instruction, written in zip(code.instructions, before, strict=True):
         if written is None:
             continue
+        for key, span in process.elements_written_by(instruction):
+            if not written & process.bits.get(key, 0):
+                _check_read(shape, uses, key, span, "", report, is_element=True)
         for key, span, reader in process.read_by(instruction):
             if key in inputs:
                 found[key] = found.get(key, everything) & written
@@ -92,6 +95,12 @@ class _Process:
         else:
             keys = (to.channel if isinstance(to, Target) else end_key(to) for to in writes(instruction))
         return reduce(or_, (self.bits.get(key, 0) for key in keys), 0)
+
+    def elements_written_by(self, instruction: Instruction) -> Iterator[tuple[Key, Span]]:
+        """The arrays of which an instruction writes an element, which requires that the others have values."""
+        for to in () if isinstance(instruction, Call) else writes(instruction):
+            if isinstance(to, Target) and to.indexes:
+                yield to.channel, instruction.span
 
     def read_by(self, instruction: Instruction) -> Iterator[tuple[Key, Span, str]]:
         """The reads of an instruction, each with its place and with the instance that reads, if there is one."""
@@ -149,7 +158,9 @@ def _check_reached(code: Code, before: list[int | None], agreement: Agreement) -
             agreement.refute(Unreachable, step.span)
 
 
-def _check_read(shape: Shape, uses: UsesByKey, key: Key, span: Span, reader: str, report: Report) -> None:
+def _check_read(
+    shape: Shape, uses: UsesByKey, key: Key, span: Span, reader: str, report: Report, *, is_element: bool = False
+) -> None:
     """Report the first read of a variable without a value."""
     channel = shape.channels.get(key)
     if channel is None or channel.kind != "var" or channel.excused or channel.initial is not None:
@@ -161,6 +172,7 @@ def _check_read(shape: Shape, uses: UsesByKey, key: Key, span: Span, reader: str
             variable=key,
             reader=reader,
             is_variable=channel.is_variable,
+            is_element=is_element,
             declared=channel.span,
             writer=uses[key].writer if key in uses else None,
         )

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cspdiag.network.ir.network import CoreNetwork, Net, SubmodelClass
+from cspdiag.network.ir.network import CoreNetwork, Net, ProcessClass, SubmodelClass
+from cspdiag.network.relations import end_key
+from cspdiag.semantics.ends import ends_read
 from cspdiag.simulate.native.stream import WaitingRecord
 from cspdiag.simulate.record.recorder import Recorder
 
@@ -27,7 +29,8 @@ def deadlock_report(
     begun = processes_begun | {
         item.path for item in network.instances if item.class_name in laws and _enclosing(item.path) in processes_begun
     }
-    missing = [_missing_readers(record, nets) for record in waiting]
+    ends = _broadcast_ends(network)
+    missing = [_missing_readers(record, ends) for record in waiting]
     awaited = [_opposite(record, nets) | set(readers) for record, readers in zip(waiting, missing, strict=True)]
     partners = [
         [
@@ -44,6 +47,7 @@ def deadlock_report(
             reader
             for reader in readers
             if reader in begun
+            and reader != record.path
             and not any(_runs(other.path, reader, processes_begun) for other in waiting if other is not record)
         )
         for record, readers in zip(waiting, missing, strict=True)
@@ -63,10 +67,28 @@ def deadlock_report(
     return DeadlockReport(now, processes, tuple(processes[index] for index in find_cycle(partners)))
 
 
-def _missing_readers(record: WaitingRecord, nets: Mapping[str, Net]) -> tuple[str, ...]:
-    """The readers that have not taken what the process writes to broadcasts."""
-    ends = zip(record.channels, record.missing, strict=True)
-    return tuple(nets[channel].readers[index][0] for channel, missing in ends for index in missing)
+def _broadcast_ends(network: CoreNetwork) -> dict[str, list[str]]:
+    """For each broadcast the process at each of its reading ends, in the order of their numbers: a process in which
+    parallel parts read it has several.
+    """
+    classes = {entry.name: entry for entry in network.classes}
+    instances = {item.path: classes[item.class_name] for item in network.instances}
+    found: dict[str, list[str]] = {}
+    for net in network.nets:
+        if net.kind == "broadcast":
+            ends = found.setdefault(net.path, [])
+            for path, key in net.readers:
+                entry = instances[path]
+                body = entry.body if isinstance(entry, ProcessClass) else None
+                own = set() if body is None else {end for end in ends_read(body) if end_key(end) == key}
+                ends += [path] * max(len(own), 1)
+    return found
+
+
+def _missing_readers(record: WaitingRecord, ends: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """The readers that have not taken what the process writes to broadcasts, each once."""
+    channels = zip(record.channels, record.missing, strict=True)
+    return tuple(dict.fromkeys(ends[channel][index] for channel, missing in channels for index in missing))
 
 
 def _opposite(record: WaitingRecord, nets: Mapping[str, Net]) -> set[str]:

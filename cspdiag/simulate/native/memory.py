@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 
+from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
 from cspdiag.codegen.c.package.sizes import PREFIX, SizeMeasurement, Sizes
 from cspdiag.network.ir.network import CoreNetwork
@@ -102,7 +103,7 @@ def _facts(build: Build, path: str) -> FileFacts:
     """The data on one file, from the cache if it was measured before."""
     place = build.cache / "facts" / f"{build.digest(path)}.json"
     try:
-        found = json.loads(place.read_text(encoding="utf-8"))
+        found = read_json(place.read_text(encoding="utf-8"))
         functions = {
             name: FunctionFacts(stack, None if calls is None else tuple(calls))
             for name, (stack, calls) in found["functions"].items()

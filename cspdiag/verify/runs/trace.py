@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
 from cspdiag.proofs.counterexamples.counterexample import is_shown
 
@@ -118,7 +119,7 @@ def trace_text(
 def read_trace(text: str) -> Trace:
     """The trace in the text of a file. Raises TraceError."""
     try:
-        whole = json.loads(text)
+        whole = read_json(text)
     except ValueError as problem:
         raise TraceError(f"not JSON: {problem}") from None
     if not isinstance(whole, dict) or whole.get("format") != FORMAT:

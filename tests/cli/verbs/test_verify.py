@@ -319,6 +319,7 @@ def test_nothing_is_written_where_nothing_was_refuted(cspdiag: Command, proved: 
     ("text", "reason"),
     [
         ("[", "not JSON"),
+        ("[" * 5000 + "]" * 5000, "not JSON: nested too deeply"),
         ("[]", "not a trace written by `cspdiag verify --trace-out`"),
         ('{"format": "cspdiag trace 1"}', "an incomplete trace (KeyError: 'process')"),
     ],

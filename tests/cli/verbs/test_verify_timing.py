@@ -95,6 +95,7 @@ def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, t
     ("content", "reason"),
     [
         ("{", "is not JSON (Expecting property name"),
+        ("[" * 5000 + "]" * 5000, "is not JSON (nested too deeply)"),
         ("\x00\udcff", "is not text, so not JSON: write it with cspdiag run --real-time --target c --trace"),
         ("[]", "has no execution times"),
         ('{"traceEvents": []}', "has no execution times: write it with cspdiag run --real-time --target c"),

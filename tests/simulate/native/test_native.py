@@ -119,7 +119,7 @@ def test_a_fault_has_the_words_and_the_place_of_the_python_one(level: int) -> No
     assert reference.outcome.error is not None
     assert found.outcome.error is not None
     assert described(found.outcome.error) == described(reference.outcome.error)
-    assert "130 is outside int8 (-128 .. 127), in Main.law (case.csp:4)" in described(found.outcome.error)
+    assert "130 is outside int8 (-128 .. 127), in Main.law (case.csp:5)" in described(found.outcome.error)
     assert list(found.communications)[:3] != []
 
 

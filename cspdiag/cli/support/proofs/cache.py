@@ -14,6 +14,7 @@ from pathlib import Path
 
 from cspdiag import __version__
 from cspdiag.base.files.caches import cache_folder
+from cspdiag.base.files.json_text import read_json
 from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
@@ -44,7 +45,7 @@ class Cache:
     def find(self) -> Printed | None:
         """The output for the same files, if there is one."""
         try:
-            entry = json.loads(self._path().read_text(encoding="utf-8"))
+            entry = read_json(self._path().read_text(encoding="utf-8"))
             unchanged = all(_digest(read_source(path).text) == digest for path, digest in entry["files"].items())
             return Printed(entry["code"], entry["stdout"], entry["stderr"]) if unchanged else None
         except (OSError, ValueError, KeyError, TypeError, AttributeError):

@@ -74,9 +74,13 @@ class ReadBeforeWrite(Diagnostic):
     is_variable: bool
     declared: Span
     writer: Access | None
+    is_element: bool = False
+    """Whether it is an array of which an element is written."""
 
     @property
     def message(self) -> str:
+        if self.is_element:
+            return f"an element of `{self.variable}` may be written before `{self.variable}` has a value"
         reader = f"by `{self.reader}` " if self.reader else ""
         if self.writer is None:
             return f"`{self.variable}` is read {reader}but nothing ever writes it"
@@ -84,6 +88,11 @@ class ReadBeforeWrite(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if self.is_element:
+            return (
+                f"give it an initial value (`var {self.variable} : ... = [...]`), or write the whole array before: the "
+                "other elements would have no values"
+            )
         if self.is_variable:
             return (
                 f"give it an initial value (`var {self.variable} : ... = ...`), or write it before on every path to "
@@ -94,7 +103,7 @@ class ReadBeforeWrite(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         places = [Label(self.declared, "declared here")]
-        if self.writer is not None:
+        if self.writer is not None and not self.is_element:
             places.append(Label(self.writer.run, f"written here by {self.writer.user}"))
         return tuple(places)
 
