@@ -13,7 +13,7 @@ from cspdiag.network.ir.walk import actions_inside, all_actions
 def ends_read(action: act.Action) -> Iterator[act.End]:
     """The ends that readers and guards of an action read, in text order.
 
-    «Parties, channels and guards», *the order in which they stand in the program*
+    «Parties, channels and guards», *program order*
     """
     match action:
         case act.ReadValue(source=source):
@@ -40,7 +40,7 @@ def _ends_of_branch(branch: act.Branch) -> Iterator[act.End]:
 def choices(action: act.Action) -> Iterator[act.Choice]:
     """The alternatives in an action, in text order.
 
-    «Parties, channels and guards», *the order in which they stand in the program*
+    «Parties, channels and guards», *program order*
     """
     return (part for part in all_actions(action) if isinstance(part, act.Choice))
 
