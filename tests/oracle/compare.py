@@ -10,11 +10,12 @@ from tests.oracle.explore import explore
 from tests.oracle.judged import Judgement, verify
 from tests.oracle.programs.closed import closed
 from tests.oracle.programs.instants import asks_for_the_time, single_steps, with_instants, with_knot
+from tests.oracle.programs.nested import is_nested, nested
 from tests.oracle.programs.pairs import pair
 from tests.oracle.programs.shrink import tidy
 from tests.oracle.programs.text import process, text
 from tests.oracle.programs.timed import timed
-from tests.oracle.programs.tree import INT, Program
+from tests.oracle.programs.tree import INT, MS, Program
 from tests.oracle.properties import Answer, deadlock_free, livelock_free, schedulable, terminates
 from tests.oracle.refine import refines
 from tests.oracle.traces import compare_traces
@@ -97,10 +98,13 @@ def _livelock(program: Program) -> Answer:
 
 
 def program_of(seed: int, *, inputs: bool) -> Program:
-    """A closed program, or one with inputs; about one in six asks for the present instant.
+    """A closed program, or one with inputs; about one in six asks for the present instant, and one in five has nested
+    interrupts that meet.
 
-    Those have no laws: proofs let a law compute as long as may be, and here it takes no time.
+    Those that ask have no laws: proofs let a law compute as long as may be, and here it takes no time.
     """
+    if is_nested(seed):
+        return nested(seed, inputs=inputs, sampled=inputs)
     if not asks_for_the_time(seed):
         return closed(seed, inputs=inputs)
     rng = Random(f"instants {seed}")
@@ -110,7 +114,10 @@ def program_of(seed: int, *, inputs: bool) -> Program:
 
 
 def _counted_apart(outcome: Outcome) -> Outcome:
-    """What is answered to programs that ask for the present instant is counted besides."""
+    """What is answered to programs that ask for the present instant, or have nested interrupts, is counted besides."""
+    if outcome.program is not None and "nested" in outcome.program.tags:
+        outcome.counted += [f"nested: {name}" for name in outcome.counted]
+        outcome.counted += ["nested"] + ["nested: wrong"] * bool(outcome.wrong)
     if "now" in outcome.text:
         outcome.counted += [f"now: {name}" for name in outcome.counted]
         outcome.counted += ["now"] + ["now: wrong"] * bool(outcome.wrong)
@@ -127,6 +134,8 @@ def _closed(assertion: str, decide: Callable[[Program], Answer]) -> Comparison:
 
 
 def _timed(seed: int, *, outputs: bool = False) -> Program:
+    if is_nested(seed):
+        return replace(nested(seed, inputs=seed % 3 == 0, sampled=True), step=MS)
     program = timed(seed, outputs=outputs)
     if not asks_for_the_time(seed):
         return program

@@ -14,8 +14,10 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count, islice
 
 from tests.oracle.compare import COMPARISONS, Case, Outcome
+from tests.oracle.programs.nested import is_nested
 
 
 @dataclass
@@ -53,8 +55,10 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=60)
+    parser.add_argument("--nested", action="store_true", help="only programs with nested interrupts that meet")
     arguments = parser.parse_args()
-    seeds = range(arguments.seed, arguments.seed + arguments.count)
+    wanted = filter(is_nested, count(arguments.seed)) if arguments.nested else count(arguments.seed)
+    seeds = islice(wanted, arguments.count)
     report = hunt(arguments.property, seeds, loud=True, until=time.monotonic() + 60 * arguments.minutes)
     print(report)
     return 1 if report.wrong else 0

@@ -12,6 +12,7 @@ from tests.oracle.machine.laws import Laws, assign
 from tests.oracle.machine.link import Node
 from tests.oracle.machine.parallels import Parallels
 from tests.oracle.machine.state import (  # fmt: skip
+    CANCELLATION,
     Branches,
     Choice,
     Delay,
@@ -75,8 +76,9 @@ class Machine(Parallels, Guards, Laws):
             return [st.running]
         if not st.ready:
             return []
-        best = min(st.threads[tid].priority for tid in st.ready)
-        return [tid for tid in st.ready if st.threads[tid].priority == best]
+        priority = {tid: st.threads[tid[:-1] if tid[-1:] == (CANCELLATION,) else tid].priority for tid in st.ready}
+        best = min(priority.values())
+        return [tid for tid in st.ready if priority[tid] == best]
 
     def more_comes(self, st: State) -> bool:
         """Whether anything that comes by itself can wake a process, or has still to be handed over."""
@@ -98,6 +100,10 @@ class Machine(Parallels, Guards, Laws):
 
     def run(self, st: State, tid: Tid) -> None:
         """Runs a thread until it waits, ends, or has gone once around a loop (then it stays `running`)."""
+        if tid[-1:] == (CANCELLATION,):
+            st.ready.remove(tid)
+            self._cancel(st, st.threads[tid[:-1]])
+            return
         thread = st.threads[tid]
         if st.running is None:
             st.ready.remove(tid)

@@ -7,7 +7,18 @@ from __future__ import annotations
 from tests.oracle.machine.core import CANCEL, NEXT, MustWaitError
 from tests.oracle.machine.guards import Guards
 from tests.oracle.machine.link import Node
-from tests.oracle.machine.state import Branches, Choice, Delay, Frame, Joint, Offer, Signal, State, Thread
+from tests.oracle.machine.state import (
+    CANCELLATION,
+    Branches,
+    Choice,
+    Delay,
+    Frame,
+    Joint,
+    Offer,
+    Signal,
+    State,
+    Thread,
+)  # fmt: skip
 from tests.oracle.programs.tree import Catch, Interrupt, Par
 
 
@@ -42,6 +53,7 @@ class Parallels(Guards):
             st.running = None
             return
         del st.threads[thread.tid]
+        st.ready = [tid for tid in st.ready if tid != (*thread.tid, CANCELLATION)]
         st.running = None
         number, index = thread.tid[-1]
         parent = st.threads[thread.tid[:-1]]
@@ -59,9 +71,11 @@ class Parallels(Guards):
             self.channels.ready(st, parent)
 
     def _after_branches(self, parent: Thread, waits: Branches) -> Signal:
+        interrupt = isinstance(self.linked.nodes[waits.node].comp, Interrupt)
         if waits.failed is not None:
+            parent.stack = parent.stack[:-1] if interrupt else parent.stack
             return ("raise", waits.failed)
-        if not isinstance(self.linked.nodes[waits.node].comp, Interrupt):
+        if not interrupt:
             return CANCEL if waits.cancelled and parent.cancel else NEXT
         frame = parent.stack[-1]
         if frame.status == "chosen" or (frame.status == "fired" and waits.cancelled):
@@ -82,8 +96,15 @@ class Parallels(Guards):
         return None
 
     def _cancel(self, st: State, thread: Thread) -> None:
-        """A thread is to end at its next place; one that waits at a place is taken back at once."""
+        """A thread is to end at its next place; one that waits at a place is taken back at once.
+
+        The one that runs may come to wait where it is now: it is taken back from there in a turn of its cancellation.
+        """
         thread.cancel = True
+        if st.running == thread.tid:
+            turn = (*thread.tid, CANCELLATION)
+            st.ready += [] if turn in st.ready else [turn]
+            return
         match thread.wait:
             case None:
                 pass
@@ -111,8 +132,8 @@ class Parallels(Guards):
             return ("exec", node.inner[0].id)
         self._branch(st, thread, node, 0, rank=0)
         thread.stack += (Frame("intr", node.id, 0, offer, "armed"),)
-        thread.wait = Branches(node.id, (0,), None, False)
         self.channels.listens(st, offer)
+        thread.wait = Branches(node.id, (0,), None, False)
         if self._is_ready(st, thread, offer):
             self.fire(st, thread, len(thread.stack) - 1)
         elif self._sampled(offer):

@@ -9,6 +9,7 @@ from tests.oracle.programs.tree import Value
 
 Tid = tuple[tuple[int, int], ...]  # a thread: by which parallel (its number) and branch it was started, from the root
 Signal = tuple["Value | None", ...]  # what a thread does when it runs
+CANCELLATION = (-1, 0)  # behind the place of a thread in the ready queue: the turn of its cancellation
 
 
 class Op(NamedTuple):

@@ -75,7 +75,7 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
     bodies = _both_sides(bodies, world.channels, scopes)
     if rng.random() < 0.25:
         bodies.append(Mu(Wait(rng.choice([1, 2, 3]) * 10**6)))
-    boxed = _boxed(rng, bodies, world.channels) if rng.random() < 0.4 else frozenset()
+    boxed = boxes(rng, bodies, world.channels) if rng.random() < 0.4 else frozenset()
     return Program(
         body=Par(tuple(bodies), prioritized=rng.random() < 0.2),
         channels=tuple(world.channels),
@@ -146,7 +146,7 @@ def _both_sides(bodies: list[Comp], channels: list[Channel], scopes: list[Scope]
     return made
 
 
-def _boxed(rng: Random, bodies: list[Comp], channels: list[Channel]) -> frozenset[int]:
+def boxes(rng: Random, bodies: list[Comp], channels: list[Channel]) -> frozenset[int]:
     """Some branches as processes of their own: whoever shares a channel with one is one, too."""
     used = [{end[:-1] for end in uses(body, {})} for body in bodies]
     ends = set().union(*(uses(body, {}) for body in bodies))

@@ -12,9 +12,12 @@ from random import Random
 from tests.oracle.programs.closed import closed, is_wide
 from tests.oracle.programs.forms import Forms, forever
 from tests.oracle.programs.instants import asks_for_the_time, with_instants
+from tests.oracle.programs.nested import is_nested, nested
 from tests.oracle.programs.scope import MODE, PAIR, TWO, Scope, World
 from tests.oracle.programs.shrink import tidy
+from tests.oracle.programs.text import uses
 from tests.oracle.programs.tree import (
+    BOOL,
     INT,
     Alt,
     Assign,
@@ -60,7 +63,10 @@ class Pair:
 def pair(seed: int) -> Pair:
     rng = Random(seed)
     wide = is_wide(seed)
-    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=wide)
+    if is_nested(seed):
+        base, forms = _interrupted(rng)
+    else:
+        base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng, wide=wide)
     asks, instants = asks_for_the_time(seed), Random(f"instants {seed}")
     if asks:
         base = with_instants(base, instants, changes=1)
@@ -71,11 +77,15 @@ def pair(seed: int) -> Pair:
         one = _narrower(rng, one)
     if rng.random() < 0.5:
         other = _looser(rng, other)
+    if is_nested(seed) and rng.random() < 0.5:
+        other = _writing_anything(rng, base)
     one = _otherwise(rng, one, may_compute=not asks)
     holds: bool | None = None if wide else True
     if rng.random() < 0.5:
         world = forms.scope.world
         changed = _changed(rng, one, forms)
+        if is_nested(seed) and uses(changed.body, {}) < uses(one.body, {}):
+            changed = one  # a channel with one side is refused
         one, holds = (
             replace(changed, variables=tuple({v.name: v for v in (*world.variables, *one.variables)}.values())),
             None,
@@ -91,7 +101,7 @@ def pair(seed: int) -> Pair:
             tidy(one),
             ports=(*kept, *hidden),
             name="Main",
-            tags=frozenset({"constants"}),
+            tags=one.tags | {"constants"},
             exceptions=one.exceptions,
             structs=base.structs,
             enums=base.enums,
@@ -123,6 +133,28 @@ def _parallel(rng: Random) -> tuple[Program, Forms]:
     scope = Scope(world, 0, [], outputs[:1], [])
     base = replace(made, boxed=frozenset(), environment=False)
     return base, Forms(scope, frozenset({"time", "law"}))
+
+
+def _interrupted(rng: Random) -> tuple[Program, Forms]:
+    """Nested interrupts that meet, beside writers of outputs."""
+    made = nested(rng.randrange(10**9), inputs=rng.random() < 0.3, timed=rng.random() < 0.3)
+    outputs = [Channel(port.name, INT, "output") for port in made.ports if not port.input]
+    scope = Scope(World(rng, variables=list(made.variables)), 0, [], outputs[:1], [])
+    base = replace(made, boxed=frozenset(), environment=False, structs=(PAIR,), enums=(MODE,))
+    return base, Forms(scope, frozenset({"time", "law"}))
+
+
+def _writing_anything(rng: Random, program: Program) -> Program:
+    """A specification that writes, in any order, what a program may write; and may end, or may not."""
+    outputs = [port.name for port in program.ports if not port.input]
+    guards = [Guarded(Skip(), Write(name, Lit(value, INT))) for name in outputs for value in range(9)]
+    guards += [Guarded(Read(port.name, Target("w3", INT)), Skip()) for port in program.ports if port.input]
+    ended = Variable("w4", INT, 0, 0)
+    last = Assign(Target("w4", INT), Lit(1, INT))
+    body: Comp = Mu(Alt(tuple(guards))) if guards else Stop()
+    if guards and rng.random() < 0.6:
+        body = Mu(Alt((*guards, Guarded(Skip(), last))), Bin("==", Ref("w4", INT), Lit(1, INT), BOOL))
+    return replace(program, body=body, channels=(), variables=(Variable("w3", INT, 0, 0), ended), exceptions=())
 
 
 def _sequential(rng: Random, *, wide: bool) -> tuple[Program, Forms]:
