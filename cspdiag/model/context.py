@@ -1,4 +1,4 @@
-"""What the passes of resolving share."""
+"""The state that the passes of name resolution and typing share."""
 
 from __future__ import annotations
 
@@ -27,29 +27,31 @@ class Context:
         self.incomplete = incomplete
         self.speller = Speller()
         self.literals: set[ast.Node] = set()
-        """Expressions of numbers only, which take the number type that their surroundings want."""
+        """Expressions that consist of numbers only, which take the number type that their surroundings require."""
         self.sizes: dict[ast.Node, int | None] = {}
         """Sizes of dimensions and counts of replicators; None where they depend on parameters."""
         self.repeated: set[ast.Node] = set()
         """Instances declared in a repetition, which has one for each value of its replicator."""
         self.guessing = False
-        """Whether types are found by trying, where local values and operators with memory need each other's."""
+        """Whether types are found by trial, because local values and operators with memory depend on each other."""
 
     def refuse(self, diagnostic: Diagnostic, *poisoned: ast.Node) -> None:
-        """Report, and silence later passes about the nodes."""
+        """Report a diagnostic, and keep later passes silent about the nodes."""
         self.report.add(diagnostic)
         self.program.poisoned.update(poisoned)
 
     def refuse_kind(
-        self, span: Span, name: str, symbol: Symbol, wanted: str, advice: str | None, poisoned: ast.Node
+        self, span: Span, name: str, symbol: Symbol, expected: str, advice: str | None, poisoned: ast.Node
     ) -> None:
-        """Report that a name means another kind of thing than is wanted."""
+        """Report that a name means a different kind of thing than expected."""
         kind, declared = described(symbol), declared_at(symbol)
-        self.refuse(WrongKind(span, name=name, kind=kind, wanted=wanted, advice=advice, declared=declared), poisoned)
+        self.refuse(
+            WrongKind(span, name=name, kind=kind, expected=expected, advice=advice, declared=declared), poisoned
+        )
 
     @property
     def excuses_unknown_names(self) -> bool:
-        """Whether a name may be unknown because of what was already reported."""
+        """Whether a name may be unknown because of a mistake that was already reported."""
         return self.incomplete
 
 
@@ -57,7 +59,7 @@ class Context:
 class Surroundings:
     """The place of an expression: what names mean there and which of them have a value.
 
-    ``constant`` is what must be known before the program runs (sizes, periods, arguments, initial values).
+    ``constant``: the expression must be known before the program runs (sizes, periods, arguments, initial values).
     """
 
     place: Place
@@ -67,7 +69,7 @@ class Surroundings:
     constant: bool = False
 
     def within(self, replicator: ast.Replicator) -> Surroundings:
-        """The surroundings inside something that is repeated."""
+        """The surroundings inside a repetition by ``replicator``."""
         return Surroundings(
             place=self.place,
             owner=self.owner,
@@ -77,7 +79,7 @@ class Surroundings:
         )
 
     def before_running(self) -> Surroundings:
-        """The same place, for what must be known before the program runs."""
+        """The same place, for expressions that must be known before the program runs."""
         return Surroundings(
             place=self.place, owner=self.owner, scope=self.scope, replicators=self.replicators, constant=True
         )

@@ -1,4 +1,4 @@
-"""The resolved, typed model: the syntax trees with tables beside them."""
+"""The resolved, typed model: the syntax trees, with tables of what is known about their nodes."""
 
 from __future__ import annotations
 
@@ -68,10 +68,10 @@ Symbol: TypeAlias = (
 
 
 class Scope:
-    """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order.
+    """The meanings of the names in a process, submodel, driver or environment; ``ports`` are in the order of the text.
 
-    ``undeclared``: names without a declaration that were reported at one place; further uses are silent.
-    ``incomplete``: names may be missing because of what was already reported.
+    ``undeclared``: names without a declaration that have been reported once; further uses are not reported.
+    ``incomplete``: names may be missing because of mistakes that were already reported.
     """
 
     def __init__(self) -> None:
@@ -82,14 +82,14 @@ class Scope:
 
 
 class Program:
-    """A program after names and types were resolved.
+    """A program after names and types have been resolved.
 
-    ``bindings``: ast.Name, ast.Reference (its first name), ast.Identifier (of definitions used, members, callees) to
-    what they mean. ``members``: ast.Reference or ast.Member with a member, to the port, literal or field meant.
-    ``types``: of expressions, parameters, variables, channels, states, lets, constants, fields and type names; sizes
-    that depend on parameters are None. ``time_uses``: submodels whose own equations use ``time``, and where.
-    ``poisoned``: nodes about which something was reported; later passes are silent about them. ``overrides``: values of
-    constants given from outside (``--set``).
+    ``bindings``: from ast.Name, ast.Reference (its first name) and ast.Identifier (of definitions used, members,
+    callees) to what they mean. ``members``: from ast.Reference or ast.Member with a member to its port, literal or
+    field. ``types``: of expressions, parameters, variables, channels, states, lets, constants, fields and type names;
+    sizes that depend on parameters are None. ``time_uses``: submodels whose own equations use ``time``, and where.
+    ``poisoned``: nodes with a mistake that was reported; later passes are silent about them. ``overrides``: values of
+    constants that were set from outside (``--set``).
     """
 
     def __init__(self, main: ast.SourceTree, trees: tuple[ast.SourceTree, ...], overrides: dict[str, Value]) -> None:

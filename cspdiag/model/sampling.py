@@ -21,9 +21,7 @@ class Sampling:
         return instant % self.period == self.offset
 
     def latest_tick(self, instant: int) -> int:
-        """The last tick up to an instant, which may be one itself; before the first tick an instant that is not later
-        than 0.
-        """
+        """The last tick up to and including ``instant``; before the first tick, an instant up to 0."""
         return instant - (instant - self.offset) % self.period
 
     def next_tick(self, instant: int) -> int:

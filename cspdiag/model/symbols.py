@@ -1,4 +1,4 @@
-"""How messages describe what a name means, and where it was declared."""
+"""The wording of what a name means, for messages, and where it was declared."""
 
 from __future__ import annotations
 
@@ -73,5 +73,5 @@ def declared_at(symbol: Symbol) -> Span | None:
             return symbol.definition.literals[symbol.index].span
         case BuiltinSymbol():
             return None
-        case _:  # Everything else is declared by its name.
+        case _:  # Everything else is declared with a name.
             return symbol.name.span

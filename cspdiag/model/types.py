@@ -1,6 +1,7 @@
 """The types of values, after names are resolved and sizes are known.
 
-Types compare by value. ``Unknown`` is the type of what was already reported: it agrees with everything, in silence.
+Types compare by value. ``UnknownType`` is the type of expressions with a mistake that was already reported: it agrees
+with every type, so nothing is reported twice.
 """
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ class ArrayType:
 
 @record
 class UnknownType:
-    """The type of what was already reported."""
+    """The type of expressions with a mistake that was already reported."""
 
     def __str__(self) -> str:
         return "?"

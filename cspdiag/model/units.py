@@ -19,9 +19,9 @@ from cspdiag.base.spelling import near_symbol
 class Unit:
     """A unit, compared by dimension, scale and whether it is an angle spelled out.
 
-    ``exponents`` are the powers of m, kg, s, A, K, mol, cd, in this order; the scale is
-    ``numerator / denominator * pi**pi_power`` times the coherent SI unit, exactly; ``angle`` is the power of the angle
-    that was spelled out (1 for ``rad/s``); ``text`` is how it was written and takes no part in comparison.
+    ``exponents`` are the powers of m, kg, s, A, K, mol, cd, in this order; the scale is exactly
+    ``numerator / denominator * pi**pi_power`` times the coherent SI unit; ``angle`` is the power of the angle that was
+    spelled out (1 for ``rad/s``); ``text`` is the spelling, which is not compared.
     """
 
     exponents: tuple[int, ...] = (0, 0, 0, 0, 0, 0, 0)
@@ -107,7 +107,7 @@ _UNPREFIXED = {
 }
 
 _NAMED = ("Hz", "N", "J", "W", "C", "V", "F", "Ohm", "Wb", "T", "H", "Pa")
-"""Coherent derived units that a long product may be printed as."""
+"""Coherent derived units, as shorter spellings of long products."""
 
 _HABITS = {
     "Nm": "N*m", "Nms": "N*m*s", "kgm2": "kg*m^2", "kgm^2": "kg*m^2", "ohm": "Ohm", "degree": "deg",
@@ -116,7 +116,7 @@ _HABITS = {
     "Ampere": "A", "meter": "m", "metre": "m", "rps": "rev/s", "turn": "rev", "RPM": "rpm", "percent": "1",
     "Newton": "N", "Watt": "W", "Kg": "kg", "KG": "kg", "sec^2": "s^2",
 }  # fmt: skip
-"""How units are often written elsewhere."""
+"""Common other spellings of units."""
 
 _TOKEN = re.compile(r"\s*(?:([A-Za-z]+|%|1(?![0-9]))(?:\s*\^\s*(-?\s*[0-9]{1,3}))?|([*/()]))")
 _LONGEST = 200
@@ -142,8 +142,8 @@ def _scaled(exponents: tuple[int, ...], numerator: int, denominator: int, pi_pow
 
 @cache
 def parse_unit(text: str) -> Unit | None:
-    """The unit that ``text`` spells (``kg*m^2``, ``N*m*s/rad``, ``J/(kg*K)``, ``1/s``); None if it is not a unit. ``/``
-    divides by the factor (or the parenthesis) that follows it only.
+    """The unit with the spelling ``text`` (``kg*m^2``, ``N*m*s/rad``, ``J/(kg*K)``, ``1/s``); None if it is not a unit.
+    ``/`` divides only by the factor or the parenthesis that follows it.
     """
     if len(text) > _LONGEST:
         return None
@@ -188,11 +188,11 @@ def _of_powers(powers: dict[str, int], text: str) -> Unit | None:
         if raised is None:
             return None
         unit = _product(unit, raised, 1)
-    return Unit(*_key(unit), "" if text == "1" else text) if _reasonable(unit) else None
+    return Unit(*_compared_fields(unit), "" if text == "1" else text) if _has_usable_scale(unit) else None
 
 
 def near_unit(text: str) -> str | None:
-    """A unit that an unknown one is probably meant to be."""
+    """The unit that was probably meant by an unknown one; None if there is no likely one."""
     if text in _HABITS:
         return _HABITS[text]
     symbols = [*_NAMED, *_UNPREFIXED, *_PREFIXED]
@@ -204,12 +204,12 @@ def near_unit(text: str) -> str | None:
     return near if near != text and parse_unit(near) is not None else None
 
 
-def _key(unit: Unit) -> tuple[tuple[int, ...], int, int, int, int]:
+def _compared_fields(unit: Unit) -> tuple[tuple[int, ...], int, int, int, int]:
     return unit.exponents, unit.numerator, unit.denominator, unit.pi_power, unit.angle
 
 
-def _reasonable(unit: Unit) -> bool:
-    """Whether the scale fits a double with room to spare."""
+def _has_usable_scale(unit: Unit) -> bool:
+    """Whether the scale is far inside the range of a double."""
     return max(unit.numerator.bit_length(), unit.denominator.bit_length()) < 900 and abs(unit.pi_power) < 100
 
 
@@ -226,7 +226,7 @@ def divide(left: Unit, right: Unit) -> Unit:
 @cache
 def _combined(left: Unit, left_text: str, right: Unit, right_text: str, sign: int) -> Unit:
     product = _product(left, right, sign)
-    if not _reasonable(product):
+    if not _has_usable_scale(product):
         product = Unit(product.exponents)
     powers = _powers(left_text)
     for name, exponent in _powers(right_text).items():
@@ -244,11 +244,11 @@ def _product(left: Unit, right: Unit, sign: int) -> Unit:
 def power(unit: Unit, exponent: int, root: int = 1) -> Unit | None:
     """The ``root``-th root of ``unit`` to the power ``exponent``.
 
-    None where a base unit would get a fractional exponent, as in the square root of a metre, or a scale that is not
+    None if a base unit would get a fractional exponent, as in the square root of a metre, or if the scale would not be
     exact.
     """
     raised = _raised(unit, exponent, root)
-    if raised is None or not _reasonable(raised):
+    if raised is None or not _has_usable_scale(raised):
         return None
     powers = _powers(unit.text)
     if any(value * exponent % root for value in powers.values()):
@@ -265,7 +265,7 @@ def _raised(unit: Unit, exponent: int, root: int) -> Unit | None:
     if exponent < 0:
         numerator, denominator = denominator, numerator
     exponents = tuple(value * exponent // root for value in unit.exponents)
-    # An angle is a number: its square root is a number too.
+    # An angle is a number, so its square root is a number, too.
     angle = 0 if unit.angle * exponent % root else unit.angle * exponent // root
     size = abs(exponent)
     return _scaled(exponents, numerator**size, denominator**size, unit.pi_power * exponent // root, angle)
@@ -279,7 +279,7 @@ def _root(number: int, root: int) -> int | None:
 
 
 def _powers(text: str) -> dict[str, int]:
-    """The factors of a unit's spelling that has no parentheses; those of one with parentheses are not distinguished."""
+    """The factors in the spelling of a unit; for a spelling with parentheses, the base units."""
     powers: dict[str, int] = {}
     sign = 1
     if "(" in text:
@@ -293,7 +293,7 @@ def _powers(text: str) -> dict[str, int]:
 
 
 def _spelled(unit: Unit, powers: dict[str, int]) -> Unit:
-    """``unit`` with a spelling: its factors, or where these are many a name or the base units."""
+    """``unit`` with a spelling: its factors or, if there are many, a name or the base units."""
     powers = {name: power for name, power in powers.items() if power}
     text = _written(powers)
     spelled = _of_powers(powers, text)
@@ -302,7 +302,7 @@ def _spelled(unit: Unit, powers: dict[str, int]) -> Unit:
         text = shorter[0] if shorter else _base_text(unit.exponents)
         if unit.factor != 1:
             text = f"{unit.factor:g}*{text}" if text else f"{unit.factor:g}"
-    return Unit(*_key(unit), text)
+    return Unit(*_compared_fields(unit), text)
 
 
 def _base_text(exponents: tuple[int, ...]) -> str:
@@ -329,7 +329,7 @@ def same_dimension(left: Unit, right: Unit) -> bool:
 
 
 def conversion_factor(source: Unit, target: Unit) -> float | None:
-    """What a number in ``source`` is multiplied by to be one in ``target``; None where the dimensions differ.
+    """The factor that converts a number in ``source`` to one in ``target``; None if the dimensions differ.
 
     >>> conversion_factor(parse_unit("deg"), parse_unit("rad"))
     0.017453292519943295
@@ -338,7 +338,9 @@ def conversion_factor(source: Unit, target: Unit) -> float | None:
 
 
 def canonical(unit: Unit) -> str:
-    """A spelling of a unit's coherent SI counterpart, for help texts: ``rad`` for ``deg``, ``m/s`` for ``km/h``."""
+    """The spelling of the coherent SI unit of the same dimension, for help texts: ``rad`` for ``deg``, ``m/s`` for
+    ``km/h``.
+    """
     if unit.factor == 1 and unit.text:
         return unit.text
     if unit.is_dimensionless:

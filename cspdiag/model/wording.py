@@ -1,4 +1,4 @@
-"""How messages describe types, and the conversions between them."""
+"""The wording of types and of conversions between them, for messages."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ def with_article(text: str) -> str:
 
 
 def waited_for(node: ast.Wait | ast.TimeGuard) -> str:
-    """What its expression gives."""
+    """What the expression of a delay or a time guard is: a delay, a time-out or an instant."""
     if isinstance(node, ast.TimeGuard):
         return "instant" if node.at else "time-out"
     return "instant" if node.until else "delay"
 
 
-def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
-    """How ``written``, which is ``found``, is turned into what is wanted; None where it cannot."""
+def conversion_help(found: Type, expected: Type, written: str) -> str | None:
+    """Advice on how to convert ``written``, of type ``found``, to the expected type; None if that is impossible."""
     shown = written if len(written) <= 30 and "\n" not in written else "x"
-    match found, wanted:
-        case RealType(), RealType() if found.unit.exponents == wanted.unit.exponents:
-            if found.unit.scale != wanted.unit.scale:
-                return f"write `convert({shown}, {wanted.unit})`"
-            if found.bits != wanted.bits:
-                return f"write `{'double' if wanted.bits == 64 else 'float'}({shown})`"
+    match found, expected:
+        case RealType(), RealType() if found.unit.exponents == expected.unit.exponents:
+            if found.unit.scale != expected.unit.scale:
+                return f"write `convert({shown}, {expected.unit})`"
+            if found.bits != expected.bits:
+                return f"write `{'double' if expected.bits == 64 else 'float'}({shown})`"
         case ((IntType() | RealType()), (IntType() | RealType())):
-            if isinstance(wanted, RealType) and not wanted.unit.is_dimensionless and isinstance(found, IntType):
-                return f"write `double({shown}) * 1<{wanted.unit}>`"
+            if isinstance(expected, RealType) and not expected.unit.is_dimensionless and isinstance(found, IntType):
+                return f"write `double({shown}) * 1<{expected.unit}>`"
             if isinstance(found, IntType) or found.unit.is_dimensionless:
-                name = str(wanted) if isinstance(wanted, IntType) else "double" if wanted.bits == 64 else "float"
+                name = str(expected) if isinstance(expected, IntType) else "double" if expected.bits == 64 else "float"
                 return f"write `{name}({shown})`"
         case ((IntType() | RealType()), TimeType()) if written.replace(".", "", 1).isdigit():
             return f"write it as a duration, such as `{written} s`"
@@ -53,28 +53,26 @@ def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
     return None
 
 
-def conversion(found: Type, wanted: Type, span: Span) -> tuple[Edit, ...]:
-    """What ``conversion_help`` says as a change of the text, where it keeps the value as well as the wanted
-    type can.
-    """
+def conversion(found: Type, expected: Type, span: Span) -> tuple[Edit, ...]:
+    """The advice of ``conversion_help`` as an edit, if it keeps the value as precisely as the expected type can."""
     text = span.text
     if "\n" in text:
         return ()
-    match found, wanted:
-        case RealType(), RealType() if found.bits == wanted.bits and found.unit.exponents == wanted.unit.exponents:
-            if found.unit.scale != wanted.unit.scale:
-                return (Edit(span, f"convert({text}, {wanted.unit})"),)
-        case IntType(), RealType(bits=64) if wanted.unit.is_dimensionless:
+    match found, expected:
+        case RealType(), RealType() if found.bits == expected.bits and found.unit.exponents == expected.unit.exponents:
+            if found.unit.scale != expected.unit.scale:
+                return (Edit(span, f"convert({text}, {expected.unit})"),)
+        case IntType(), RealType(bits=64) if expected.unit.is_dimensionless:
             return (Edit(span, f"double({text})"),)
-        case IntType(), IntType() if found.bits < wanted.bits and (wanted.signed or not found.signed):
-            return (Edit(span, f"{wanted}({text})"),)
+        case IntType(), IntType() if found.bits < expected.bits and (expected.signed or not found.signed):
+            return (Edit(span, f"{expected}({text})"),)
         case _:  # Other conversions would lose something.
             pass
     return ()
 
 
 def converts_left(left: Type, right: Type) -> bool:
-    """Whether of two values that must agree the left is to be converted: the narrower, or that not in SI units."""
+    """Whether the left of two values that must agree should be converted: it is narrower, or not in SI units."""
     match left, right:
         case RealType(), RealType() if left.bits == right.bits:
             return left.unit.factor != 1 and right.unit.factor == 1
@@ -89,5 +87,5 @@ def converts_left(left: Type, right: Type) -> bool:
 
 
 def shortened(span: Span) -> str:
-    """The text of a place, or ``x`` where that is long."""
+    """The source text of a span, or ``x`` if that is long."""
     return span.text if len(span.text) <= 30 and "\n" not in span.text else "x"

@@ -1,11 +1,11 @@
-"""What compositions read, write and run."""
+"""Checks of what compositions read, write and reset."""
 
 from __future__ import annotations
 
 from cspdiag.base import Label, Report, Span
 from cspdiag.model.checks.ports import check_duration
 from cspdiag.model.diagnostics.names import WrongKind
-from cspdiag.model.diagnostics.ports import DifferentEnds, Misused, NotReadable, NotVariable, NotWritable
+from cspdiag.model.diagnostics.ports import DifferentEnds, MisusedName, NotReadable, NotVariable, NotWritable
 from cspdiag.model.expressions.coercion import same
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program, Symbol
 from cspdiag.model.symbols import declared_at, described
@@ -51,7 +51,7 @@ def _named(program: Program, reference: ast.Reference) -> Symbol | None:
 
 
 def _refuse(
-    misuse: type[Misused], program: Program, reference: ast.Reference, symbol: Symbol, advice: str, report: Report
+    misuse: type[MisusedName], program: Program, reference: ast.Reference, symbol: Symbol, advice: str, report: Report
 ) -> None:
     kind = f"{described(symbol)} of an instance" if reference.member is not None else described(symbol)
     declared = declared_at(symbol)
@@ -70,7 +70,7 @@ def _check_readable(program: Program, reference: ast.Reference, report: Report) 
             advice = f"connect it to a channel and read that: `{reference.span.text} -> name`, `name ? x`"
         case PortSymbol():
             advice = f"write it by `{reference.span.text} ! value`, or declare it as an in port"
-        case _:  # What has a value and is neither port nor channel.
+        case _:  # Other names of values, which are neither ports nor channels.
             advice = "use its name alone in conditions and expressions"
     _refuse(NotReadable, program, reference, symbol, advice, report)
 
@@ -86,7 +86,7 @@ def _check_writable(program: Program, reference: ast.Reference, report: Report) 
             advice = f"connect a channel to it and write that: `name -> {reference.span.text}`, `name ! value`"
         case PortSymbol():
             advice = f"read it by `{reference.span.text} ? x`, or declare it as an out port"
-        case _:  # What has a value and is neither port nor channel.
+        case _:  # Other names of values, which are neither ports nor channels.
             advice = f"set it by `{reference.span.text} := value`"
     _refuse(NotWritable, program, reference, symbol, advice, report)
 
@@ -106,7 +106,7 @@ def _check_variable(program: Program, reference: ast.Reference, report: Report, 
 
 
 def _check_same(program: Program, channel: ast.Reference, target: ast.Reference, report: Report) -> None:
-    """A value is read into a variable of its own type and unit."""
+    """Check that the variable into which a value is read has its type and unit."""
     if channel in program.poisoned or target in program.poisoned:
         return
     carried, kept = program.types.get(channel, UNKNOWN), program.types.get(target, UNKNOWN)
@@ -127,7 +127,9 @@ def _declaration(program: Program, reference: ast.Reference) -> Span | None:
 
 
 def _advice_on_reset(program: Program, process: ast.ProcessDefinition) -> str:
-    """A process keeps its variables and laws as they are when it runs again; only its own composition resets them."""
+    """How to reset variables and laws of a process, which keep their values from run to run unless the process itself
+    resets them.
+    """
     declared = process.communication.declarations if process.communication is not None else ()
     instances = [item for item in declared if isinstance(item, ast.Instance)]
     laws = [item for item in instances if isinstance(program.bindings.get(item.definition), ast.SubmodelDefinition)]
@@ -147,7 +149,7 @@ def _check_reset(program: Program, reference: ast.Reference, report: Report) -> 
             reference.span,
             name=reference.span.text,
             kind=f"an instance of the process `{definition.name.text}`",
-            wanted="an instance of a submodel",
+            expected="an instance of a submodel",
             advice=_advice_on_reset(program, definition),
             declared=symbol.name.span,
         )

@@ -1,4 +1,4 @@
-"""Values that are known before the program runs, wherever they are."""
+"""Checks of values that are known before the program runs."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from cspdiag.syntax.walk import nodes
 
 
 def check_constants(program: Program, report: Report) -> None:
-    """Report numbers that do not fit their type, and warn of faults that are certain wherever an expression is computed
-    in a run.
+    """Report numbers that do not fit their type, and warn of expressions in compositions and equations that always
+    fault.
 
-    What the program begins with was computed with its types, and what went wrong in that is reported as an error.
+    Constants and initial values were evaluated when their types were determined; their faults are errors.
     """
     negated = {part.operand for part in program.types if isinstance(part, ast.Unary) and part.operator == "-"}
     for part in program.types:
@@ -39,11 +39,11 @@ def check_constants(program: Program, report: Report) -> None:
 
 
 def _warn_of_faults(program: Program, report: Report) -> None:
-    """Warn of compositions and equations whose constants fault. What follows a condition may never be computed."""
+    """Warn of expressions in compositions and equations that fault, except where a condition may prevent it."""
     found = Report()
     for tree in program.trees:
         for part in nodes(tree):
-            for expression in _computed_in_a_run(program, part):
+            for expression in _evaluated_at_run_time(program, part):
                 evaluate(program, expression, {}, found)
                 for inner in nodes(expression):
                     if isinstance(inner, ast.Index) and inner not in program.poisoned:
@@ -53,14 +53,14 @@ def _warn_of_faults(program: Program, report: Report) -> None:
     faults = [one for one in found.diagnostics if _is_fault(one)]
     if not faults:
         return
-    elsewhere = {*map(_place, _doubtful_places(program)), *(_place(one.span) for one in report.diagnostics)}
+    elsewhere = {*map(_place, _conditional_places(program)), *(_place(one.span) for one in report.diagnostics)}
     for fault in faults:
         if _place(fault.span) not in elsewhere:
             report.add(CertainFault(fault.span, problem=fault.message))
 
 
-def _computed_in_a_run(program: Program, part: ast.Node) -> tuple[ast.Expression, ...]:
-    """The expressions of a step, a guard or an equation."""
+def _evaluated_at_run_time(program: Program, part: ast.Node) -> tuple[ast.Expression, ...]:
+    """The expressions that are evaluated in a step, a guard or an equation."""
     match part:
         case (
             ast.Write() | ast.OutputGuard() | ast.Assign() | ast.Equation() | ast.Let() | ast.Next() | ast.Derivative()
@@ -74,12 +74,12 @@ def _computed_in_a_run(program: Program, part: ast.Node) -> tuple[ast.Expression
             return (part.condition,)
         case ast.Reference() if isinstance(program.bindings.get(part), ast.Variable):
             return part.indexes
-        case _:  # Any other node: what it computes is in one of these.
+        case _:  # Any other node: its expressions are in one of these.
             return ()
 
 
 def _is_fault(found: Diagnostic) -> bool:
-    """Whether what goes wrong in a value is a fault of a run: sums and products of reals become infinities."""
+    """Whether a diagnostic about a value means a fault at run time: reals become infinite instead."""
     match found:
         case ConstantOverflow():
             return not isinstance(found.type, RealType)
@@ -99,11 +99,11 @@ _CONDITIONAL: dict[type[ast.Node], tuple[str, ...]] = {
     ast.While: ("process",),
     ast.Guarded: ("process",),
 }
-"""Parts that are looked at only if something else holds."""
+"""Fields of nodes that are evaluated only if another part has a certain value."""
 
 
-def _doubtful_places(program: Program) -> Iterator[Span]:
-    """The places of all expressions that follow a condition."""
+def _conditional_places(program: Program) -> Iterator[Span]:
+    """The places of all expressions that are evaluated only under a condition."""
     for tree in program.trees:
         for part in nodes(tree):
             names = _CONDITIONAL.get(type(part), ())
@@ -116,7 +116,7 @@ def _doubtful_places(program: Program) -> Iterator[Span]:
 
 
 def _check_duration(program: Program, duration: ast.Duration, report: Report, *, negative: bool) -> None:
-    """As of an integer, the most negative duration is written as one more than the longest, with a minus before it."""
+    """Report a duration that is too long; the most negative one is a minus and one more than the longest."""
     is_time = isinstance(program.types.get(duration), TimeType)
     if is_time and duration.nanoseconds > INT.maximum + negative:
         report.add(NumberTooLarge(duration.span, type=TIME))
@@ -133,7 +133,7 @@ def _check_number(program: Program, number: ast.Number, report: Report, *, negat
 
 
 def _check_element(program: Program, target: ast.Reference, report: Report) -> None:
-    """The indexes of an element of a variable that is written."""
+    """Check the indexes of an element of a variable that is written."""
     variable = program.bindings.get(target)
     if not isinstance(variable, ast.Variable) or target in program.poisoned:
         return

@@ -1,4 +1,4 @@
-"""Equations of submodels: one for every output, local value, state and inner input."""
+"""Checks that submodels have one equation for every output, local value, state and inner input."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cspdiag.syntax import ast
 
 
 def check_equations(program: Program, report: Report) -> None:
-    """Check that every submodel with equations says each thing once."""
+    """Check that every submodel with equations defines each name exactly once."""
     for definition in program.definitions.values():
         if isinstance(definition, ast.SubmodelDefinition) and definition.external is None:
             given = _check_targets(program, definition, report)
@@ -34,21 +34,21 @@ def _check_targets(program: Program, definition: ast.SubmodelDefinition, report:
     given: set[str] = set()
     for item in definition.items:
         if isinstance(item, ast.Let):
-            # Reported where an output has the same name.
+            # Already reported as a clash with the output of the same name.
             given.add(item.name.text)
         if not isinstance(item, ast.Equation):
             continue
         target = item.target
         given.add(_name(target))
         if isinstance(program.bindings.get(target), PortSymbol):
-            # Reported where a field of an output is given by itself.
+            # Already reported as an equation for a single field of an output.
             given.add(target.name.text)
         if target in program.poisoned:
             continue
         member, symbol = program.members.get(target), program.bindings.get(target)
         port = member if isinstance(member, PortSymbol) else symbol
-        wanted = "in" if isinstance(member, PortSymbol) else "out"
-        if isinstance(port, PortSymbol) and port.declaration.direction != wanted:
+        expected = "in" if isinstance(member, PortSymbol) else "out"
+        if isinstance(port, PortSymbol) and port.declaration.direction != expected:
             _refuse_target(program, item, port, report)
             continue
         text = "".join(target.span.text.split())

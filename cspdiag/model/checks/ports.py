@@ -1,4 +1,4 @@
-"""The options of ports, and durations in definitions."""
+"""Checks of the options of ports, and of durations in definitions."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ def check_ports(program: Program, report: Report) -> None:
 
 def _check_options(ports: ast.Ports, report: Report) -> None:
     if ports.direction == "in" and ports.safe is not None:
-        report.add(MisplacedPortOption(ports.safe.span, option="a safe value", wanted="an out port"))
+        report.add(MisplacedPortOption(ports.safe.span, option="a safe value", expected="an out port"))
     if ports.direction == "in" and ports.immediate:
-        report.add(MisplacedPortOption(ports.span, option="`immediate`", wanted="an out port"))
+        report.add(MisplacedPortOption(ports.span, option="`immediate`", expected="an out port"))
     if ports.direction == "out" and ports.default is not None:
-        report.add(MisplacedPortOption(ports.default.span, option="a default", wanted="an in port"))
+        report.add(MisplacedPortOption(ports.default.span, option="a default", expected="an in port"))
 
 
 def check_duration(program: Program, expression: ast.Expression, what: str, report: Report) -> None:
-    """Report a duration that is known and negative."""
+    """Report a duration that is known to be negative."""
     value = evaluate(program, expression, {}, Report())
     if isinstance(value, int) and value < 0:
         report.add(NegativeDuration(expression.span, what=what, value=duration(value)))

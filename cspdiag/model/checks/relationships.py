@@ -1,4 +1,4 @@
-"""Communication relationships: directions, and one type and unit at all ends."""
+"""Checks of relationships: the directions of their ends, and that all ends have the same type and unit."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import assert_never
 
 from cspdiag.base import Label, Report
-from cspdiag.model.diagnostics.ports import DifferentEnds, Misused, WrongSink, WrongSource
+from cspdiag.model.diagnostics.ports import DifferentEnds, MisusedName, WrongSink, WrongSource
 from cspdiag.model.expressions.coercion import same
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program
 from cspdiag.model.symbols import declared_at, described
@@ -20,7 +20,7 @@ def check_relationships(program: Program, report: Report) -> None:
         if isinstance(definition, ast.ProcessDefinition) and definition.communication is not None:
             _check_all(program, definition.communication.declarations, report, has_directions=True)
         elif isinstance(definition, ast.EnvironmentDefinition):
-            # Directions are looked at where the environment is put together.
+            # The directions in environments are checked when the environment is elaborated.
             _check_all(program, definition.declarations, report, has_directions=False)
 
 
@@ -50,7 +50,7 @@ def _check_directions(program: Program, connection: ast.Connection, report: Repo
             advice = _source_advice(program, connection, source, wrong)
             _refuse(program, report, WrongSource, connection, source, wrong, advice)
     if connection in program.poisoned:
-        # The whole arrow stands the wrong way around, as a rule.
+        # Usually the whole arrow is the wrong way around.
         return
     for sink in connection.sinks:
         if not isinstance(sink, ast.Reference):
@@ -63,7 +63,7 @@ def _check_directions(program: Program, connection: ast.Connection, report: Repo
 def _refuse(
     program: Program,
     report: Report,
-    misuse: type[Misused],
+    misuse: type[MisusedName],
     connection: ast.Connection,
     end: ast.Reference,
     port: PortSymbol,
@@ -99,8 +99,8 @@ def _source_advice(program: Program, connection: ast.Connection, source: ast.Ref
         if not isinstance(sink, ast.Reference):
             continue
         other = program.members.get(sink) or program.bindings.get(sink)
-        wanted = "in" if sink.member is None else "out"
-        if isinstance(other, PortSymbol) and other.declaration.direction == wanted:
+        expected = "in" if sink.member is None else "out"
+        if isinstance(other, PortSymbol) and other.declaration.direction == expected:
             return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
     if source.member is not None:
         return "an arrow begins at an out port of an instance or at an in port of this process"
@@ -114,28 +114,28 @@ def _sink_advice(sink: ast.Reference, port: PortSymbol) -> str:
 
 
 def _check_types(program: Program, connection: ast.Connection, report: Report) -> None:
-    """Compare every end with the label's type, or with the first end where that has none."""
+    """Compare every end with the type of the label or, if that has none, with the first end."""
     ends = [*connection.sources, *(sink for sink in connection.sinks if isinstance(sink, ast.Reference))]
     known = [(end, program.types.get(end, UNKNOWN)) for end in ends if end not in program.poisoned]
     known = [(end, found) for end, found in known if found is not UNKNOWN]
     if connection.type is not None:
-        wanted = program.types.get(connection.type, UNKNOWN)
+        expected = program.types.get(connection.type, UNKNOWN)
         name = connection.label.text if connection.label is not None else "the arrow"
-        place = Label(connection.type.span, f"the arrow is declared to carry {wanted}")
+        place = Label(connection.type.span, f"the arrow is declared to carry {expected}")
         reported: set[Type] = set()
         for end, found in known:
-            if not same(found, wanted) and found not in reported:
+            if not same(found, expected) and found not in reported:
                 reported.add(found)
                 notes = (_declaration(program, end, found), place)
-                report.add(_different(end, found, name, wanted, notes))
+                report.add(_different(end, found, name, expected, notes))
         return
     if not known:
         return
-    first, expected = known[0]
+    first, first_type = known[0]
     for end, found in known[1:]:
-        if not same(found, expected):
-            notes = (_declaration(program, first, expected), _declaration(program, end, found))
-            report.add(_different(end, found, first.span.text, expected, notes, turned=True))
+        if not same(found, first_type):
+            notes = (_declaration(program, first, first_type), _declaration(program, end, found))
+            report.add(_different(end, found, first.span.text, first_type, notes, turned=True))
 
 
 def _different(

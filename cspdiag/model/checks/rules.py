@@ -1,4 +1,4 @@
-"""The rules for definitions, one module per family; each is a function of the resolved program and the report."""
+"""All checks of definitions, one module per family; each is a function of the resolved program and the report."""
 
 from __future__ import annotations
 
@@ -20,6 +20,6 @@ CHECKS = (
 
 
 def check(program: Program, report: Report) -> None:
-    """Report everything that is wrong with the definitions of a program, each by itself."""
+    """Report everything that is wrong with the definitions of a program, each considered separately."""
     for family in CHECKS:
         family(program, report)

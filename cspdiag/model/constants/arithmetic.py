@@ -1,7 +1,7 @@
-"""Arithmetic on constants, with the checks that the running program makes too.
+"""Arithmetic on constants, with the same checks as at run time.
 
-Integers truncate toward zero and never wrap; doubles follow IEEE 754, but a result that is infinite or not a number is
-refused.
+Integer division truncates toward zero and integers never wrap; doubles follow IEEE 754, but infinite results and NaN
+are refused.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from cspdiag.model.types import (
 
 
 class UndefinedError(Exception):
-    """An operation has no result; the text says why."""
+    """An operation has no result; the message is the reason."""
 
 
 class OutOfRangeError(Exception):
@@ -39,7 +39,7 @@ class OutOfRangeError(Exception):
 
 
 def checked(value: float, type_: Type) -> int | float:
-    """The value as one of its type; raises OutOfRangeError or UndefinedError if it is not."""
+    """The value, rounded to its type; raises OutOfRangeError or UndefinedError if it is not a value of the type."""
     match type_:
         case IntType() | TimeType():
             limits = type_ if isinstance(type_, IntType) else INT
@@ -76,7 +76,7 @@ def quotient(left: int, right: int) -> int:
 
 
 def remainder(left: int, right: int) -> int:
-    """What truncating division leaves; it has the sign of the dividend."""
+    """The remainder of truncating division, which has the sign of the dividend."""
     result = abs(left) % abs(right)
     return -result if left < 0 else result
 
@@ -103,7 +103,7 @@ def operate(operator: str, left: int | float, right: int | float, type_: Type) -
             case "^":
                 result = _power(left, right)
             case _:
-                raise AssertionError(f"`{operator}` is no operator on numbers")
+                raise AssertionError(f"`{operator}` is not an operator on numbers")
     except OverflowError:
         raise OutOfRangeError("too large") from None
     return checked(result, type_)
@@ -158,7 +158,7 @@ def _sign(value: float) -> float:
 
 
 def _half_away(value: float) -> float:
-    """To the nearest whole number, halves away from zero."""
+    """The nearest integer, with halves rounded away from zero."""
     if abs(value) >= 2**52:
         return value
     whole = math.floor(abs(value))
@@ -176,7 +176,7 @@ def _deadzone(value: float, width: float) -> float:
 
 
 def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
-    """What has no sign left keeps that of the value, as in IEEE 754."""
+    """A rounding function whose zero results keep the sign of the argument, as in IEEE 754."""
     return lambda value: math.copysign(float(function(value)), value)
 
 
@@ -217,7 +217,7 @@ def function(name: str, values: Sequence[int | float], type_: Type) -> int | flo
 
 
 def convert(value: bool | int | float, type_: IntType | RealType) -> int | float:
-    """``int16(x)`` and the other conversions: toward zero, and never out of range."""
+    """``int16(x)`` and the other conversions, which truncate toward zero; raises OutOfRangeError."""
     if isinstance(type_, RealType):
         return checked(float(value), type_)
     return checked(math.trunc(value), type_)

@@ -1,4 +1,4 @@
-"""Values of expressions that are known before the program runs."""
+"""Evaluation of expressions that are known before the program runs."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def evaluate(
     """The value of a typed expression, given those of parameters and replicators (``ast.Parameter``,
     ``ast.Replicator``).
 
-    None where something in it is unknown, or was reported; overflow, division by zero and indexes out of range are
-    reported here. A ``time`` is in nanoseconds unless the expression's type says that it is a number of seconds.
+    None if part of it is unknown or has a mistake that was reported; overflow, division by zero and indexes out of
+    range are reported here. A ``time`` is in nanoseconds unless the type of the expression is a number of seconds.
     """
     return _Evaluator(program, values, report).value(expression)
 
@@ -53,7 +53,7 @@ class _Evaluator:
         return UnknownType() if found is None else found
 
     def value(self, expression: ast.Expression) -> Value | None:
-        # Chains of operators lean to the left and may be long: they are followed without recursion.
+        # Chains of operators are nested to the left and may be long, so they are evaluated without recursion.
         chain: list[ast.Binary] = []
         while isinstance(expression, ast.Binary):
             chain.append(expression)
@@ -100,12 +100,12 @@ class _Evaluator:
                 assert_never(expression)
 
     def _in_seconds(self, expression: ast.Expression, value: Value | None) -> Value | None:
-        """A ``time`` is counted in nanoseconds where it is stored, in seconds where it is a double."""
+        """The value of a ``time``: in nanoseconds if it is stored as a time, in seconds if it is a double."""
         is_stored_time = isinstance(value, int) and not isinstance(value, bool)
         return value / 1e9 if is_stored_time and isinstance(self.type_of(expression), RealType) else value  # type: ignore[operator]
 
     def _number(self, expression: ast.Number, sign: int = 1) -> Value | None:
-        """A number in the text, with the minus before it: the most negative integer has no positive counterpart."""
+        """A literal with its sign, because the most negative integer has no positive counterpart."""
         type_ = self.type_of(expression)
         if isinstance(type_, UnknownType):
             return None
@@ -116,7 +116,7 @@ class _Evaluator:
             return None
 
     def _checked(self, expression: ast.Expression, compute: Callable[[Type], Value | None]) -> Value | None:
-        """What ``compute`` gives for the expression's type; what goes wrong in it is reported at the expression."""
+        """The result of ``compute`` for the type of the expression; its errors are reported at the expression."""
         type_ = self.type_of(expression)
         if isinstance(type_, UnknownType):
             return None
@@ -174,7 +174,7 @@ class _Evaluator:
             return self._number(operand, -1)
         value = self.value(operand)
         if isinstance(operand, ast.Duration) and isinstance(value, int) and value > INT.maximum + 1:
-            # That it is too long is reported of the duration itself.
+            # A duration that is too long has already been reported.
             return None
         if expression.operator == "not":
             return None if value is None else not value

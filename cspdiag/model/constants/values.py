@@ -1,4 +1,4 @@
-"""Values written outside a program, as in ``--set Tsh=10ms``."""
+"""Values that are given outside of a program, as in ``--set Tsh=10ms``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ _UNITS_OF_TIME = f"{', '.join(_DURATIONS)}, or the period of a frequency in Hz, 
 def parse_value(type_: Type, text: str) -> Value:
     """A value of a type: ``10ms``, ``1kHz``, ``2e-3``, ``0.5<rad>``, ``0.5 rad``, ``true``, ``Mode.run``, ``[1, 2]``.
 
-    A number without a unit has that of the type. Raises ValueError, with a text for people, if it is not such a value.
+    A number without a unit has that of the type. Raises ValueError, with a message for users, if ``text`` is not such
+    a value.
     """
     text = text.strip()
     match type_:
@@ -63,8 +64,8 @@ def parse_value(type_: Type, text: str) -> Value:
 
 
 class NoPartError(ValueError):
-    """A path leads to no field or element of a type; the message is one line. ``before`` is the part of the path that
-    exists.
+    """A type has no field or element with a certain path; the message is one line. ``before`` is the part of the path
+    that exists.
     """
 
     def __init__(self, message: str, before: str, fields: tuple[str, ...] = ()) -> None:
@@ -74,7 +75,7 @@ class NoPartError(ValueError):
 
 
 def part_of(type_: Type, path: str) -> tuple[Type, tuple[int, ...]]:
-    """The type of a field or element by its path, such as ``.gains[1].kp``, and the positions on the way. Raises
+    """The type of a field or element with a path, such as ``.gains[1].kp``, and the positions along the path. Raises
     NoPartError.
     """
     positions: list[int] = []
@@ -103,7 +104,7 @@ def part_of(type_: Type, path: str) -> tuple[Type, tuple[int, ...]]:
 
 
 def with_part(type_: Type, value: Value, path: str, part: Value) -> Value:
-    """A struct or array with another value at ``path``; the value as it is if there is no such place."""
+    """A struct or array with another value at ``path``; unchanged if there is no such field or element."""
     try:
         positions = part_of(type_, path)[1]
     except NoPartError:

@@ -1,4 +1,4 @@
-"""What can be wrong with the arguments of an instance, a struct or a function."""
+"""Diagnostics of the arguments of an instance, a struct or a function."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be wrong with an assertion."""
+"""Diagnostics of assertions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values that are not available where they are named."""
+"""Diagnostics of values that are not available where they are used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be wrong with values that are computed before the program runs."""
+"""Diagnostics of values that are computed before the program runs."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class IndexOutOfRange(Diagnostic):
 @record
 class CertainFault(Diagnostic):
     code = "W0907"
-    title = "a fault whenever it is computed"
+    title = "an expression that always faults"
     severity = "warning"
     help = "change the constants, or compute it only where they allow it: `if ... then ... else ...`"
 
@@ -78,7 +78,7 @@ class CertainFault(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{self.problem}: whenever this is computed, it is the exception `Fault`"
+        return f"{self.problem}: evaluating it always raises `Fault`"
 
 
 @record

@@ -1,10 +1,10 @@
-"""What can be wrong with the equations of a submodel."""
+"""Diagnostics of the equations of a submodel."""
 
 from __future__ import annotations
 
 from cspdiag.base import Diagnostic, Label, Span
 from cspdiag.base.record import record
-from cspdiag.model.diagnostics.ports import Misused
+from cspdiag.model.diagnostics.ports import MisusedName
 
 
 @record
@@ -43,7 +43,7 @@ class RepeatedEquation(Diagnostic):
 
 
 @record
-class EquationForInput(Misused):
+class EquationForInput(MisusedName):
     code = "E0403"
     title = "an equation for an input"
 

@@ -1,4 +1,4 @@
-"""A part of a struct where only the whole is allowed."""
+"""The diagnostic of a field of a struct where only the whole struct is allowed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from cspdiag.base.record import record
 
 
 @record
-class PartByItself(Diagnostic):
+class PartOfStruct(Diagnostic):
     code = "E0236"
     title = "a field of a struct by itself"
 

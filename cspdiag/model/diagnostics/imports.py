@@ -1,4 +1,4 @@
-"""What can be wrong with an import."""
+"""Diagnostics of imports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cspdiag.base.record import record
 
 @record
 class ImportFailure(Diagnostic):
-    """Names may be unknown because of this, so that none is reported as unknown after it."""
+    """An import that failed. Names may be unknown because of it, so no name is reported as unknown afterwards."""
 
 
 @record

@@ -1,4 +1,4 @@
-"""What can be wrong with names: unknown ones, clashes, and names of the wrong kind of thing."""
+"""Diagnostics of names: unknown names, clashes, and names of the wrong kind."""
 
 from __future__ import annotations
 
@@ -95,16 +95,16 @@ class UnknownName(Diagnostic):
     title = "an unknown name"
 
     name: str
-    wanted: str
+    expected: str
     suggestion: str | None
     declared: Span | None
     advice: str | None = None
     is_synonym: bool = False
-    """Whether the suggestion is what other languages call it."""
+    """Whether the unknown name is what other languages call the suggestion."""
 
     @property
     def message(self) -> str:
-        return f"there is no {self.wanted} `{self.name}`"
+        return f"there is no {self.expected} `{self.name}`"
 
     @property
     def help(self) -> str | None:
@@ -128,13 +128,13 @@ class WrongKind(Diagnostic):
 
     name: str
     kind: str
-    wanted: str
+    expected: str
     advice: str | None
     declared: Span | None
 
     @property
     def message(self) -> str:
-        return f"`{self.name}` is {self.kind}, not {self.wanted}"
+        return f"`{self.name}` is {self.kind}, not {self.expected}"
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -148,21 +148,21 @@ class UnknownMember(Diagnostic):
 
     name: str
     owner: str
-    wanted: str
+    expected: str
     options: tuple[str, ...]
     suggestion: str | None
     declared: Span | None
 
     @property
     def message(self) -> str:
-        return f"{self.owner} has no {self.wanted} `{self.name}`"
+        return f"{self.owner} has no {self.expected} `{self.name}`"
 
     @property
     def help(self) -> str | None:
         if self.suggestion:
             return f"did you mean `{self.suggestion}`?"
         if not self.options:
-            return f"it has no {self.wanted}s at all"
+            return f"it has no {self.expected}s at all"
         shown = ", ".join(f"`{option}`" for option in self.options[:8])
         return f"it has {shown}" + (", …" if len(self.options) > 8 else "")
 
@@ -197,7 +197,7 @@ class ShadowedReplicator(Diagnostic):
 @record
 class Recursion(Diagnostic):
     code = "E0208"
-    title = "a definition that contains itself"
+    title = "a definition that depends on itself"
 
     name: str
     kind: str
@@ -206,9 +206,9 @@ class Recursion(Diagnostic):
     @property
     def message(self) -> str:
         if len(self.cycle) == 1:
-            return f"{self.kind} `{self.name}` needs itself"
+            return f"{self.kind} `{self.name}` depends on itself"
         names = " → ".join(name for name, _ in (*self.cycle, self.cycle[0]))
-        return f"{self.kind} `{self.name}` needs itself: {names}"
+        return f"{self.kind} `{self.name}` depends on itself: {names}"
 
     @property
     def help(self) -> str | None:
@@ -220,7 +220,7 @@ class Recursion(Diagnostic):
     def labels(self) -> tuple[Label, ...]:
         following = (*self.cycle[1:], self.cycle[0])
         return tuple(
-            Label(span, f"`{name}` needs `{after}`")
+            Label(span, f"`{name}` depends on `{after}`")
             for (name, span), (after, _) in zip(self.cycle, following, strict=True)
             if len(self.cycle) > 1
         )[:12]

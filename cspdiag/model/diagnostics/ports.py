@@ -1,4 +1,4 @@
-"""What can be wrong with ports, with the two ends of a relationship, and with what a composition reads and writes."""
+"""Diagnostics of ports, of the two ends of a relationship, and of what a composition reads and writes."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from cspdiag.model.wording import noun
 
 
 @record
-class Misused(Diagnostic):
-    """A name that stands where what it means cannot."""
+class MisusedName(Diagnostic):
+    """A name in a place where what it means is not allowed."""
 
     name: str
     kind: str
@@ -23,7 +23,7 @@ class Misused(Diagnostic):
 
 
 @record
-class WrongSource(Misused):
+class WrongSource(MisusedName):
     code = "E0230"
     title = "an arrow that begins at a sink"
 
@@ -33,7 +33,7 @@ class WrongSource(Misused):
 
 
 @record
-class WrongSink(Misused):
+class WrongSink(MisusedName):
     code = "E0231"
     title = "an arrow that ends at a source"
 
@@ -43,7 +43,7 @@ class WrongSink(Misused):
 
 
 @record
-class NotReadable(Misused):
+class NotReadable(MisusedName):
     code = "E0232"
     title = "reading what cannot be read"
 
@@ -53,7 +53,7 @@ class NotReadable(Misused):
 
 
 @record
-class NotWritable(Misused):
+class NotWritable(MisusedName):
     code = "E0233"
     title = "writing what cannot be written"
 
@@ -63,9 +63,9 @@ class NotWritable(Misused):
 
 
 @record
-class NotVariable(Misused):
+class NotVariable(MisusedName):
     code = "E0234"
-    title = "no variable"
+    title = "not a variable"
 
     @property
     def message(self) -> str:
@@ -114,8 +114,8 @@ class MisplacedPortOption(Diagnostic):
     help = "remove it, or turn the port around"
 
     option: str
-    wanted: str
+    expected: str
 
     @property
     def message(self) -> str:
-        return f"{self.option} belongs to {self.wanted}"
+        return f"{self.option} belongs to {self.expected}"

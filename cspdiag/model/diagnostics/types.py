@@ -1,4 +1,4 @@
-"""What can be wrong with types of values."""
+"""Diagnostics of types of values."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ class WrongType(Diagnostic):
 
     what: str
     found: Type
-    wanted: Type
+    expected: Type
     declared: Span | None = None
     declared_text: str = ""
 
     @property
     def message(self) -> str:
-        return f"{self.what} is {noun(self.wanted)}, but this is {noun(self.found)}"
+        return f"{self.what} is {noun(self.expected)}, but this is {noun(self.found)}"
 
     @property
     def help(self) -> str | None:
-        return conversion_help(self.found, self.wanted, self.span.text)
+        return conversion_help(self.found, self.expected, self.span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        return conversion(self.found, self.wanted, self.span)
+        return conversion(self.found, self.expected, self.span)
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -53,11 +53,11 @@ class MixedNumbers(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        found, wanted, span = self._converted
-        if isinstance(wanted, RealType) and isinstance(found, IntType):
+        found, expected, span = self._converted
+        if isinstance(expected, RealType) and isinstance(found, IntType):
             # A factor keeps its own unit.
-            wanted = RealType(wanted.bits)
-        return conversion_help(found, wanted, span.text)
+            expected = RealType(expected.bits)
+        return conversion_help(found, expected, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -155,8 +155,8 @@ class DifferentTypes(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        found, wanted, span = self._converted
-        return conversion_help(found, wanted, span.text)
+        found, expected, span = self._converted
+        return conversion_help(found, expected, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -174,9 +174,9 @@ class DifferentTypes(Diagnostic):
 
 
 @record
-class UselessValue(Diagnostic):
+class UnusableValue(Diagnostic):
     code = "E0315"
-    title = "no value"
+    title = "not a value"
 
     what: str
     advice: str | None
@@ -187,7 +187,7 @@ class UselessValue(Diagnostic):
 
 
 @record
-class ConstantNoTime(Diagnostic):
+class ConstantNotTime(Diagnostic):
     code = "E0317"
     title = "a constant that is not a time"
 

@@ -1,4 +1,4 @@
-"""What can be wrong with units and scales."""
+"""Diagnostics of units and scales."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ class WrongUnit(Diagnostic):
 
     what: str
     found: Type
-    wanted: Type
+    expected: Type
     is_number: bool
     declared: Span | None = None
     declared_text: str = ""
 
     @property
     def message(self) -> str:
-        return f"{self.what} is {noun(self.wanted)}, but this is {noun(self.found)}"
+        return f"{self.what} is {noun(self.expected)}, but this is {noun(self.found)}"
 
     @property
     def help(self) -> str | None:
-        if self.is_number and isinstance(self.wanted, RealType):
-            return f"write the unit with the number: `{self.span.text}<{self.wanted.unit}>`"
+        if self.is_number and isinstance(self.expected, RealType):
+            return f"write the unit with the number: `{self.span.text}<{self.expected.unit}>`"
         return None
 
     @property
@@ -39,25 +39,25 @@ class WrongUnit(Diagnostic):
 @record
 class WrongScale(Diagnostic):
     code = "E0303"
-    title = "a value of another scale"
+    title = "a value of a different scale"
 
     what: str
     found: Type
-    wanted: Type
+    expected: Type
     declared: Span | None = None
     declared_text: str = ""
 
     @property
     def message(self) -> str:
-        return f"{self.what} is {noun(self.wanted)}, but this is {noun(self.found)}"
+        return f"{self.what} is {noun(self.expected)}, but this is {noun(self.found)}"
 
     @property
     def help(self) -> str | None:
-        return conversion_help(self.found, self.wanted, self.span.text)
+        return conversion_help(self.found, self.expected, self.span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        return conversion(self.found, self.wanted, self.span)
+        return conversion(self.found, self.expected, self.span)
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -89,8 +89,8 @@ class MixedUnits(Diagnostic):
             return f"write the unit with the number: `{self.number.text}<{unit}>`"
         if self.left.unit.exponents != self.right.unit.exponents:
             return None
-        found, wanted, span = self._converted
-        return conversion_help(found, wanted, span.text)
+        found, expected, span = self._converted
+        return conversion_help(found, expected, span.text)
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -115,7 +115,7 @@ class MixedUnits(Diagnostic):
 @record
 class NotDimensionless(Diagnostic):
     code = "E0307"
-    title = "a quantity where a number is wanted"
+    title = "a quantity where a number is expected"
 
     what: str
     found: Type
@@ -179,7 +179,7 @@ class UnitNotAllowed(Diagnostic):
 
 
 @record
-class BrokenPower(Diagnostic):
+class PowerWithoutUnit(Diagnostic):
     code = "E0313"
     title = "a power of a unit that is not a unit"
     help = "make it a number first by dividing by a quantity of the same unit, or use a whole number as the power"

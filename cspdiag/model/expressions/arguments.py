@@ -19,8 +19,8 @@ from cspdiag.syntax import ast
 
 @node
 class Matches:
-    """Which argument goes to which name; ``complete`` is false where one had no receiver, so that nothing is certainly
-    missing.
+    """The argument for each name. ``complete`` is false if an argument matched no name: then the missing ones are not
+    known for certain.
     """
 
     values: dict[str, ast.Argument]
@@ -34,7 +34,7 @@ def matched(
     arguments: tuple[ast.Argument, ...],
     declared: Span | None,
 ) -> Matches:
-    """Match arguments with parameters or fields, and report those that match none."""
+    """Match arguments with parameters or fields, and report arguments that match none."""
     by_name: dict[str, ast.Parameter | ast.Field] = {receiver.name.text: receiver for receiver in receivers}
     names = tuple(by_name)
     values: dict[str, ast.Argument] = {}
@@ -98,7 +98,7 @@ def report_missing(
     example: str | None,
     declared: Span | None,
 ) -> None:
-    """Report the names without an argument, all in one."""
+    """Report the names without an argument, in one diagnostic."""
     missing = tuple(name for name in needed if name not in matches.values)
     if missing and matches.complete:
         context.refuse(

@@ -1,4 +1,4 @@
-"""Types of calls: structs that are built, functions of the language, conversions."""
+"""Types of calls: values of structs, functions of the language, conversions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def call(typer: ExpressionTyper, node: ast.Call) -> Type:
-    """The type of a struct that is built, a function of the language, or a conversion."""
+    """The type of a call: a value of a struct, a function of the language, or a conversion."""
     name = node.function.text
     program = typer.context.program
     definition = program.definitions.get(name)
@@ -66,7 +66,7 @@ _ELSEWHERE = {
     **_SYNONYMS, "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int",
     "real": "double",
 }  # fmt: skip
-"""What functions are called in other languages, and here."""
+"""Names of functions in other languages, and their names in this one."""
 
 _OPERATORS = {"pow": "x ^ y", "power": "x ^ y", "mod": "x % y", "fmod": "x - y * floor(x / y)"}
 
@@ -75,7 +75,7 @@ def _refuse_function(typer: ExpressionTyper, node: ast.Call, definition: ast.Def
     name = node.function.text
     typer.context.program.poisoned.add(node)
     if isinstance(definition, ast.StructDefinition):
-        # Its own fields were refused.
+        # The fields of the struct were refused.
         return
     if definition is not None:
         advice = (
@@ -96,7 +96,7 @@ def _refuse_function(typer: ExpressionTyper, node: ast.Call, definition: ast.Def
             UnknownName(
                 node.function.span,
                 name=name,
-                wanted="function",
+                expected="function",
                 suggestion=None if operator else near,
                 declared=None,
                 advice=f"write `{operator}`" if operator else None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.diagnostics.constants import BadSize
-from cspdiag.model.diagnostics.types import UselessValue
+from cspdiag.model.diagnostics.types import UnusableValue
 from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.expressions.type_names import element_type, in_dimensions
@@ -12,16 +12,16 @@ from cspdiag.model.types import INT, TEXT, UNKNOWN, Type
 from cspdiag.syntax import ast
 
 LARGEST_SIZE = 100_000
-"""Elements of an array of values, in each dimension."""
+"""The maximum size of an array of values, in each dimension."""
 
 
 def declared_type(typer: Typer, name: ast.TypeName, *, allows_text: bool = False) -> Type:
-    """The type that a declaration says, recorded for the type name."""
+    """The declared type, which is recorded for the type name."""
     context = typer.context
     found = element_type(context, name)
     if found is TEXT and not allows_text:
         advice = "texts are parameters of drivers and of bodies in other languages only"
-        context.refuse(UselessValue(name.span, what="a text", advice=advice), name)
+        context.refuse(UnusableValue(name.span, what="a text", advice=advice), name)
         found = UNKNOWN
     sizes = [_array_size(typer, dimension) for dimension in name.dimensions]
     found = in_dimensions(found, sizes)
@@ -38,9 +38,9 @@ def _array_size(typer: Typer, expression: ast.Expression) -> int | None:
 
 
 def size_of(typer: Typer, expression: ast.Expression, what: str) -> int | None:
-    """A size or a count; None where it depends on parameters, or was reported.
+    """A size or a count; None if it depends on parameters, or was reported.
 
-    How many ports, instances and repetitions there may be is decided where they are expanded.
+    The limits for numbers of ports, instances and repetitions are checked when these are expanded.
     """
     context = typer.context
     typer.constant(expression, INT, Purpose(what=what))

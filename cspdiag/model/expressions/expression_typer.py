@@ -1,4 +1,4 @@
-"""What calls, members and functions need to find their types: the types of the expressions inside them."""
+"""The interface through which the typing of calls, members and functions types the expressions inside them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.syntax import ast
 
 
 class ExpressionTyper(Protocol):
-    """Finds the types of expressions in one place of the program; see ``numbers.Typer``."""
+    """Determines the types of expressions in one place of the program; see ``numbers.Typer``."""
 
     context: Context
     surroundings: Surroundings
@@ -23,11 +23,11 @@ class ExpressionTyper(Protocol):
     def infer(self, expression: ast.Expression) -> Type:
         """The type of an expression, recorded for it and all its parts."""
 
-    def require(self, expression: ast.Expression, wanted: Type, purpose: Purpose) -> Type:
-        """The type of a value that is wanted for a purpose; reported and unknown where it does not agree."""
+    def require(self, expression: ast.Expression, expected: Type, purpose: Purpose) -> Type:
+        """The type of a value for a purpose; a value that does not agree is reported, and its type is unknown."""
 
-    def constant(self, expression: ast.Expression, wanted: Type | None, purpose: Purpose) -> Type:
-        """The type of a value that must be known before the program runs; any type where ``wanted`` is None."""
+    def constant(self, expression: ast.Expression, expected: Type | None, purpose: Purpose) -> Type:
+        """The type of a value that must be known before the program runs; any type if ``expected`` is None."""
 
     def find(self, name: str) -> Symbol | None:
         """What a name means here, or None."""

@@ -1,4 +1,4 @@
-"""The functions of the language: what they take and what they give (language, section 6)."""
+"""Types of calls of the functions of the language (language, section 6)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cspdiag.base.record import record
 from cspdiag.model.diagnostics.arguments import UnknownOption, WrongNumberOfArguments
 from cspdiag.model.diagnostics.availability import NotAvailableHere
 from cspdiag.model.diagnostics.types import UnsuitableOperand
-from cspdiag.model.diagnostics.units import BrokenPower, NotConvertible, NotDimensionless, UnknownUnit
+from cspdiag.model.diagnostics.units import NotConvertible, NotDimensionless, PowerWithoutUnit, UnknownUnit
 from cspdiag.model.expressions.coercion import Purpose, default_number, require
 from cspdiag.model.expressions.operators import unified
 from cspdiag.model.types import (
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 @record
 class Signature:
-    """What a function takes: the number of arguments, at most or any (None), and how it is written."""
+    """How a function is written, and the least and the greatest number of its arguments (None: any)."""
 
     written: str
     least: int
@@ -139,7 +139,7 @@ def function(typer: ExpressionTyper, node: ast.Call) -> Type:
         case "exp" | "log" | "sin" | "cos" | "tan" | "asin" | "acos" | "atan":
             return _transcendental(typer, node, arguments[0])
         case _:
-            raise AssertionError(f"`{name}` has a signature and no type")
+            raise AssertionError(f"`{name}` has a signature but no type")
 
 
 def _positional(typer: ExpressionTyper, node: ast.Call, signature: Signature) -> list[ast.Expression] | None:
@@ -221,7 +221,7 @@ def _square_root(typer: ExpressionTyper, node: ast.Call, argument: ast.Expressio
         return UNKNOWN
     unit = DIMENSIONLESS if agree(found.unit, DIMENSIONLESS) else power(found.unit, 1, 2)
     if unit is None:
-        typer.context.refuse(BrokenPower(node.span, found=found, operation="the square root"), node)
+        typer.context.refuse(PowerWithoutUnit(node.span, found=found, operation="the square root"), node)
         return UNKNOWN
     return RealType(found.bits, unit)
 
@@ -266,7 +266,7 @@ def _convert(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, targ
 
 
 def _remembered(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, initial: ast.Expression) -> Type:
-    """``pre`` and ``delay`` give what they are given; the initial value is of the same type."""
+    """The type of ``pre`` and ``delay``, which is that of their argument and of the initial value."""
     found = typer.infer(value)
     start = typer.before_running().infer(initial)
     if isinstance(found, UnknownType):
@@ -291,7 +291,7 @@ def _integral(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, ini
 
 
 def _transfer(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
-    """A coefficient of ``s^i`` is a bare number, or carries the unit of the polynomial times ``s^i``."""
+    """The type of ``transfer``. Coefficients of ``s^i`` are bare numbers, or have a unit times that of ``s^i``."""
     gains = [_polynomial(typer, argument) for argument in arguments[:2]]
     found = _real(typer, node, arguments[2])
     if not isinstance(found, RealType):
@@ -324,15 +324,15 @@ def _polynomial(typer: ExpressionTyper, coefficients: ast.Expression) -> Unit:
         if gain is None:
             gain = unit
         elif not agree(gain, unit):
-            wanted = RealType(found.bits, multiply(gain, power(SECOND, exponent) or DIMENSIONLESS))
+            expected = RealType(found.bits, multiply(gain, power(SECOND, exponent) or DIMENSIONLESS))
             what = f"the coefficient of `s^{exponent}`"
-            require(typer.context, coefficient, found, wanted, Purpose(what=what))
+            require(typer.context, coefficient, found, expected, Purpose(what=what))
     typer.context.program.types[coefficients] = ArrayType(DOUBLE, len(coefficients.elements))
     return gain or DIMENSIONLESS
 
 
 def _state_space(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
-    """Matrices of bare numbers; the result has the unit of the input, and is an array where C has several rows."""
+    """The type of ``statespace``: with the unit of the input, and an array if C has several rows."""
     rows: int | None = None
     shapes = []
     for letter, argument in zip("ABCD", arguments[:4], strict=True):
@@ -340,8 +340,8 @@ def _state_space(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Exp
         found = typer.constant(argument, None, Purpose(what=f"the matrix {letter}"))
         if isinstance(found, ArrayType) and found.size is not None:
             size = found.size
-        wanted = ArrayType(ArrayType(DOUBLE, None), size)
-        require(typer.context, argument, found, wanted, Purpose(what=f"the matrix {letter}"))
+        expected = ArrayType(ArrayType(DOUBLE, None), size)
+        require(typer.context, argument, found, expected, Purpose(what=f"the matrix {letter}"))
         shapes.append(size)
         if letter == "C":
             rows = size
@@ -356,7 +356,7 @@ def _state_space(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Exp
 
 
 def conversion(typer: ExpressionTyper, node: ast.Call) -> Type:
-    """The type of ``int16(x)``, ``double(x)`` and their kin; a time becomes a number of seconds."""
+    """The type of conversions such as ``int16(x)`` and ``double(x)``; a time becomes a number of seconds."""
     name = node.function.text
     target: Type = DOUBLE if name == "double" else RealType(32) if name == "float" else integer_named(name)
     if len(node.arguments) != 1 or node.arguments[0].name is not None:
@@ -381,12 +381,12 @@ def conversion(typer: ExpressionTyper, node: ast.Call) -> Type:
             return target
         case IntType(), RealType():
             typer.context.refuse(NotDimensionless(value.span, what=f"the argument of `{name}`", found=found), node)
-        case _:  # No other pair of types is converted.
+        case _:  # Other pairs of types cannot be converted.
             typer.context.refuse(NotConvertible(node.span, found=found, target=f"`{name}`"), node)
     return target
 
 
 def integer_named(name: str) -> IntType:
-    """The integer type of that name (``int``, ``uint8``)."""
+    """The integer type with a name (``int``, ``uint8``)."""
     signed = not name.startswith("u")
     return IntType(int(name.removeprefix("u").removeprefix("int") or 64), signed)

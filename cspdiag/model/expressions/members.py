@@ -102,7 +102,7 @@ def _port_of(typer: ExpressionTyper, node: ast.Member, instance: ast.Instance) -
         name = node.span.text
         typer.context.refuse(
             WrongKind(
-                node.span, name=name, kind="a port of an instance", wanted="a value", advice=advice, declared=None
+                node.span, name=name, kind="a port of an instance", expected="a value", advice=advice, declared=None
             ),
             node,
         )
@@ -127,7 +127,7 @@ def _refuse_member(
     typer: ExpressionTyper,
     node: ast.Member,
     owner: str,
-    wanted: str,
+    expected: str,
     options: list[str],
     declared: ast.Identifier | None,
 ) -> None:
@@ -136,7 +136,7 @@ def _refuse_member(
             node.name.span,
             name=node.name.text,
             owner=owner,
-            wanted=wanted,
+            expected=expected,
             options=tuple(options),
             suggestion=typer.context.speller.nearest(node.name.text, options),
             declared=declared.span if declared else None,
@@ -146,7 +146,7 @@ def _refuse_member(
 
 
 def array_of_ports(context: Context, port: PortSymbol) -> Type:
-    """The type of a port; of an array of ports, an array of it."""
+    """The type of a port; for an array of ports, an array type."""
     found = port.type
     for dimension in reversed(port.port.dimensions):
         size = context.sizes.get(dimension)

@@ -1,4 +1,4 @@
-"""Types of expressions: numbers and names here; members, calls and operators are next door."""
+"""Types of expressions: numbers and names; for members, calls and operators see the modules next to this one."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _advice_on_missing(name: str, surroundings: Surroundings) -> str | None:
 
 
 class Typer:
-    """Finds the types of expressions in one place of the program and records them with what names mean.
+    """Determines the types of expressions in one place of the program, and records them and the meanings of names.
 
     ``in_seconds``: a ``time`` is a ``double<s>``, as in the equations of submodels.
     """
@@ -66,51 +66,51 @@ class Typer:
         return Typer(self.context, self.surroundings.before_running(), in_seconds=self.in_seconds)
 
     def within(self, replicator: ast.Replicator) -> Typer:
-        """The same place inside something that is repeated."""
+        """The same place, inside a repetition."""
         return Typer(self.context, self.surroundings.within(replicator), in_seconds=self.in_seconds)
 
-    def require(self, expression: ast.Expression, wanted: Type, purpose: Purpose) -> Type:
-        """The type of a value that is wanted for a purpose; reported and unknown where it does not agree."""
-        # Where a time is wanted, durations are computed with as durations, in submodels too.
+    def require(self, expression: ast.Expression, expected: Type, purpose: Purpose) -> Type:
+        """The type of a value for a purpose; a value that does not agree is reported, and its type is unknown."""
+        # Where a time is expected, durations remain durations, in submodels as well.
         typer = self
-        if self.in_seconds and _is_of_time(wanted):
+        if self.in_seconds and _is_of_time(expected):
             typer = Typer(self.context, self.surroundings, in_seconds=False)
-        if isinstance(expression, ast.ArrayValue) and isinstance(wanted, ArrayType):
-            return typer._require_elements(expression, wanted, purpose)
-        if isinstance(expression, ast.Conditional) and not isinstance(wanted, UnknownType):
-            return typer._require_sides(expression, wanted, purpose)
-        return require(self.context, expression, typer.infer(expression), wanted, purpose)
+        if isinstance(expression, ast.ArrayValue) and isinstance(expected, ArrayType):
+            return typer._require_elements(expression, expected, purpose)
+        if isinstance(expression, ast.Conditional) and not isinstance(expected, UnknownType):
+            return typer._require_sides(expression, expected, purpose)
+        return require(self.context, expression, typer.infer(expression), expected, purpose)
 
-    def _require_elements(self, node: ast.ArrayValue, wanted: ArrayType, purpose: Purpose) -> Type:
-        """Each element is required by itself: what does not agree with the others is of no matter then."""
-        found = [self.require(element, wanted.element, purpose) for element in node.elements]
+    def _require_elements(self, node: ast.ArrayValue, expected: ArrayType, purpose: Purpose) -> Type:
+        """Require each element separately, so elements need not agree with each other."""
+        found = [self.require(element, expected.element, purpose) for element in node.elements]
         if any(isinstance(element, UnknownType) for element in found):
             return self._refused(node)
-        whole = ArrayType(found[0] if found else wanted.element, len(found))
+        whole = ArrayType(found[0] if found else expected.element, len(found))
         self.context.program.types[node] = whole
-        return require(self.context, node, whole, wanted, purpose)
+        return require(self.context, node, whole, expected, purpose)
 
-    def _require_sides(self, node: ast.Conditional, wanted: Type, purpose: Purpose) -> Type:
+    def _require_sides(self, node: ast.Conditional, expected: Type, purpose: Purpose) -> Type:
         self.condition(node.condition)
-        found = [self.require(side, wanted, purpose) for side in (node.then, node.otherwise)]
+        found = [self.require(side, expected, purpose) for side in (node.then, node.otherwise)]
         if any(isinstance(side, UnknownType) for side in found):
             return self._refused(node)
-        self.context.program.types[node] = wanted
-        return wanted
+        self.context.program.types[node] = expected
+        return expected
 
     def _refused(self, node: ast.Expression) -> Type:
-        """What has a part that was reported."""
+        """Mark an expression that has a part with a reported mistake."""
         self.context.program.poisoned.add(node)
         self.context.program.types[node] = UNKNOWN
         return UNKNOWN
 
-    def constant(self, expression: ast.Expression, wanted: Type | None, purpose: Purpose) -> Type:
-        """The type of a value that must be known before the program runs; any type where ``wanted`` is None.
+    def constant(self, expression: ast.Expression, expected: Type | None, purpose: Purpose) -> Type:
+        """The type of a value that must be known before the program runs; any type if ``expected`` is None.
 
-        What goes wrong in computing it from constants is reported.
+        Errors in evaluating it are reported.
         """
         typer = self.before_running()
-        found = typer.infer(expression) if wanted is None else typer.require(expression, wanted, purpose)
+        found = typer.infer(expression) if expected is None else typer.require(expression, expected, purpose)
         evaluate(self.context.program, expression, {}, self.context.report)
         return found
 
@@ -122,7 +122,7 @@ class Typer:
 
     def infer(self, expression: ast.Expression) -> Type:
         """The type of an expression, recorded for it and all its parts."""
-        # Chains of operators lean to the left and may be long: they are followed without recursion.
+        # Chains of operators are nested to the left and may be long, so they are typed without recursion.
         operations: list[ast.Binary] = []
         while isinstance(expression, ast.Binary):
             operations.append(expression)
@@ -166,13 +166,13 @@ class Typer:
                 assert_never(expression)
 
     def _value(self, found: Type) -> Type:
-        """A ``time`` as equations see it."""
+        """The type of a value in the present place, where a ``time`` may be a number of seconds."""
         return SECONDS if self.in_seconds and isinstance(found, TimeType) else found
 
     def _number(self, expression: ast.Number) -> Type:
         if isinstance(expression.value, int) and expression.unit is None:
             self.context.literals.add(expression)
-            # The most negative number is written as this one with a minus before it.
+            # The most negative number is this one with a minus before it.
             if expression.value > INT.maximum + 1:
                 self.context.refuse(NumberTooLarge(expression.span, type=INT), expression)
                 return UNKNOWN
@@ -228,7 +228,7 @@ class Typer:
     def _signal(
         self, node: ast.Name, symbol: ast.Variable | ast.Let | ast.State | EndLabelSymbol | PortSymbol | ast.Channel
     ) -> Type:
-        """What changes while the program runs."""
+        """The type of something that changes while the program runs."""
         is_process = self.surroundings.place == "process"
         if isinstance(symbol, ast.Channel):
             self._refuse_kind(node, symbol, f"read it into a variable: `{node.name} ? x`")
@@ -290,12 +290,12 @@ class Typer:
             undeclared.add(node.name)
         near = self.find(suggestion) if suggestion else None
         declared = declared_at(near) if near else None
-        wanted = "variable" if surroundings.place == "process" and not surroundings.constant else "value"
+        expected = "variable" if surroundings.place == "process" and not surroundings.constant else "value"
         self.context.refuse(
             UnknownName(
                 node.span,
                 name=node.name,
-                wanted=wanted,
+                expected=expected,
                 suggestion=suggestion,
                 declared=declared,
                 advice=(
@@ -308,7 +308,7 @@ class Typer:
         )
 
     def _literals(self, name: str) -> list[str]:
-        """The literals of this name, each with its enumeration."""
+        """The enum literals with this name, each with its enum."""
         enums = (found for found in self.context.program.definitions.values() if isinstance(found, ast.EnumDefinition))
         return [f"`{enum.name.text}.{name}`" for enum in enums if any(name == one.text for one in enum.literals)]
 
@@ -333,7 +333,7 @@ class Typer:
         return ArrayType(unified(self.context, elements, types, "the elements of an array", node), len(elements))
 
 
-def _is_of_time(wanted: Type) -> bool:
-    while isinstance(wanted, ArrayType):
-        wanted = wanted.element
-    return isinstance(wanted, TimeType)
+def _is_of_time(expected: Type) -> bool:
+    while isinstance(expected, ArrayType):
+        expected = expected.element
+    return isinstance(expected, TimeType)

@@ -1,11 +1,11 @@
-"""Types of unary and binary operators and of choices (section 3 of the language)."""
+"""Types of unary and binary operators and of conditional expressions (section 3 of the language)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, assert_never
 
 from cspdiag.model.diagnostics.types import DifferentTypes, MixedNumbers, NotCondition, UnsuitableOperand
-from cspdiag.model.diagnostics.units import BrokenPower, MixedUnits, NotDimensionless
+from cspdiag.model.diagnostics.units import MixedUnits, NotDimensionless, PowerWithoutUnit
 from cspdiag.model.expressions.coercion import adapt, agrees, is_bare_zero
 from cspdiag.model.types import (
     BOOL,
@@ -50,7 +50,7 @@ def unary(context: Context, expression: ast.Unary, operand: Type) -> Type:
 
 
 def binary(context: Context, expression: ast.Binary, left: Type, right: Type) -> Type:
-    """The type of a binary operator; numbers in the text take the type of the other side."""
+    """The type of a binary operation; a literal number takes the type of the other side."""
     operator = expression.operator
     if operator in _ARITHMETIC and expression.left in context.literals and expression.right in context.literals:
         context.literals.add(expression)
@@ -73,7 +73,7 @@ def binary(context: Context, expression: ast.Binary, left: Type, right: Type) ->
 
 
 def _guess(context: Context, operator: str, left: Type, right: Type) -> Type:
-    """Where types are found by trying, a sum has the type of the part that is known."""
+    """The type of an operation while types are found by trial: a sum has the type of the operand that is known."""
     if context.guessing and operator in "+-":
         return right if isinstance(left, UnknownType) else left
     return UNKNOWN
@@ -82,13 +82,11 @@ def _guess(context: Context, operator: str, left: Type, right: Type) -> Type:
 def peers(
     context: Context, left: ast.Expression, left_type: Type, right: ast.Expression, right_type: Type
 ) -> tuple[Type, Type]:
-    """The types of two values next to each other, after numbers in the text took the type of the
-    other side.
-    """
+    """The types of two operands that must agree, after literal numbers have taken the type of the other side."""
     types = context.program.types
     if agrees(left_type, right_type):
         return left_type, right_type
-    # What has only numbers without a unit on one side keeps its own (missing) unit, except for a bare zero.
+    # An operand of literal numbers without a unit stays without one, except for a bare zero.
     if _adapts(context, left, left_type, right_type):
         return types[left], right_type
     if _adapts(context, right, right_type, left_type):
@@ -115,7 +113,7 @@ def _arithmetic(context: Context, expression: ast.Binary, left: Type, right: Typ
         result = _time_arithmetic(context, expression, left, right)
         if result is not None:
             return result
-    # A product has a unit of its own, so that a zero next to `*` stays a number.
+    # A product has a unit of its own, so a zero next to `*` stays a number.
     if operator in "+-":
         left, right = peers(context, expression.left, left, expression.right, right)
     else:
@@ -125,7 +123,7 @@ def _arithmetic(context: Context, expression: ast.Binary, left: Type, right: Typ
             return left
         case RealType(), RealType() if left.bits == right.bits:
             return _real_arithmetic(context, expression, left, right)
-        case _:  # No other pair of types is added or multiplied.
+        case _:  # Other pairs of types cannot be combined.
             _refuse_mixture(context, expression, left, right)
             return UNKNOWN
 
@@ -138,16 +136,16 @@ def _number_peers(context: Context, expression: ast.Binary, left: Type, right: T
         if side not in context.literals:
             continue
         if isinstance(other, RealType):
-            wanted: Type = RealType(other.bits, found.unit) if isinstance(found, RealType) else RealType(other.bits)
+            expected: Type = RealType(other.bits, found.unit) if isinstance(found, RealType) else RealType(other.bits)
         else:
-            wanted = other
-        if adapt(context, side, found, wanted):
+            expected = other
+        if adapt(context, side, found, expected):
             break
     return types.get(expression.left, left), types.get(expression.right, right)
 
 
 def _time_arithmetic(context: Context, expression: ast.Binary, left: Type, right: Type) -> Type | None:
-    """Durations add, and are multiplied and divided by integers; None where that does not apply."""
+    """The type of arithmetic on durations, which are added, and multiplied and divided by integers; None for others."""
     types = context.program.types
     match expression.operator, left, right:
         case "+" | "-" | "%", _, _:
@@ -162,7 +160,7 @@ def _time_arithmetic(context: Context, expression: ast.Binary, left: Type, right
         case "/", TimeType(), TimeType():
             return INT
         case "*" | "/", TimeType(), RealType() if isinstance(expression.left, ast.Duration):
-            # A duration in the text beside a double is a number of seconds.
+            # A literal duration next to a double is a number of seconds.
             if adapt(context, expression.left, left, _seconds(right)):
                 return _real_arithmetic(context, expression, types[expression.left], right)
             return None
@@ -170,7 +168,7 @@ def _time_arithmetic(context: Context, expression: ast.Binary, left: Type, right
             if adapt(context, expression.right, right, _seconds(left)):
                 return _real_arithmetic(context, expression, left, types[expression.right])
             return None
-        case _:  # No other operation has a duration in it.
+        case _:  # Other operations have no durations.
             return None
 
 
@@ -214,7 +212,7 @@ def _power(context: Context, expression: ast.Binary, base: RealType, exponent: R
     unit = power(base.unit, int(doubled), 2) if doubled == int(doubled) else None
     if unit is None:
         operation = f"the power `{expression.right.span.text}`"
-        context.refuse(BrokenPower(expression.span, found=base, operation=operation), expression)
+        context.refuse(PowerWithoutUnit(expression.span, found=base, operation=operation), expression)
         return UNKNOWN
     return RealType(base.bits, unit)
 
@@ -257,11 +255,11 @@ def _compare(context: Context, expression: ast.Binary, left: Type, right: Type) 
 
 
 def unified(context: Context, parts: list[ast.Expression], types: list[Type], what: str, whole: ast.Expression) -> Type:
-    """The one type of several values, such as the two sides of a choice; numbers in the text adapt.
+    """The common type of several values, such as the two sides of a conditional expression; literal numbers adapt.
 
-    A part that does not agree is reported and makes the whole unknown.
+    A part that does not agree is reported, and the type of the whole expression is unknown.
     """
-    # The first part that is not merely numbers in the text sets the type, if numbers can take it.
+    # The first part that does not consist of literal numbers determines the type, if numbers can take it.
     leader = next(
         (
             position
@@ -285,7 +283,7 @@ def unified(context: Context, parts: list[ast.Expression], types: list[Type], wh
             context.refuse(refused, whole)
             return UNKNOWN
         if first != result:
-            # The leader was a number that took on the type of this part.
+            # The leader was a literal number, which has taken the type of this part.
             result, leader = first, position
         if isinstance(result, RealType) and isinstance(second, RealType) and not result.unit.text:
             result = second

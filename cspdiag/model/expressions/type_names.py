@@ -1,4 +1,4 @@
-"""Type names in the text, and the types they mean."""
+"""Type names in the text, and the types that they mean."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _OTHER_NAMES = {
     **_SYNONYMS, "number": "double", "int64": "int", "long": "int", "short": "int16", "byte": "uint8",
     "unsigned": "uint32", "char": "uint8", "duration": "time",
 }  # fmt: skip
-"""Types of other languages, and what comes near them."""
+"""Names of types in other languages, and similar types of this one."""
 
 _TEXTS = frozenset(["string", "String", "str"])
 
 
 def builtin_type(name: str) -> Type | None:
-    """The type of the language with that name."""
+    """The built-in type with a name."""
     match name:
         case "bool":
             return BOOL
@@ -58,7 +58,7 @@ def unit_of(context: Context, text: str, span: Span, place: ast.Node) -> Unit | 
 
 
 def element_type(context: Context, name: ast.TypeName) -> Type:
-    """The type that a name and its unit mean, without the dimensions; names are bound."""
+    """The type that a name and its unit mean, without the dimensions; binds the name."""
     found = builtin_type(name.name.text)
     if found is None:
         found = _defined_type(context, name)
@@ -97,7 +97,7 @@ def _defined_type(context: Context, name: ast.TypeName) -> Type:
         refused = UnknownName(
             name.name.span,
             name=text,
-            wanted="type",
+            expected="type",
             suggestion=suggestion,
             declared=declared,
             advice=advice if text in _TEXTS else None,
@@ -115,7 +115,7 @@ def _refuse_kind(context: Context, name: ast.TypeName, symbol: Symbol) -> None:
 
 
 def in_dimensions(element: Type, sizes: list[int | None]) -> Type:
-    """An array of the element type; the first dimension is the outermost."""
+    """The array type with these dimensions; the first dimension is the outermost."""
     if element is UNKNOWN:
         return UNKNOWN
     for size in reversed(sizes):

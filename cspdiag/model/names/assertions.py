@@ -1,4 +1,4 @@
-"""Assertions: the processes that they speak of, and the ports that a specification sees."""
+"""Assertions: the processes that they name, and the ports that a specification observes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.syntax import ast
 
 
 def resolve_assertion(context: Context, assertion: ast.Assertion) -> None:
-    """Bind the names of an assertion; what a specification sees of a process has to be among the ports of both."""
+    """Bind the names of an assertion; each port of the process must be a port of the specification, or hidden."""
     surroundings = Surroundings(place="constant", owner=assertion, scope=Scope(), replicators={}, constant=True)
     typer = Typer(context, surroundings)
     for name in (assertion.process, assertion.specification):
@@ -33,14 +33,14 @@ def _scope_of(context: Context, name: ast.Identifier) -> Scope | None:
 
 
 def _hides_ports(context: Context, assertion: ast.Assertion, process: Scope) -> bool:
-    """Whether every hidden name is a port; the others are reported."""
+    """Whether every hidden name is a port; other names are reported."""
     unknown = [name for name in assertion.hidden if name.text not in process.ports]
     for name in unknown:
         missing = UnknownMember(
             name.span,
             name=name.text,
             owner=f"`{assertion.process.text}`",
-            wanted="port",
+            expected="port",
             options=tuple(process.ports),
             suggestion=context.speller.nearest(name.text, process.ports),
             declared=declared_at(context.program.bindings[assertion.process]),

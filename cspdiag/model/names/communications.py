@@ -16,11 +16,11 @@ from cspdiag.syntax import ast
 
 
 def resolve_declarations(
-    typer: Typer, declarations: Sequence[ast.Declaration], where: str, kinds: Definitions, wanted: str
+    typer: Typer, declarations: Sequence[ast.Declaration], where: str, kinds: Definitions, expected: str
 ) -> None:
-    """Declare all names first, so that anything may come before what it names."""
+    """Resolve declarations. All names are declared first, so a name may be used before its declaration."""
     _declare_all(typer, declarations, where, repeated=False)
-    _resolve_all(typer, declarations, kinds, wanted)
+    _resolve_all(typer, declarations, kinds, expected)
     _connect_all(typer, declarations, where)
 
 
@@ -37,12 +37,12 @@ def _declare_all(typer: Typer, declarations: Sequence[ast.Declaration], where: s
                 pass
 
 
-def _resolve_all(typer: Typer, declarations: Sequence[ast.Declaration], kinds: Definitions, wanted: str) -> None:
+def _resolve_all(typer: Typer, declarations: Sequence[ast.Declaration], kinds: Definitions, expected: str) -> None:
     types = typer.context.program.types
     for item in declarations:
         match item:
             case ast.Instance():
-                resolve_instance(typer, item, kinds, wanted)
+                resolve_instance(typer, item, kinds, expected)
             case ast.Variable():
                 types[item] = declared_type(typer, item.type)
                 if item.initial is not None:
@@ -55,7 +55,7 @@ def _resolve_all(typer: Typer, declarations: Sequence[ast.Declaration], kinds: D
             case ast.RepeatedDeclarations():
                 check_replicator(typer, item.replicator)
                 size_of(typer, item.replicator.count, "the count of a replicator")
-                _resolve_all(typer.within(item.replicator), item.declarations, kinds, wanted)
+                _resolve_all(typer.within(item.replicator), item.declarations, kinds, expected)
             case ast.Connection():
                 pass
 
@@ -79,7 +79,7 @@ def _resolve_connection(typer: Typer, connection: ast.Connection, where: str) ->
     declared = declared_type(typer, connection.type) if connection.type is not None else None
     _resolve_kind(typer, connection.kind)
     if connection.label is not None:
-        # The label is declared before the sinks, but a sink cannot mean it: it is what the arrow passes.
+        # The label is declared before the sinks, but a sink cannot refer to it: it is the value that the arrow passes.
         known = next((found for found in types if found is not UNKNOWN), UNKNOWN)
         label: Type = declared if declared is not None else known
         symbol = EndLabelSymbol(connection=connection, type=label, ends_arrow=not connection.sinks)

@@ -18,7 +18,7 @@ from cspdiag.syntax import ast
 
 
 def resolve_composition(typer: Typer, composition: ast.Composition) -> None:
-    """Bind every name of a composition and type its expressions; the parser bounds the depth."""
+    """Bind every name of a composition and type its expressions; the parser limits the depth of nesting."""
     match composition:
         case ast.Run():
             _instance(typer, composition.instance, "run")
@@ -30,8 +30,8 @@ def resolve_composition(typer: Typer, composition: ast.Composition) -> None:
         case ast.Write():
             _written(typer, composition.channel, composition.value)
         case ast.Assign():
-            wanted = end_of_channel(typer, composition.target, "variable")
-            typer.require(composition.value, wanted, _purpose(typer, composition.target, "variable"))
+            expected = end_of_channel(typer, composition.target, "variable")
+            typer.require(composition.value, expected, _purpose(typer, composition.target, "variable"))
         case ast.Skip() | ast.Stop():
             pass
         case ast.Wait():
@@ -97,14 +97,14 @@ def _guard(typer: Typer, guard: ast.Guard) -> None:
 
 
 def _written(typer: Typer, channel: ast.Reference, value: ast.Expression) -> None:
-    wanted = end_of_channel(typer, channel, "port")
-    typer.require(value, wanted, _purpose(typer, channel, "port"))
+    expected = end_of_channel(typer, channel, "port")
+    typer.require(value, expected, _purpose(typer, channel, "port"))
 
 
-def _purpose(typer: Typer, reference: ast.Reference, wanted: str) -> Purpose:
+def _purpose(typer: Typer, reference: ast.Reference, expected: str) -> Purpose:
     symbol = typer.context.program.bindings.get(reference)
     if symbol is None:
-        return Purpose(what=f"the {wanted} `{reference.span.text}`")
+        return Purpose(what=f"the {expected} `{reference.span.text}`")
     kind = described(symbol).split(" ", 1)[1]
     return Purpose(
         what=f"the {kind} `{reference.span.text}`",
@@ -114,7 +114,7 @@ def _purpose(typer: Typer, reference: ast.Reference, wanted: str) -> Purpose:
 
 
 def _instance(typer: Typer, reference: ast.Reference, verb: Literal["run", "reset"]) -> None:
-    """What is run or reset: an instance, without a port."""
+    """Resolve what is run or reset: an instance, without a port."""
     symbol = find(typer, reference, "instance", (ast.Instance,))
     for index in (*reference.indexes, *reference.member_indexes):
         typer.constant(index, INT, Purpose(what="an index"))
@@ -130,8 +130,8 @@ def _instance(typer: Typer, reference: ast.Reference, verb: Literal["run", "rese
 
 
 def _refuse_member(typer: Typer, reference: ast.Reference, instance: ast.Instance, verb: str) -> None:
-    """Something of an instance is run or reset: one of its ports, or what is inside and concerns only its own
-    composition.
+    """Report that a part of an instance is run or reset: a port, or something inside it, which only its own composition
+    may use.
     """
     assert reference.member is not None
     definition = typer.context.program.bindings.get(instance.definition)
@@ -151,7 +151,7 @@ def _refuse_member(typer: Typer, reference: ast.Reference, instance: ast.Instanc
         reference.span,
         name=reference.span.text,
         kind=kind,
-        wanted="an instance of this process" if isinstance(member, ast.Instance) else "an instance",
+        expected="an instance of this process" if isinstance(member, ast.Instance) else "an instance",
         advice=advice,
         declared=member.name.span if isinstance(member, ast.Instance) else None,
     )
@@ -177,7 +177,7 @@ def bind_exception(typer: Typer, name: ast.Identifier) -> None:
         missing = UnknownName(
             name.span,
             name=name.text,
-            wanted="exception",
+            expected="exception",
             suggestion=context.speller.nearest(name.text, (*BUILTIN_EXCEPTIONS, *declared)),
             declared=None,
             advice=f"declare it outside the process: `exception {name.text}`",

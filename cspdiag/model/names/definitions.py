@@ -1,5 +1,5 @@
-"""The definitions of a program: collected from all files, constants and types settled in the order in which they need
-each other.
+"""The definitions of a program: collected from all files, with constants and types resolved in the order of their
+dependencies.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.constants.values import parse_value, with_part
 from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.diagnostics.names import DuplicateDefinition, DuplicateName, Recursion, ReservedName
-from cspdiag.model.diagnostics.types import UselessValue
+from cspdiag.model.diagnostics.types import UnusableValue
 from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.declared_types import declared_type
 from cspdiag.model.expressions.functions import FUNCTIONS
@@ -20,11 +20,11 @@ from cspdiag.model.types import TEXT, UNKNOWN, EnumType, StructType, Type
 from cspdiag.syntax import ast
 from cspdiag.syntax.walk import nodes
 
-Settled = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
+ConstantOrType = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
 
 
 def collect(context: Context) -> None:
-    """Enter every definition under its name; what is imported comes first, so that a clash is shown in the importing
+    """Enter every definition under its name; imported definitions come first, so a clash is reported in the importing
     file.
     """
     program = context.program
@@ -64,12 +64,12 @@ def _reserved_meaning(item: ast.Definition) -> str | None:
             return "a function of the language"
         case ast.ExceptionDefinition() if name in BUILTIN_EXCEPTIONS:
             return "an exception of the language"
-        case _:  # What has another name, or is of a kind that the language has none of.
+        case _:  # Other names, and kinds of which the language has no definitions of its own.
             return None
 
 
 def reserved_value(name: str) -> str | None:
-    """What a reserved name of a value means; None where the name is free."""
+    """The meaning of a name that is reserved for a value; None if the name is not reserved."""
     return {
         "time": "the present instant in equations",
         "sample": "the sample period in equations",
@@ -77,25 +77,25 @@ def reserved_value(name: str) -> str | None:
     }.get(name)
 
 
-def settle(context: Context) -> None:
-    """Find types and values of constants, aliases, enums and structs."""
+def resolve_constants_and_types(context: Context) -> None:
+    """Determine types and values of constants, aliases, enums and structs."""
     program = context.program
     for definition in program.definitions.values():
         if isinstance(definition, ast.EnumDefinition):
             names = tuple(literal.text for literal in definition.literals)
             program.types[definition] = EnumType(definition.name.text, names)
-            _refuse_twins(context, definition.literals, f"the enum `{definition.name.text}`", "a literal")
-    settled = [item for item in program.definitions.values() if isinstance(item, Settled)]
+            _refuse_duplicates(context, definition.literals, f"the enum `{definition.name.text}`", "a literal")
+    settled = [item for item in program.definitions.values() if isinstance(item, ConstantOrType)]
     needs = {item: _needed(context, item) for item in settled}
     for component in strong_components(settled, needs.__getitem__):
         if is_circular(component, needs.__getitem__):
-            _refuse_circle(context, component, needs)
+            _refuse_cycle(context, component, needs)
         else:
-            _settle(context, component[0])
+            _resolve_item(context, component[0])
 
 
-def _needed(context: Context, item: Settled) -> list[Settled]:
-    found: list[Settled] = []
+def _needed(context: Context, item: ConstantOrType) -> list[ConstantOrType]:
+    found: list[ConstantOrType] = []
     for part in nodes(item):
         match part:
             case ast.Name():
@@ -107,12 +107,14 @@ def _needed(context: Context, item: Settled) -> list[Settled]:
             case _:  # Any other node.
                 continue
         needed = context.program.definitions.get(name)
-        if isinstance(needed, Settled):
+        if isinstance(needed, ConstantOrType):
             found.append(needed)
     return found
 
 
-def _refuse_circle(context: Context, component: list[Settled], needs: dict[Settled, list[Settled]]) -> None:
+def _refuse_cycle(
+    context: Context, component: list[ConstantOrType], needs: dict[ConstantOrType, list[ConstantOrType]]
+) -> None:
     members = sorted(component, key=lambda item: (item.span.file, item.span.start))
     cycle = shortest_circle(members, needs.__getitem__)
     first = members[0]
@@ -128,16 +130,16 @@ def _refuse_circle(context: Context, component: list[Settled], needs: dict[Settl
         context.program.types[item] = UNKNOWN
 
 
-def _settle(context: Context, item: Settled) -> None:
+def _resolve_item(context: Context, item: ConstantOrType) -> None:
     surroundings = Surroundings(place="constant", owner=item, scope=Scope(), replicators={}, constant=True)
     typer = Typer(context, surroundings)
     match item:
         case ast.Constant():
-            _settle_constant(context, typer, item)
+            _resolve_constant(context, typer, item)
         case ast.TypeAliasDefinition():
             context.program.types[item] = declared_type(typer, item.type)
         case ast.StructDefinition():
-            _refuse_twins(
+            _refuse_duplicates(
                 context, tuple(field.name for field in item.fields), f"the struct `{item.name.text}`", "a field"
             )
             fields: dict[str, Type] = {}
@@ -147,19 +149,19 @@ def _settle(context: Context, item: Settled) -> None:
             context.program.types[item] = StructType(item.name.text, tuple(fields.items()))
 
 
-def _settle_constant(context: Context, typer: Typer, item: ast.Constant) -> None:
+def _resolve_constant(context: Context, typer: Typer, item: ast.Constant) -> None:
     program, name = context.program, item.name.text
     if item.type is not None:
-        wanted = declared_type(typer, item.type)
+        expected = declared_type(typer, item.type)
         purpose = Purpose(what=f"the constant `{name}`", declared=item.type.span, declared_text="its type")
-        typer.require(item.value, wanted, purpose)
-        # The size of an array may be left to the value.
-        found = wanted
+        typer.require(item.value, expected, purpose)
+        # The size of an array may be that of the value.
+        found = expected
     else:
         found = typer.infer(item.value)
     if found is TEXT:
         advice = "texts are arguments of drivers and of bodies in other languages only"
-        context.refuse(UselessValue(item.value.span, what="a text", advice=advice), item.value)
+        context.refuse(UnusableValue(item.value.span, what="a text", advice=advice), item.value)
         found = UNKNOWN
     program.types[item] = found
     override = program.overrides.get(name)
@@ -175,7 +177,7 @@ def _settle_constant(context: Context, typer: Typer, item: ast.Constant) -> None
         program.constants[item] = value
 
 
-def _refuse_twins(context: Context, names: tuple[ast.Identifier, ...], where: str, kind: str) -> None:
+def _refuse_duplicates(context: Context, names: tuple[ast.Identifier, ...], where: str, kind: str) -> None:
     first: dict[str, ast.Identifier] = {}
     for name in names:
         other = first.setdefault(name.text, name)

@@ -22,7 +22,7 @@ from cspdiag.syntax.walk import nodes
 
 
 def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> None:
-    """Bind every name of a submodel and type its equations, whatever their order."""
+    """Bind every name of a submodel and type its equations, which may be in any order."""
     scope = context.program.scopes[definition]
     typer = Typer(context, Surroundings(place="submodel", owner=definition, scope=scope, replicators={}))
     where = definition_text(definition)
@@ -45,15 +45,15 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
     for item in definition.items:
         match item:
             case ast.Equation():
-                wanted = end_of_channel(typer, item.target, "output")
+                expected = end_of_channel(typer, item.target, "output")
                 what = f"`{item.target.span.text}`"
                 symbol = context.program.members.get(item.target) or context.program.bindings.get(item.target)
                 declared = declared_at(symbol) if symbol is not None and not isinstance(symbol, str) else None
-                typer.require(item.value, wanted, Purpose(what=what, declared=declared))
+                typer.require(item.value, expected, Purpose(what=what, declared=declared))
             case ast.Next():
                 state = _bind_state(typer, item.name)
-                wanted = context.program.types.get(state, UNKNOWN) if state else UNKNOWN
-                typer.require(item.value, wanted, _state_purpose(f"`next {item.name.text}`", state))
+                expected = context.program.types.get(state, UNKNOWN) if state else UNKNOWN
+                typer.require(item.value, expected, _state_purpose(f"`next {item.name.text}`", state))
             case ast.Derivative():
                 _resolve_derivative(typer, item)
             case ast.Let() | ast.State() | ast.Instance():
@@ -63,7 +63,7 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
 
 
 def _defined_names(definition: ast.SubmodelDefinition) -> set[str]:
-    """What equations define, declared or not."""
+    """The names that equations define, declared or not."""
     names = set()
     for item in definition.items:
         match item:
@@ -102,14 +102,14 @@ def _bind_state(typer: Typer, name: ast.Identifier) -> ast.State | None:
         declared = declared_at(names[suggestion]) if suggestion else None
         advice = f"declare it by `state {name.text} : double = 0`"
         missing = UnknownName(
-            name.span, name=name.text, wanted="state", suggestion=suggestion, declared=declared, advice=advice
+            name.span, name=name.text, expected="state", suggestion=suggestion, declared=declared, advice=advice
         )
         context.refuse(missing, name)
     return None
 
 
 def _resolve_derivative(typer: Typer, item: ast.Derivative) -> None:
-    """``der s`` has the unit of ``s`` per second; for a state without a unit a bare number will do."""
+    """Type ``der s``, which has the unit of ``s`` per second; for a state without a unit, a bare number is accepted."""
     state = _bind_state(typer, item.name)
     found = typer.context.program.types.get(state, UNKNOWN) if state else UNKNOWN
     value = typer.infer(item.value)
@@ -119,8 +119,8 @@ def _resolve_derivative(typer: Typer, item: ast.Derivative) -> None:
     if not isinstance(element, RealType) or (element.unit == DIMENSIONLESS and agrees(value, found)):
         typer.require(item.value, found, _state_purpose(f"`der {item.name.text}`", state))
         return
-    wanted = _per_second(found)
-    typer.require(item.value, wanted, _state_purpose(f"`der {item.name.text}`", state))
+    expected = _per_second(found)
+    typer.require(item.value, expected, _state_purpose(f"`der {item.name.text}`", state))
 
 
 def _per_second(found: Type) -> Type:
@@ -130,10 +130,10 @@ def _per_second(found: Type) -> Type:
 
 
 def _resolve_lets(typer: Typer, lets: list[ast.Let]) -> None:
-    """Type local values in the order in which they need each other.
+    """Type local values in the order of their dependencies.
 
-    A circle through an operator with memory is legal; its types are found by trying once and then for good. (One
-    without is an algebraic loop, which is found where equations are sorted.)
+    A cycle through an operator with memory is legal; its types are found by a first trial and then determined. (A cycle
+    without memory is an algebraic loop, which is detected when equations are sorted.)
     """
     context, names = typer.context, typer.surroundings.scope.names
     needs: dict[ast.Let, list[ast.Let]] = {}

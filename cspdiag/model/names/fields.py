@@ -1,8 +1,8 @@
-"""Diagnostics of fields of structs where only whole values are allowed."""
+"""References to fields of structs where only whole structs are allowed."""
 
 from __future__ import annotations
 
-from cspdiag.model.diagnostics.fields import PartByItself
+from cspdiag.model.diagnostics.fields import PartOfStruct
 from cspdiag.model.diagnostics.names import UnknownMember
 from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.program import PortSymbol, Symbol
@@ -13,8 +13,8 @@ from cspdiag.syntax import ast
 _MOST_FIELDS = 6
 
 
-def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: Type, wanted: str) -> None:
-    """Report a reference to a field of what is not an instance: a variable, a port, a channel, a label.
+def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: Type, expected: str) -> None:
+    """Report a reference to a field of something other than an instance: a variable, a port, a channel or a label.
 
     ``whole`` is its type.
     """
@@ -29,7 +29,7 @@ def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: T
                 reference.member.span,
                 name=member,
                 owner=f"`{owner}`, a {whole.name},",
-                wanted="field",
+                expected="field",
                 options=tuple(fields),
                 suggestion=context.speller.nearest(member, fields),
                 declared=declared_at(symbol),
@@ -37,12 +37,12 @@ def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: T
             context.refuse(unknown, reference)
             return
         kind = described(symbol).split(" ", 1)[1]
-        problem = f"is a field of the {kind} `{owner}`, {_rule(wanted)}"
-        advice = _advice(owner, symbol, whole, member, wanted)
+        problem = f"is a field of the {kind} `{owner}`, {_rule(expected)}"
+        advice = _advice(owner, symbol, whole, member, expected)
     else:
         problem = f"cannot be: `{owner}` is {described(symbol)} of type {whole}, which has no fields"
         advice = f"name it as a whole: `{owner}`"
-    refused = PartByItself(
+    refused = PartOfStruct(
         reference.span,
         name=name,
         problem=problem,
@@ -53,20 +53,20 @@ def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: T
     context.refuse(refused, reference)
 
 
-def _rule(wanted: str) -> str:
-    if wanted in {"variable", "output"}:
+def _rule(expected: str) -> str:
+    if expected in {"variable", "output"}:
         return "which is set as a whole"
-    return "through which the struct passes as a whole" if wanted == "port" else "which is connected as a whole"
+    return "through which the struct passes as a whole" if expected == "port" else "which is connected as a whole"
 
 
-def _advice(owner: str, symbol: Symbol, whole: StructType, changed: str, wanted: str) -> str:
+def _advice(owner: str, symbol: Symbol, whole: StructType, changed: str, expected: str) -> str:
     is_port = isinstance(symbol, PortSymbol)
     if isinstance(symbol, PortSymbol) and symbol.declaration.direction == "in":
         return f"read it into a variable, `{owner} ? value`, and use `value.{changed}`"
     built = _built(whole, changed, "..." if is_port or isinstance(symbol, ast.Channel) else f"{owner}.")
-    if wanted == "output":
+    if expected == "output":
         return f"write `{owner} = {built}`"
-    if wanted in {"source", "sink"}:
+    if expected in {"source", "sink"}:
         return "connect the whole struct; a submodel can take it apart or put it together"
     if is_port or isinstance(symbol, ast.Channel):
         return f"write `{owner} ! {built}`"
@@ -74,7 +74,7 @@ def _advice(owner: str, symbol: Symbol, whole: StructType, changed: str, wanted:
 
 
 def _built(whole: StructType, changed: str, others: str) -> str:
-    """The struct with one field new; the others as they are in ``others``, or given as well if that is not a place."""
+    """The text of a struct with one new field; the other fields are those of ``others``, if that is a variable."""
     names = [field for field, _ in whole.fields]
     shown = names if len(names) <= _MOST_FIELDS else [changed]
     kept = [f"{name} = {'...' if name == changed or others == '...' else f'{others}{name}'}" for name in shown]

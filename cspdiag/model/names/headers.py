@@ -1,4 +1,4 @@
-"""What a definition shows to the outside: its parameters and its ports."""
+"""The interface of a definition: its parameters and its ports."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WithPorts = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinitio
 
 
 def resolve_header(context: Context, definition: WithPorts) -> None:
-    """Types of parameters and ports; their names make the definition's scope."""
+    """Type parameters and ports, and enter their names into the scope of the definition."""
     scope = context.program.scopes[definition] = Scope()
     place: Place = "submodel" if isinstance(definition, ast.SubmodelDefinition) else "process"
     typer = Typer(context, Surroundings(place=place, owner=definition, scope=scope, replicators={}, constant=True))

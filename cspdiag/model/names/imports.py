@@ -15,11 +15,11 @@ from cspdiag.syntax.parser import parse
 def load(main: SourceFile, read: Callable[[str], SourceFile], report: Report) -> list[ast.SourceTree]:
     """Parse a program and everything it imports, each file once; the main file comes first.
 
-    ``read`` is given the path of an imported file relative to where the main file's name is relative to, and raises
-    OSError where it cannot read it. A file without a readable tree is left out.
+    ``read`` is called with the path of an imported file, relative to the same folder as the name of the main file, and
+    raises OSError if it cannot read it. Files that cannot be parsed are left out.
     """
     trees: dict[str, ast.SourceTree | None] = {main.name: parse(main, report)}
-    # The files on the way from the main file to the present one, each with the imports that are still to be followed.
+    # The files from the main file to the present one, each with its imports that have not been followed yet.
     path = [(main.name, _imports(trees[main.name]))]
     while path:
         importer, pending = path[-1]

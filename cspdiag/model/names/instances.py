@@ -1,4 +1,4 @@
-"""Instances: what they are made of, how many, and with which arguments."""
+"""Names and types in instances: their definitions, sizes and arguments."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from cspdiag.syntax import ast
 Definitions = tuple[type[ast.Definition], ...]
 
 
-def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, wanted: str) -> ast.Definition | None:
-    """Bind the name of a definition of the wanted kinds; None, and reported, if it is not one."""
+def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, expected: str) -> ast.Definition | None:
+    """Bind the name of a definition of the expected kinds; anything else is reported and gives None."""
     context = typer.context
     definition = context.program.definitions.get(name.text)
     if isinstance(definition, kinds):
@@ -28,18 +28,18 @@ def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, want
             advice = "a variable is declared by `var name : type`"
         elif isinstance(definition, ast.DriverDefinition):
             advice = "drivers belong in environments"
-        context.refuse_kind(name.span, name.text, definition, wanted, advice, name)
+        context.refuse_kind(name.span, name.text, definition, expected, advice, name)
     elif not context.excuses_unknown_names:
         definitions = context.program.definitions
         suggestion = context.speller.nearest(
             name.text, (other for other, found in definitions.items() if isinstance(found, kinds))
         )
         declared = definitions[suggestion].name.span if suggestion else None
-        _article, kind = wanted.split(" ", 1)
+        _article, kind = expected.split(" ", 1)
         missing = UnknownName(
             name.span,
             name=name.text,
-            wanted=kind.replace(" or a ", " or "),
+            expected=kind.replace(" or a ", " or "),
             suggestion=suggestion,
             declared=declared,
             advice=_library(name.text),
@@ -57,7 +57,7 @@ def _library(name: str) -> str | None:
     )
 
 
-def resolve_instance(typer: Typer, instance: ast.Instance, kinds: Definitions, wanted: str) -> None:
+def resolve_instance(typer: Typer, instance: ast.Instance, kinds: Definitions, expected: str) -> None:
     """Bind the definition; type the size and the arguments."""
     inner = typer
     match instance.size:
@@ -67,9 +67,9 @@ def resolve_instance(typer: Typer, instance: ast.Instance, kinds: Definitions, w
             check_replicator(typer, instance.size)
             size_of(typer, instance.size.count, "the size of an array of instances")
             inner = typer.within(instance.size)
-        case size:  # A number of them, as an expression.
+        case size:  # A size, as an expression.
             size_of(typer, size, "the size of an array of instances")
-    definition = bind_definition(typer, instance.definition, kinds, wanted)
+    definition = bind_definition(typer, instance.definition, kinds, expected)
     if not isinstance(definition, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):
         typer.context.program.poisoned.add(instance)
         for argument in instance.arguments:
@@ -87,7 +87,7 @@ def resolve_arguments(
     name: ast.Identifier,
     example: str,
 ) -> None:
-    """Match arguments with the parameters and type them; what is missing is reported at ``name``."""
+    """Match arguments with the parameters and type them; missing arguments are reported at ``name``."""
     context = typer.context
     declared = definition.name.span
     matches = matched(context, definition.name.text, definition.parameters, arguments, declared)

@@ -1,4 +1,4 @@
-"""Processes and submodels that contain themselves."""
+"""Checks that processes and submodels do not contain themselves."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Composed = ast.ProcessDefinition | ast.SubmodelDefinition
 
 
 def refuse_recursion(context: Context) -> None:
-    """Report each circle of definitions once, and poison the instances that close it."""
+    """Report each cycle of definitions once, and poison the instances that close it."""
     program = context.program
     composed = [item for item in program.definitions.values() if isinstance(item, Composed)]
     instances = {item: list(instances_in(item)) for item in composed}

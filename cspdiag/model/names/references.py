@@ -15,10 +15,10 @@ from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
 
 
-def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type, ...]) -> Symbol | None:
-    """Bind the first name of a reference; None, and reported, if it is unknown.
+def find(typer: Typer, reference: ast.Reference, expected: str, kinds: tuple[type, ...]) -> Symbol | None:
+    """Bind the first name of a reference; an unknown name is reported and gives None.
 
-    ``wanted`` and ``kinds`` are what would fit, for the name that was probably meant.
+    ``expected`` and ``kinds`` are the kinds of things that are allowed, for the suggestion of a similar name.
     """
     context, name = typer.context, reference.name.text
     symbol = typer.surroundings.scope.names.get(name) or typer.surroundings.replicators.get(name)
@@ -26,13 +26,13 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
         context.program.poisoned.add(reference)
         definition = context.program.definitions.get(name)
         if definition is not None:
-            refuse_kind(typer, reference, definition, wanted)
-        elif not (context.excuses_unknown_names or _excused(typer.surroundings.scope, name, wanted)):
+            refuse_kind(typer, reference, definition, expected)
+        elif not (context.excuses_unknown_names or _is_excused(typer.surroundings.scope, name, expected)):
             names = typer.surroundings.scope.names
             suggestion = context.speller.nearest(
                 name, (other for other, found in names.items() if isinstance(found, kinds))
             )
-            if suggestion is None and wanted == "instance":
+            if suggestion is None and expected == "instance":
                 suggestion = context.speller.nearest(name, ("skip", "stop"))
             if suggestion is None:
                 typer.surroundings.scope.undeclared.add(name)
@@ -40,10 +40,10 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
             missing = UnknownName(
                 reference.name.span,
                 name=name,
-                wanted=wanted,
+                expected=expected,
                 suggestion=suggestion,
                 declared=declared,
-                advice=_advice_on_missing(name, wanted),
+                advice=_advice_on_missing(name, expected),
             )
             context.refuse(missing, reference)
         return None
@@ -51,50 +51,52 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
     return symbol
 
 
-def _excused(scope: Scope, name: str, wanted: str) -> bool:
-    return scope.incomplete or (wanted != "output" and name in scope.undeclared)
+def _is_excused(scope: Scope, name: str, expected: str) -> bool:
+    return scope.incomplete or (expected != "output" and name in scope.undeclared)
 
 
-def _advice_on_missing(name: str, wanted: str) -> str | None:
+def _advice_on_missing(name: str, expected: str) -> str | None:
     return {
         "sink": f"a label that ends an arrow has a type: `{name} : type`",
         "variable": f"declare it in the communication block: `var {name} : type`",
         "instance": f"declare it in the communication block: `{name} : Definition`",
         "output": f"declare `out {name} : type`, or write `let {name} = ...` for a local value",
-    }.get(wanted)
+    }.get(expected)
 
 
-def _advice_on_kind(name: str, symbol: Symbol, wanted: str) -> str | None:
+def _advice_on_kind(name: str, symbol: Symbol, expected: str) -> str | None:
     match symbol:
         case ast.ProcessDefinition() | ast.SubmodelDefinition():
             instance = f"{name[:1].lower()}{name[1:]}"
             return f"declare an instance in the communication block, such as `{instance} : {name}`, and name that"
-        case ast.State() if wanted == "output":
+        case ast.State() if expected == "output":
             return f"write `next {name} = ...` or `der {name} = ...`"
-        case ast.Let() if wanted == "output":
+        case ast.Let() if expected == "output":
             return "its `let` is its equation"
-        case ast.Parameter() | ast.Constant() if wanted in {"variable", "source", "sink"}:
+        case ast.Parameter() | ast.Constant() if expected in {"variable", "source", "sink"}:
             return f"its value never changes; declare a variable that begins with it: `var value : type = {name}`"
-        case _:  # No advice would help.
+        case _:  # There is no useful advice.
             return None
 
 
-def refuse_kind(typer: Typer, reference: ast.Reference, symbol: Symbol, wanted: str, advice: str | None = None) -> None:
-    """Report that a reference names another kind of thing than is wanted."""
+def refuse_kind(
+    typer: Typer, reference: ast.Reference, symbol: Symbol, expected: str, advice: str | None = None
+) -> None:
+    """Report that a reference names a different kind of thing than expected."""
     name = reference.name.text
-    article = "an" if wanted[0] in "aeiou" else "a"
+    article = "an" if expected[0] in "aeiou" else "a"
     span = reference.span if reference.member is None else reference.name.span
-    advice = advice or _advice_on_kind(name, symbol, wanted)
-    typer.context.refuse_kind(span, name, symbol, f"{article} {wanted}", advice, reference)
+    advice = advice or _advice_on_kind(name, symbol, expected)
+    typer.context.refuse_kind(span, name, symbol, f"{article} {expected}", advice, reference)
 
 
-def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
-    """The type of what passes a port, a port of an instance, a channel, a variable or a label.
+def end_of_channel(typer: Typer, reference: ast.Reference, expected: str) -> Type:
+    """The type of the values that pass a port, a port of an instance, a channel, a variable or a label.
 
-    Recorded in ``types``; ``members`` has the port of an instance. UNKNOWN, and reported, for anything else.
+    It is recorded in ``types``, and the port of an instance in ``members``. Anything else is reported, and UNKNOWN.
     """
     kinds = (PortSymbol, ast.Instance, ast.Variable, ast.Channel, EndLabelSymbol)
-    symbol = find(typer, reference, wanted, kinds if reference.member is None else (ast.Instance,))
+    symbol = find(typer, reference, expected, kinds if reference.member is None else (ast.Instance,))
     found: Type = UNKNOWN
     _type_indexes(typer, reference)
     if reference.member is not None:
@@ -106,10 +108,10 @@ def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
                 if whole is UNKNOWN:
                     typer.context.program.poisoned.add(reference)
                 else:
-                    refuse_part(typer, reference, symbol, whole, wanted)
+                    refuse_part(typer, reference, symbol, whole, expected)
             case None:
                 pass
-            case _:  # Nothing else has parts that diagrams name.
+            case _:  # Nothing else has members that diagrams refer to.
                 refuse_kind(typer, reference, symbol, "instance")
     else:
         match symbol:
@@ -120,21 +122,21 @@ def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
             case ast.Instance():
                 ports = typer.context.program.bindings.get(symbol.definition)
                 advice = _port_advice(typer, reference, ports)
-                refuse_kind(typer, reference, symbol, wanted, advice)
-            case _:  # Nothing else is read, written or connected.
-                refuse_kind(typer, reference, symbol, wanted)
+                refuse_kind(typer, reference, symbol, expected, advice)
+            case _:  # Nothing else can be read, written or connected.
+                refuse_kind(typer, reference, symbol, expected)
     typer.context.program.types[reference] = found
     return found
 
 
 def _carried(typer: Typer, symbol: PortSymbol | ast.Variable | ast.Channel | EndLabelSymbol) -> Type:
-    """The type of what a port, a variable, a channel or a label has, all elements of an array together."""
+    """The type of a port, a variable, a channel or a label, as a whole if it is an array."""
     match symbol:
         case PortSymbol():
             return array_of_ports(typer.context, symbol)
         case EndLabelSymbol():
             return symbol.type
-        case _:  # What is declared with its type.
+        case _:  # Other declarations, with a type of their own.
             return typer.context.program.types.get(symbol, UNKNOWN)
 
 
@@ -147,7 +149,7 @@ def _port_advice(typer: Typer, reference: ast.Reference, definition: Symbol | No
 
 def _type_indexes(typer: Typer, reference: ast.Reference) -> None:
     for index in (*reference.indexes, *reference.member_indexes):
-        # Which port or instance is meant is fixed when the diagram is expanded; an element of a variable is not.
+        # The index of a port or an instance must be known when the diagram is expanded, that of a variable need not be.
         symbol = typer.context.program.bindings.get(reference)
         if isinstance(symbol, ast.Variable | EndLabelSymbol):
             typer.require(index, INT, Purpose(what="an index"))
@@ -171,7 +173,7 @@ def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> 
             member.span,
             name=member.text,
             owner=f"`{instance.name.text}`, an instance of `{instance.definition.text}`,",
-            wanted="port",
+            expected="port",
             options=tuple(scope.ports),
             suggestion=typer.context.speller.nearest(member.text, scope.ports),
             declared=declared_at(definition),
@@ -184,19 +186,19 @@ def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> 
 
 
 def ports_of(typer: Typer, instance: ast.Instance) -> Scope | None:
-    """The ports of what an instance is made of; None where that is unknown or poisoned."""
+    """The ports of the definition of an instance; None if that is unknown or poisoned."""
     program = typer.context.program
     definition = program.bindings.get(instance.definition)
     return program.scopes.get(definition) if isinstance(definition, ast.Node) else None
 
 
 def check_instance_index(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> None:
-    """An array of instances is named with one index, a single instance without."""
-    given, wanted = len(reference.indexes), 0 if instance.size is None else 1
-    if instance in typer.context.repeated or given == wanted:
+    """Check that an array of instances is used with one index, and a single instance without."""
+    given, expected = len(reference.indexes), 0 if instance.size is None else 1
+    if instance in typer.context.repeated or given == expected:
         return
     name = instance.name.text
-    if wanted:
+    if expected:
         problem, advice = "is an array of instances and needs one index", f"write `{name}[0]`, `{name}[1]`, …"
     else:
         problem, advice = "is a single instance and takes no index", f"declare an array by `{name}[n] : …`"

@@ -1,4 +1,4 @@
-"""From syntax trees to a program: what every name means, and the type of every declaration and expression."""
+"""From syntax trees to a program: the meaning of every name, and the type of every declaration and expression."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.model.expressions.numbers import Typer
 from cspdiag.model.names.assertions import resolve_assertion
 from cspdiag.model.names.communications import resolve_declarations
 from cspdiag.model.names.compositions import resolve_composition
-from cspdiag.model.names.definitions import collect, settle
+from cspdiag.model.names.definitions import collect, resolve_constants_and_types
 from cspdiag.model.names.equations import resolve_submodel
 from cspdiag.model.names.headers import WithPorts, resolve_header
 from cspdiag.model.names.instances import bind_definition, resolve_arguments
@@ -26,13 +26,13 @@ from cspdiag.syntax import ast
 def resolve(trees: Sequence[ast.SourceTree], overrides: Mapping[str, Value], report: Report) -> Program:
     """Resolve a program given by its trees, the main file's first.
 
-    ``overrides`` replaces the values of constants by name; a text is read as ``parse_value`` does, which raises
+    ``overrides`` replaces the values of constants by name; a string is parsed by ``parse_value``, which raises
     ValueError.
     """
     program = Program(main=trees[0], trees=tuple(trees), overrides=dict(overrides))
     context = Context(program, report, incomplete=report.has_errors)
     collect(context)
-    settle(context)
+    resolve_constants_and_types(context)
     definitions = [
         item for tree in program.trees for item in tree.items if not isinstance(item, ast.Import | ast.Assertion)
     ]
@@ -72,7 +72,7 @@ def _resolve_process(context: Context, definition: ast.ProcessDefinition) -> Non
 
 
 def _resolve_environment(context: Context, definition: ast.EnvironmentDefinition) -> None:
-    """The ports of the process belong to the scope: relationships name them as they are."""
+    """Resolve an environment. Its scope includes the ports of the process, which relationships use by name."""
     scope = context.program.scopes[definition] = Scope()
     surroundings = Surroundings(place="environment", owner=definition, scope=scope, replicators={})
     typer = Typer(context, surroundings)

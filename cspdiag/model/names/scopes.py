@@ -1,4 +1,4 @@
-"""Names inside a definition: declared once each."""
+"""Scopes: each name in a definition is declared once."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from cspdiag.syntax import ast
 
 
 def definition_text(definition: ast.Definition) -> str:
-    """A definition as messages name it: ``the process `Jiwy```."""
+    """A definition as it is called in messages: ``the process `Jiwy```."""
     return f"the {described(definition).split(' ', 1)[1]} `{definition.name.text}`"
 
 
 def declare(context: Context, scope: Scope, name: ast.Identifier, symbol: Symbol, where: str) -> None:
-    """Enter a name; one that is reserved or already there is reported, and the first one keeps its meaning."""
+    """Declare a name; a reserved or repeated name is reported, and the first declaration keeps its meaning."""
     text = name.text
     meaning = reserved_value(text)
     if meaning:
@@ -40,7 +40,7 @@ def declare(context: Context, scope: Scope, name: ast.Identifier, symbol: Symbol
 
 
 def check_replicator(typer: Typer, replicator: ast.Replicator) -> None:
-    """A replicator must not hide another name."""
+    """Check that a replicator does not hide another name."""
     text = replicator.name.text
     meaning = reserved_value(text)
     if meaning:
