@@ -283,6 +283,17 @@ def test_critical_sections_nest(machine: Path) -> None:
     assert ended(machine, "critical").lines == ["masked in between 1", "masked behind 0"]
 
 
+def test_a_run_leaves_nothing_that_sanitizers_object_to(tmp_path: Path) -> None:
+    """Ends of runs, too: a thread that is cancelled instead of joined leaves its stack poisoned."""
+    need("gcc")
+    checked = ("-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    sanitized = built(tmp_path, DEVICES / "machine.csp", DEVICES / "machine.c", *checked)
+    for trouble, status in (("polled", 0), ("critical", 0)):
+        found = ended(sanitized, trouble)
+        assert found.status == status, found.errors
+        assert "Sanitizer" not in found.errors
+
+
 def test_threads_share_nothing_unsynchronized(tmp_path: Path) -> None:
     need("gcc")
     sanitized = built(tmp_path, DEVICES / "machine.csp", DEVICES / "machine.c", "-g", "-fsanitize=thread")

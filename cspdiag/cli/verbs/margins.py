@@ -154,8 +154,8 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
     point: dict[str, float] = {}
     for entry in arguments.point:
         try:
-            name, value = split_setting(entry)
-            point[name] = number(value)
+            name, text = split_setting(entry)
+            value = number(text)
         except (SettingError, ArgumentTypeError):
             raise UsageError(
                 f"--at {entry}: expected NAME=VALUE, the value a finite number in the unit of the state"
@@ -164,6 +164,9 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
             raise UsageError(
                 f"--at {entry}: `{environment.name}` has no state {name} (it has: {', '.join(states) or 'none'})"
             )
+        if name in point:
+            raise UsageError(f"--at: {name} is set twice: to {point[name]} and to {value}")
+        point[name] = value
     return point
 
 

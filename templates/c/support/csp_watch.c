@@ -19,6 +19,9 @@ enum { TEXT = 512, LOOK = 1000000000 / CSP_LOOKS, THREAD_STACK = 1 << 17 };
 
 static pthread_t owner; /* the thread of the run */
 static pthread_t watcher;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of `over` */
+static pthread_cond_t ended;
+static bool over; /* the watcher is to end */
 static volatile bool watched;
 static volatile bool patient; /* whether a run without progress is taken to hang */
 static volatile bool hangs;
@@ -139,6 +142,26 @@ static void report_check(int64_t *reported)
 
 /* ---- The thread ---- */
 
+/* Waits until the next check; false: there is none any more. */
+static bool wait_for_a_check(void)
+{
+    struct timespec next;
+    (void)clock_gettime(CLOCK_MONOTONIC, &next);
+    next.tv_nsec += LOOK;
+    if (next.tv_nsec >= 1000000000) {
+        next.tv_nsec -= 1000000000;
+        next.tv_sec++;
+    }
+    (void)pthread_mutex_lock(&lock);
+    int waited = 0;
+    while (!over && (waited == 0)) {
+        waited = pthread_cond_timedwait(&ended, &lock, &next);
+    }
+    const bool goes_on = !over;
+    (void)pthread_mutex_unlock(&lock);
+    return goes_on;
+}
+
 static void *watch(void *nothing)
 {
     uint32_t turns = 0U;
@@ -146,8 +169,7 @@ static void *watch(void *nothing)
     uint32_t looks = 0U;
     int64_t reported = -1;
     bool in_vain = false;
-    for (;;) {
-        csp_watch_wait_a_look();
+    while (wait_for_a_check()) {
         report_check(&reported);
         csp_watch_attend(false);
         const uint32_t looked_for = CSP_LOAD(parent);
@@ -179,15 +201,20 @@ static void *watch(void *nothing)
 void csp_watch_begin(pthread_t run)
 {
     pthread_attr_t attributes;
+    pthread_condattr_t monotonic;
     sigset_t all;
     sigset_t before;
     owner = run;
+    over = false;
     CSP_STORE(hangs, false);
     CSP_STORE(forced, false);
     CSP_STORE(patient, false);
-    if (pthread_attr_init(&attributes) != 0) {
+    if ((pthread_condattr_init(&monotonic) != 0) || (pthread_attr_init(&attributes) != 0)) {
         return;
     }
+    (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    (void)pthread_cond_init(&ended, &monotonic);
+    (void)pthread_condattr_destroy(&monotonic);
     (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* the new thread inherits the mask */
@@ -201,8 +228,12 @@ void csp_watch_end(void)
 {
     if (CSP_LOAD(watched)) {
         CSP_STORE(watched, false);
-        (void)pthread_cancel(watcher);
+        (void)pthread_mutex_lock(&lock);
+        over = true;
+        (void)pthread_cond_signal(&ended);
+        (void)pthread_mutex_unlock(&lock);
         (void)pthread_join(watcher, NULL);
+        (void)pthread_cond_destroy(&ended);
     }
 }
 

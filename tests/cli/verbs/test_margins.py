@@ -59,6 +59,7 @@ def test_a_bode_picture(cspdiag: Command, loop: Path, tmp_path: Path, kind: str)
         (("--plot", "nowhere/bode.svg"), "there is no folder"),
         (("--environment", "Moon"), "Moon"),
         (("--set", "T"), "NAME=VALUE"),
+        (("--at", "plant.x=1", "--at", "plant.x=2"), "plant.x is set twice: to 1.0 and to 2.0"),
         (("--at", "plant.v=1"), "`Bench` has no state plant.v (it has: plant.x)"),
         *(
             (("--at", f"plant.x={value}"), f"--at plant.x={value}: expected NAME=VALUE, the value a finite number")
