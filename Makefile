@@ -32,6 +32,7 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	$(BIN)/python -m tests.simulate.ways_out
 	$(BIN)/python -m tests.analyses.timing.hunt --random 5000
 	$(BIN)/python -m tests.conformance.random --count 5000
+	$(BIN)/python -m tests.conformance.random --programs nested --count 2000
 	for property in deadlock livelock terminates schedulable refines trace; do \
 	    $(BIN)/python -m tests.oracle.hunt --property $$property --count 5000 || exit 1; done
 

@@ -17,11 +17,12 @@ from pathlib import Path
 from tests.conformance.random.compare import LEAST, NATIVE, communications, difference, smallest
 from tests.conformance.random.known import known
 from tests.conformance.random.meetings import meetings
+from tests.conformance.random.nested import nested
 
 PYTHON = ("python-O0", "python-O1")
 REPORTED = 100
 """After so many programs it is said how many differ."""
-GENERATORS = {"meetings": meetings, "known": known}
+GENERATORS = {"meetings": meetings, "known": known, "nested": nested}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -65,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
         "--programs",
         choices=sorted(GENERATORS),
         default="meetings",
-        help="that communicate often, or compute with what is known beforehand",
+        help="that communicate often, compute with what is known beforehand, or nest interrupts whose guards meet",
     )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after so many")

@@ -70,7 +70,7 @@ EXTERNAL = {
 OFFSETS = (" offset 300 us", " offset 500 us", "")
 
 
-def _external(seed: int) -> dict[str, tuple[str, str, str]]:
+def external_ports(seed: int) -> dict[str, tuple[str, str, str]]:
     """The external ports, in half of the programs some with an offset, which is drawn by itself."""
     draw = Random(f"offsets {seed}")
     if draw.random() < 0.5:
@@ -183,7 +183,7 @@ def guard(part: Part, free: list[str], *, watching: bool = False) -> tuple[str, 
 def guarded(part: Part, free: list[str], depth: int) -> Node:
     """A guarded process."""
     text, first = guard(part, free)
-    return Node(f"({_plain(text)} -> ({_plain(first)}{{}}))", (step(part, depth),), guarded=True)
+    return Node(f"({plain(text)} -> ({plain(first)}{{}}))", (step(part, depth),), guarded=True)
 
 
 def law(part: Part) -> str:
@@ -202,7 +202,7 @@ COMPOSED = (
 )  # fmt: skip
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Text in a form."""
     return text.replace("{", "{{").replace("}", "}}")
 
@@ -213,7 +213,7 @@ def step(part: Part, depth: int) -> Node:
     if depth == 0 or draw.random() < 0.25:
         choice = draw.random()
         if choice < 0.75 and part.ports:
-            return Node(f"({_plain(access(part, draw.choice(part.ports)))})")
+            return Node(f"({plain(access(part, draw.choice(part.ports)))})")
         if choice < 0.87 and part.leaf.indexes and draw.random() < 0.5:
             return Node(f"(wait {draw.choice(part.leaf.indexes)} % 5 * 100 us)")
         if choice < 0.87:
@@ -224,7 +224,7 @@ def step(part: Part, depth: int) -> Node:
             return Node(law(part))
         if choice < 0.95:
             kind = draw.choice(sorted(INITIAL))
-            return Node(f"({part.variable(kind)} := {_plain(part.value(kind, 2))})")
+            return Node(f"({part.variable(kind)} := {plain(part.value(kind, 2))})")
         return Node(draw.choice(["skip", "skip", "skip", "stop"]))
     return composed(part, draw.choice(COMPOSED), depth)
 
@@ -249,10 +249,10 @@ def composed(part: Part, kind: str, depth: int) -> Node:
         case "seq i":
             return _replicated(part, depth)
         case "if":
-            form = f"(if {_plain(part.value('bool'))} then {{}} else {{}})"
+            form = f"(if {plain(part.value('bool'))} then {{}} else {{}})"
             return Node(form, (step(part, depth - 1), step(part, depth - 1)))
         case "raise":
-            return Node(f"(if {_plain(part.value('bool'))} then raise {draw.choice(['Overheated', 'Jammed'])})")
+            return Node(f"(if {plain(part.value('bool'))} then raise {draw.choice(['Overheated', 'Jammed'])})")
         case "catch":
             name = draw.choice(["Overheated", "Fault", "Fault", "Timeout"])
             return Node(f"({{}} catch {name} -> {{}})", (step(part, depth - 1), step(part, depth - 1)))
@@ -286,10 +286,10 @@ def _interrupted(part: Part, depth: int) -> Node:
     text, first = guard(watching, list(own), watching=True)
     taken = [p for p in own if p not in part.leaf.shared]
     body = step(part.others(*taken), depth - 1)
-    return Node(f"({{}} interrupt {_plain(text)} -> ({_plain(first)}{{}}))", (body, step(part, depth - 1)))
+    return Node(f"({{}} interrupt {plain(text)} -> ({plain(first)}{{}}))", (body, step(part, depth - 1)))
 
 
-def _connected(draw: Random, leaves: Sequence[Leaf]) -> list[str]:
+def connected(draw: Random, leaves: Sequence[Leaf]) -> list[str]:
     """Channels between the leaves."""
     relations = []
     for number in range(draw.randint(2, 5)):
@@ -310,7 +310,7 @@ def _connected(draw: Random, leaves: Sequence[Leaf]) -> list[str]:
     return relations
 
 
-def _outside(draw: Random, leaves: Sequence[Leaf], external: Mapping[str, tuple[str, str, str]]) -> list[str]:
+def outside(draw: Random, leaves: Sequence[Leaf], external: Mapping[str, tuple[str, str, str]]) -> list[str]:
     relations = []
     for name, (way, kind, period) in external.items():
         several = way == "in" and draw.random() < 0.5
@@ -351,10 +351,10 @@ def _deep(draw: Random, leaf: Leaf, inner: Node) -> Node:
 
 def meetings(seed: int) -> Program:
     """The program of a seed."""
-    draw, external = Random(seed), _external(seed)
+    draw, external = Random(seed), external_ports(seed)
     deep = Random(f"deep {seed}")
     leaves = [Leaf(f"Leaf{i}") for i in range(draw.randint(2, 4))]
-    relations = [*_connected(draw, leaves), *_outside(draw, leaves, external)]
+    relations = [*connected(draw, leaves), *outside(draw, leaves, external)]
     bodies = []
     for leaf in leaves:
         counter = leaf.fresh("k")
@@ -364,6 +364,17 @@ def meetings(seed: int) -> Program:
         rounds = f"(mu ({{}} ; {counter} := {counter} + 1) until {counter} >= {draw.randint(2, 4)})"
         body = Node(rounds, (inner,))
         bodies.append(_deep(deep, leaf, body) if deep.random() < 0.03 else body)
+    return assembled(draw, leaves, bodies, relations, external)
+
+
+def assembled(
+    draw: Random,
+    leaves: Sequence[Leaf],
+    bodies: Sequence[Node],
+    relations: Sequence[str],
+    external: Mapping[str, tuple[str, str, str]],
+) -> Program:
+    """The program of some leaves in parallel, with an environment."""
     operator = draw.choice([" || ", " || ", " ||> "])
     top = Node("", tuple(Node(f"leaf{i}") for i in draw.sample(range(len(leaves)), len(leaves))), operator)
     ports = [f"  {way} {name} : {kind}{period}" for name, (way, kind, period) in external.items()]
