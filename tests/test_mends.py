@@ -137,7 +137,7 @@ def test_every_kind_with_a_mend_is_shown() -> None:
 
 
 @pytest.mark.parametrize("text", NOT_SURE, ids=range(len(NOT_SURE)))
-def test_what_is_not_sure_is_not_mended(text: str) -> None:
+def test_uncertain_corrections_are_not_applied(text: str) -> None:
     assert check_files({MAIN: text}).report.diagnostics
     unchanged, left = mended(text)
     assert (unchanged, [found.edits for found in left]) == (text, [()] * len(left))
@@ -152,7 +152,7 @@ def test_the_refused_program_of_a_page_is_mended_whole_if_at_all(kind: type[Diag
         assert left == [], describe(left)
 
 
-def test_a_mend_that_uncovers_more_is_taken_back() -> None:
+def test_a_mend_that_uncovers_more_errors_is_undone() -> None:
     law = "submodel Screen {\n  in  x : double\n  out y : double\n\n  y = x\n}\n\n"
     main = (
         "process Main {\n  communication {\n    pick : screen(base = 1)\n    pick.a -> pick.b\n  }\n\n"
@@ -163,6 +163,6 @@ def test_a_mend_that_uncovers_more_is_taken_back() -> None:
     assert [found.code for found in left] == ["E0204"]
 
 
-def test_mends_that_touch_wait_for_each_other() -> None:
+def test_mends_that_touch_are_applied_one_after_the_other() -> None:
     assert mended(LAW % "n * n * angle") == (LAW % "double(n * n) * angle", [])
     assert mended(LAW % "anlge² + anlge") == (LAW % "angle^2 + angle", [])

@@ -40,7 +40,7 @@ def test_a_program_runs_with_settings() -> None:
     assert len(program.run(until="50 ms").time("feedback_vertical")) == 50
 
 
-def test_what_is_wrong_is_told(broken: Path) -> None:
+def test_errors_are_reported(broken: Path) -> None:
     (diagnostic,) = cspdiag.check(broken)
     assert diagnostic.code == "E0204"
     with pytest.raises(ProgramError, match="nobody") as raised:
@@ -48,7 +48,7 @@ def test_what_is_wrong_is_told(broken: Path) -> None:
     assert raised.value.diagnostics == [diagnostic]
 
 
-def test_what_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_what_does_not_exist_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         cspdiag.load(tmp_path / "missing.csp")
     program = cspdiag.load(JIWY)
@@ -71,7 +71,7 @@ def test_settings_are_names_and_values() -> None:
         parse_duration("soon")
 
 
-def test_a_run_is_looked_at_by_name() -> None:
+def test_a_run_is_accessed_by_name() -> None:
     run = cspdiag.load(JIWY).run(until=0.05)
     assert repr(run) == "<Run of Jiwy in Bench: reached the time limit at 50 ms>"
     assert "feedback_vertical" in run

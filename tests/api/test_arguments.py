@@ -114,21 +114,21 @@ def cases(functions: dict[str, Callable[[Any], object]]) -> pytest.MarkDecorator
 @pytest.mark.parametrize(
     "value", [3, HUGE, math.nan, b"Main", ("Main",), object()], ids=lambda value: type(value).__name__
 )
-def test_a_name_is_a_text(function: Callable[[Any], object], value: object) -> None:
+def test_a_name_has_to_be_a_text(function: Callable[[Any], object], value: object) -> None:
     with pytest.raises(TypeError, match=r"str"):
         function(value)
 
 
 @cases(NUMBERS)
 @pytest.mark.parametrize("value", [b"1", ["1"], object(), 1j], ids=lambda value: type(value).__name__)
-def test_a_number_is_a_number(function: Callable[[Any], object], value: object) -> None:
+def test_a_number_has_to_be_a_number(function: Callable[[Any], object], value: object) -> None:
     with pytest.raises(TypeError, match=r"number|int"):
         function(value)
 
 
 @cases(NUMBERS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400, -HUGE, -1], ids=range(6))
-def test_a_number_that_is_none_is_refused_in_words(function: Callable[[Any], object], value: float) -> None:
+def test_an_invalid_number_is_refused_with_a_reason(function: Callable[[Any], object], value: float) -> None:
     if function is NUMBERS["depth"] and (not isinstance(value, int) or value > 0):
         pytest.skip("deeper than a program is one picture of all of it")
     with pytest.raises(cspdiag.CspdiagError) as problem:
@@ -138,7 +138,7 @@ def test_a_number_that_is_none_is_refused_in_words(function: Callable[[Any], obj
 
 @cases(MAPPINGS)
 @pytest.mark.parametrize("value", [3, "T", ["T"], b"T", False, 0], ids=lambda value: type(value).__name__)
-def test_a_mapping_is_a_mapping(function: Callable[[Any], object], value: object) -> None:
+def test_a_mapping_has_to_be_a_mapping(function: Callable[[Any], object], value: object) -> None:
     with pytest.raises(TypeError, match="is a mapping"):
         function(value)
 
@@ -152,14 +152,14 @@ def test_a_choice_is_one_of_few(function: Callable[[Any], object], value: object
 
 @cases(PATHS)
 @pytest.mark.parametrize("value", [3.5, HUGE, ["x"], None], ids=lambda value: type(value).__name__)
-def test_a_path_is_a_path(function: Callable[[Any], object], value: object) -> None:
+def test_a_path_has_to_be_a_path(function: Callable[[Any], object], value: object) -> None:
     with pytest.raises(TypeError):
         function(value)
 
 
 @cases(PATHS)
 @pytest.mark.parametrize("value", ["a\0b.svg", "\ud800.svg"], ids=["zero", "half"])
-def test_a_name_that_no_file_has(function: Callable[[Any], object], value: str) -> None:
+def test_a_name_that_no_file_can_have(function: Callable[[Any], object], value: str) -> None:
     with pytest.raises(cspdiag.FileError):
         function(value)
 
@@ -193,7 +193,7 @@ def test_numbers_of_numpy_are_numbers(setting: dict[str, Any], value: float) -> 
     assert program.run(until=SHORT, set=setting)["y"][0] == value
 
 
-def test_a_number_as_a_text_is_no_time() -> None:
+def test_a_number_as_a_text_is_not_a_time() -> None:
     with pytest.raises(cspdiag.SettingError, match="unit"):
         program.build(set={"T": "0.02"})
 

@@ -110,7 +110,9 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
 @pytest.mark.parametrize(
     ("call", "kind", "said"), [pytest.param(*rest, id=name.replace(" ", "-")) for name, *rest in WRONG]
 )
-def test_wrong_arguments_are_refused_in_words(call: Callable[[], object], kind: type[Exception], said: str) -> None:
+def test_wrong_arguments_are_refused_with_a_reason(
+    call: Callable[[], object], kind: type[Exception], said: str
+) -> None:
     with pytest.raises(cspdiag.CspdiagError, match=said) as raised:
         call()
     assert isinstance(raised.value, kind)
@@ -125,7 +127,7 @@ def test_errors_of_the_program_come_as_diagnostics() -> None:
     assert list(of_a_file.value.diagnostics) == []
 
 
-def test_a_picture_is_refused_in_words(tmp_path: Path) -> None:
+def test_a_picture_is_refused_with_a_reason(tmp_path: Path) -> None:
     pytest.importorskip("quickjs")
     try:
         drawing = program().draw()
@@ -164,7 +166,7 @@ def test_a_path_may_be_bytes() -> None:
     assert cspdiag.load(str(JIWY).encode()).source.name == str(JIWY)  # type: ignore[arg-type]
 
 
-def test_a_run_that_failed_raises_one_of_ours() -> None:
+def test_a_failed_run_raises_an_exception_of_the_library() -> None:
     assert program().run(until=0.01).raise_if_unsuccessful() is None
     run = cspdiag.load(MODELS / "dining/deadlock.csp").run(until=1)
     with pytest.raises(cspdiag.RunError, match="deadlock"):
@@ -189,7 +191,7 @@ def test_errors_of_files_stay_what_they_are(kind: type[OSError]) -> None:
     assert file_error(problem) is problem
 
 
-def test_a_compiler_that_is_missing_is_ours(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_compiler_raises_an_exception_of_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(cspdiag.CspdiagError, match="no-such-compiler"):
         program().run(until=0.01, target="c", set={"Tsh": "3 ms"})

@@ -201,14 +201,14 @@ def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
         ("Tz=1ms", "the constants are Ts, base"),
     ],
 )
-def test_what_cannot_be_set_says_why(setting: str, reason: str) -> None:
+def test_a_name_that_cannot_be_set_is_refused_with_a_reason(setting: str, reason: str) -> None:
     with pytest.raises(SettingError) as refused:
         network(split_settings([setting]))
     assert reason in str(refused.value)
     assert setting.partition("=")[0] in str(refused.value)
 
 
-def test_fields_are_set_in_what_other_settings_have_made() -> None:
+def test_fields_are_set_in_values_from_other_settings() -> None:
     """``panGains.kp`` is computed from ``base``; what is set of it counts, and the rest follows ``base``."""
     built = pipeline.build(
         SourceFile(name="set.csp", text=PROGRAM),
@@ -269,7 +269,7 @@ def test_a_whole_and_a_part_of_it_are_not_both_set(
     assert str(refused.value) == f"{part} is set twice: by itself and as a part of {whole}"
 
 
-def test_parts_beside_each_other_are_both_set() -> None:
+def test_separate_parts_can_both_be_set() -> None:
     settings = {
         "tab[1][0]": "100",
         "tab[1][2]": "7",
@@ -374,7 +374,7 @@ def test_a_name_that_means_several_things_sets_none(name: str, ways: tuple[str, 
         ("const.gains.x", "there is no constant 'const.gains.x' (Gains has the fields n, kp)"),
     ],
 )
-def test_a_name_that_means_nothing_is_explained_for_all_that_it_begins_like(name: str, message: str) -> None:
+def test_an_unknown_name_is_explained_by_what_its_beginning_means(name: str, message: str) -> None:
     source = SourceFile(name="set.csp", text=AMBIGUOUS)
     with pytest.raises(SettingError) as refused:
         pipeline.build(source, read_source, settings={name: "1"}, alone=True)

@@ -30,17 +30,17 @@ def test_edits_are_applied_by_their_places() -> None:
     assert applied("abc", []) == "abc"
 
 
-def test_a_word_does_not_grow_together_with_one_beside_it() -> None:
+def test_a_replaced_word_does_not_join_its_neighbour() -> None:
     assert applied(FILE.text, [replacing(at(FILE, "&&"), "and")]).endswith("x = a and b\n")
     assert replacing(at(FILE, ":"), "=") == Edit(at(FILE, ":"), "=")
 
 
-def test_removing_takes_the_space_before_and_a_line_of_its_own() -> None:
+def test_removing_includes_the_space_before_and_a_whole_line() -> None:
     assert applied(FILE.text, [removing(at(FILE, ";"))]).startswith("in  a : int\n  ;\n")
     assert applied(FILE.text, [removing(Span(FILE, 15, 16))]) == "in  a : int;\nx = a&&b\n"
 
 
-def test_of_those_that_touch_the_first_is_taken_whole() -> None:
+def test_of_overlapping_edits_only_the_first_is_applied() -> None:
     other = source("other")
 
     def found(*changes: Edit) -> Diagnostic:
@@ -61,10 +61,10 @@ def test_of_those_that_touch_the_first_is_taken_whole() -> None:
     [("fork1", "fork2"), ("angles", "angle"), ("x_l", "x_r"), ("kp", "Kp"), ("idel", "idol"), ("bangle", "angle"),
      ("state12", "state21"), ("angle", "angle1"), ("an1gle", "angle"), ("xp", "px"), ("", "a")],
 )  # fmt: skip
-def test_what_may_tell_two_things_apart_is_no_slip(written: str, meant: str) -> None:
+def test_a_difference_that_may_distinguish_is_not_a_slip(written: str, meant: str) -> None:
     assert not is_slip(written, meant)
 
 
 @pytest.mark.parametrize("written", ["angel", "anlge", "agnle", "anglle", "agle", "ANGLE", "Angle"])
-def test_a_slip_is_one(written: str) -> None:
+def test_a_slip_is_recognized(written: str) -> None:
     assert is_slip(written, "angle")

@@ -92,7 +92,7 @@ def test_fields_may_be_given_by_name_in_any_order():
     assert Arrow(span=7, kind="event", unit="V", name="u", size=2) == Arrow("u", 2, "V", kind="event", span=7)
 
 
-def test_a_record_whose_fields_cannot_be_told_apart_by_position_is_refused_where_it_is_defined():
+def test_a_record_whose_fields_cannot_be_distinguished_by_position_is_refused_where_it_is_defined():
     with pytest.raises(TypeError, match="Later has fields without a default after fields with one"):
 
         @record
@@ -107,7 +107,7 @@ def test_records_compare_and_hash_by_value():
     assert len({Port("u"), Port("u"), Port("y")}) == 2
 
 
-def test_where_a_record_stands_is_no_part_of_its_value():
+def test_the_place_of_a_record_is_not_part_of_its_value():
     assert Arrow("u", span=1) == Arrow("u", span=2, drawn=True)
     assert hash(Arrow("u", span=1)) == hash(Arrow("u", span=2, drawn=True))
 

@@ -57,7 +57,7 @@ def releases(lines: list[str]) -> list[str]:
     return [line for line in lines if line.startswith("released")]
 
 
-def test_an_interrupt_brings_an_event_to_a_sleeping_program(package: Path) -> None:
+def test_an_interrupt_delivers_an_event_to_a_sleeping_program(package: Path) -> None:
     status, lines = emulated(package, "pressed")
     assert status == 0
     assert lines[:5] == ["masked in between 1", "masked behind 0", "lamp", *BOTH]
@@ -111,7 +111,7 @@ def test_an_end_of_the_library_releases_the_outputs(package: Path, trouble: str,
     assert lines[2:] == BOTH
 
 
-def test_a_watchdog_is_kicked_by_a_program_that_goes_on(package: Path) -> None:
+def test_a_watchdog_is_kicked_by_a_program_that_continues(package: Path) -> None:
     _, lines = emulated(package, "polled and watchdog")
     assert lines[2:-2] == ["lamp", *BOTH, "sampled 10", "ending 0"]
 
@@ -133,7 +133,7 @@ def test_firmware_has_no_heap(package: Path) -> None:
     assert not {"malloc", "_malloc_r", "free", "_free_r", "sbrk", "_sbrk", "_sbrk_r", "snprintf", "strtod"} & {*symbols}
 
 
-def test_without_a_debugger_the_program_goes_on(package: Path) -> None:
+def test_without_a_debugger_the_program_continues(package: Path) -> None:
     """What is written for debuggers is then a fault of the processor, which is no fault of the program."""
     board = ("qemu-system-arm", "-machine", "mps2-an385", "-nographic")
     command: list[str | Path] = [*board, *CLOCK, "-kernel", image(package, "fault")]

@@ -97,7 +97,7 @@ def test_an_event_input_of_an_own_device_is_polled(machine: Path) -> None:
 
 
 @pytest.mark.parametrize("by", ["a signal", "a thread"])
-def test_an_event_is_brought_from_outside(machine: Path, by: str) -> None:
+def test_an_event_is_delivered_from_outside(machine: Path, by: str) -> None:
     found = ended(machine, f"pressed by {by}")
     assert found.status == 0
     assert "polled 0" in found.lines
@@ -136,7 +136,7 @@ def test_signals_of_crashes_release_the_outputs(machine: Path, sent: int) -> Non
 
 
 @pytest.mark.parametrize("number", ["INT", "HUP", "TERM"])
-def test_signals_that_were_ignored_stay_so(machine: Path, number: str) -> None:
+def test_ignored_signals_stay_ignored(machine: Path, number: str) -> None:
     """As a shell starts what is to run in the background, and as ``nohup`` does."""
     script = machine.with_name(f"ignores_{number}")
     script.write_text(f"#!/bin/sh\ntrap '' {number}\nexec {machine} 'goes on'\n")
@@ -146,7 +146,7 @@ def test_signals_that_were_ignored_stay_so(machine: Path, number: str) -> None:
     assert found.releases == BOTH
 
 
-def test_a_handler_of_its_own_is_respected(machine: Path) -> None:
+def test_an_own_handler_is_respected(machine: Path) -> None:
     """SIGUSR1 is the button of the machine."""
     found = ended(machine, "pressed by a signal")
     assert found.status == 0
@@ -158,7 +158,7 @@ def test_a_signal_after_the_run_changes_nothing(machine: Path) -> None:
     assert found.status == 128 + signal.SIGTERM
 
 
-def test_children_of_a_device_end_as_others_do(machine: Path) -> None:
+def test_child_processes_of_a_device_end_like_others(machine: Path) -> None:
     found = ended(machine, "children", signals=[signal.SIGTERM])
     assert found.status == 128 + signal.SIGTERM
     assert f"child ended by signal {int(signal.SIGTERM)}" in found.lines
@@ -195,7 +195,7 @@ def test_a_run_that_holds_signals_back_is_released_from_outside(machine: Path) -
 
 
 @pytest.mark.parametrize("count", [2, 6])
-def test_many_signals_are_as_one(machine: Path, count: int) -> None:
+def test_many_signals_count_as_one(machine: Path, count: int) -> None:
     found = ended(machine, "goes on", signals=[signal.SIGINT, *[signal.SIGTERM] * (count - 1)])
     assert found.status in (128 + signal.SIGINT, 128 + signal.SIGTERM)
     assert found.releases == BOTH
@@ -209,7 +209,7 @@ def test_many_signals_are_as_one(machine: Path, count: int) -> None:
         ("polled and safe value hangs", "Machine.drive does not take its safe value for 2 s"),
     ],
 )
-def test_a_device_that_hangs_is_noticed_and_named(machine: Path, trouble: str, says: str) -> None:
+def test_a_device_that_hangs_is_detected_and_named(machine: Path, trouble: str, says: str) -> None:
     """One that spins asks for the time forever."""
     found = ended(machine, trouble)
     assert found.status == 1

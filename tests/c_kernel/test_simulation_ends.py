@@ -76,7 +76,7 @@ def test_what_ends_it_for_its_parent_is_not_ignored(simulation: Path) -> None:
     assert process.returncode == 128 + signal.SIGTERM
 
 
-def test_two_signals_at_once_are_as_one(simulation: Path) -> None:
+def test_two_signals_at_once_count_as_one(simulation: Path) -> None:
     """It says its end and its status is that of one of them, whichever was handed over first."""
     for _ in range(5):
         with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
@@ -89,7 +89,7 @@ def test_two_signals_at_once_are_as_one(simulation: Path) -> None:
         assert told[-24:-22] == STOPPED
 
 
-def test_it_ends_when_nobody_reads_any_longer(simulation: Path) -> None:
+def test_a_native_run_ends_without_a_reader(simulation: Path) -> None:
     with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         process.stdout.read(1)

@@ -46,7 +46,7 @@ RUNS = [
         *((command, program) for command in RUNS for program in (PROGRAM, FAULTY, DEADLOCKED)),
     ],
 )
-def test_a_name_steers_no_terminal_and_ends_no_line(
+def test_a_name_controls_no_terminal_and_ends_no_line(
     cspdiag: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: list[str], program: str
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -86,7 +86,7 @@ def test_a_run_against_the_clock_is_not_stopped(folder: Path, how: str) -> None:
 
 
 @pytest.mark.parametrize("how", ["&", "Ctrl-Z"])
-def test_nor_is_a_package(folder: Path, how: str) -> None:
+def test_a_package_against_the_clock_is_not_stopped(folder: Path, how: str) -> None:
     assert main(["compile", str(folder / "blink.csp"), "-o", str(folder)]) == 0
     package = folder / "blink"
     command = (sys.executable, "-m", "blink", "--real-time", "--for", "500ms")

@@ -86,7 +86,7 @@ def cspdiag(folder: Path, command: tuple[str, ...], redirection: str) -> tuple[i
 
 
 @pytest.mark.parametrize("command", FOR_PEOPLE, ids=lambda command: command[0])
-def test_who_prints_nothing_there_needs_no_standard_output(folder: Path, command: tuple[str, ...]) -> None:
+def test_a_command_that_prints_nothing_needs_no_standard_output(folder: Path, command: tuple[str, ...]) -> None:
     code, _, error = cspdiag(folder, command, ">/dev/full")
     assert code == 0, error
     assert error
@@ -107,7 +107,7 @@ def test_without_any_stream_the_work_is_done(folder: Path, command: tuple[str, .
 
 
 @pytest.mark.parametrize("command", FOR_MACHINES, ids=" ".join)
-def test_what_cannot_be_printed_is_said(folder: Path, command: tuple[str, ...]) -> None:
+def test_output_that_cannot_be_printed_is_reported(folder: Path, command: tuple[str, ...]) -> None:
     code, _, error = cspdiag(folder, command, ">/dev/full")
     assert (code, error.splitlines()[-1]) == (2, "cspdiag: standard output: no space left on device")
     if command[0] == "check":
@@ -115,12 +115,12 @@ def test_what_cannot_be_printed_is_said(folder: Path, command: tuple[str, ...]) 
         assert (code, error.splitlines()[-1]) == (2, "cspdiag: standard output: it is closed")
 
 
-def test_standard_input_that_is_closed_is_said(folder: Path) -> None:
+def test_closed_standard_input_is_reported(folder: Path) -> None:
     code, _, error = cspdiag(folder, ("check", "-"), "<&-")
     assert (code, error) == (2, "cspdiag: standard input: it is closed\n")
 
 
-def test_a_package_prints_its_account_or_says_that_it_cannot(folder: Path) -> None:
+def test_a_package_prints_its_summary_or_reports_that_it_cannot(folder: Path) -> None:
     assert cspdiag(folder, ("compile", "main.csp", "-o", "out"), "")[0] == 0
     package = folder / "out" / "main"
     run = ("-m", "main", "--for", "50ms")

@@ -123,7 +123,7 @@ def test_ctrl_c_ends_quietly(cspdiag: Command, good: Path, monkeypatch: pytest.M
     assert cspdiag("check", good) == (130, "", "")
 
 
-def test_a_reader_that_goes_away_is_no_error() -> None:
+def test_a_reader_that_closes_the_pipe_is_not_an_error() -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "cspdiag", "explain", "--markdown"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
@@ -200,7 +200,7 @@ def test_no_file_is_written_twice_or_over_the_program(
     assert Path(arguments[1]).read_text() == good.read_text()
 
 
-def test_a_run_of_negative_length_is_refused_as_that(cspdiag: Command, good: Path) -> None:
+def test_a_run_of_negative_length_is_refused_with_that_reason(cspdiag: Command, good: Path) -> None:
     for arguments in (["--for", "-5s"], ["--for=-5s"]):
         done = cspdiag("run", str(good), *arguments)
         assert done.code == 2

@@ -98,7 +98,7 @@ def test_docstrings_read_back_as_the_doc_comment(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", TEXTS)
-def test_a_doc_comment_is_no_markup_in_the_readme(kind: str) -> None:
+def test_a_doc_comment_is_not_markup_in_the_readme(kind: str) -> None:
     wanted = " ".join(TEXTS[kind].split())
     parsed = MarkdownIt("commonmark").enable("table").parse(markdown(wanted))
     assert [token.type for token in parsed] == ["paragraph_open", "inline", "paragraph_close"]

@@ -124,7 +124,7 @@ def test_a_run_of_a_file_of_any_name(level: str, capsys: pytest.CaptureFixture[s
 
 
 @pytest.mark.usefixtures("at")
-def test_what_commands_say_of_a_file_of_any_name(capsys: pytest.CaptureFixture[str]) -> None:
+def test_messages_about_a_file_of_any_name(capsys: pytest.CaptureFixture[str]) -> None:
     path, plain = written(NAME, program(ALL)), written(f"plain {NAME}", program("Plain."))
     bad = written(f"bad {NAME}", BAD)
     commands = [

@@ -128,7 +128,7 @@ def test_parts_begin_with_an_underscore(tmp_path: Path) -> None:
         ('{% include "other.j2" %}', "there is no template other.j2 to include"),
     ],
 )
-def test_a_mistake_is_told_with_its_line(
+def test_a_mistake_is_reported_with_its_line(
     text: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(TemplateError) as told:
@@ -141,7 +141,9 @@ def test_a_mistake_is_told_with_its_line(
     assert not out.exists()
 
 
-def test_templates_that_make_no_python_write_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_templates_that_produce_invalid_python_write_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     own, out = tmp_path / "own", tmp_path / "out"
     own.mkdir()
     (own / "class.py.j2").write_text("import\n", encoding="utf-8")
@@ -160,7 +162,7 @@ def test_templates_that_make_no_python_write_nothing(tmp_path: Path, capsys: pyt
         ("README.md.j2", b"caf\xe9", "is not in UTF-8 (byte 3)"),
     ],
 )
-def test_what_is_no_template_is_refused(
+def test_a_file_that_is_not_a_template_is_refused(
     name: str, content: bytes | None, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "own" / name
@@ -177,7 +179,7 @@ def test_what_is_no_template_is_refused(
 @pytest.mark.parametrize(
     ("target", "reason"), [("c", "there is no such folder"), ("promela", "is made without templates")]
 )
-def test_a_folder_that_cannot_be_taken(
+def test_a_folder_that_cannot_be_used(
     target: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["compile", CASCADE, "--target", target, "--templates", str(tmp_path / "none")]) == 2

@@ -74,7 +74,7 @@ def test_the_same_is_equal() -> None:
     assert verdict_on(lambda execution: execution) == ""
 
 
-def test_difference_tells_both_sides_and_who_waits() -> None:
+def test_a_difference_shows_both_sides_and_the_waiting_processes() -> None:
     details = verdict_on(with_value(2, 2.5))
     assert "Top.x: communication 2 differs" in details
     assert "> 2: 2.000000 ms Top.x 2.75  (Top.source to Top.sink)" in details
@@ -83,7 +83,7 @@ def test_difference_tells_both_sides_and_who_waits() -> None:
     assert "Top.source waits to write Top.x" in details
 
 
-def test_difference_in_the_last_bit_is_one() -> None:
+def test_a_difference_in_the_last_bit_is_a_difference() -> None:
     assert "differs" in verdict_on(with_value(1, math.nextafter(1.5 * 1.1, 2)))
 
 
@@ -120,7 +120,7 @@ def test_other_library_may_differ_only_in_its_functions() -> None:
     assert tolerance(REFERENCE, network_of(SourceFile(name="pair.csp", text=sine))) == 0
 
 
-def test_certify_goes_through_a_folder(tmp_path: Path) -> None:
+def test_certify_checks_every_program_of_a_folder(tmp_path: Path) -> None:
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "pair.csp").write_text(PAIR, encoding="utf-8")
     (verdict,) = certify(target_named("python-O0"), tmp_path, 100_000_000)
@@ -134,7 +134,7 @@ def test_command_prints_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert capsys.readouterr().out == f"equal           5 {tmp_path.as_posix()}/pair.csp\n"
 
 
-def test_bodies_by_hand_mean_what_the_readable_code_does(tmp_path: Path) -> None:
+def test_hand_written_bodies_behave_as_in_readable_code(tmp_path: Path) -> None:
     (tmp_path / "counter.py").write_text(
         """from cspdiag.runtime import Process
 

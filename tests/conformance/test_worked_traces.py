@@ -36,7 +36,7 @@ def _value(value: object) -> str:
 
 @pytest.mark.parametrize("target", [REFERENCE, READABLE], ids=["meaning", "readable code"])
 @pytest.mark.parametrize("name", WORKED)
-def test_the_trace_is_the_one_that_was_worked_out(name: str, target: Target) -> None:
+def test_the_trace_is_the_worked_one(name: str, target: Target) -> None:
     assert told(target.run(parsed(name), None, 100_000_000 + JUST_AFTER)) == WORKED[name]
 
 

@@ -21,7 +21,7 @@ def test_a_folder_with_too_many_modules_and_folders_is_named(tmp_path: Path) -> 
     assert line.startswith(f"cspdiag/large has {MAX_ENTRIES + 1} entries")
 
 
-def test_data_and_what_makes_a_package_do_not_count(tmp_path: Path) -> None:
+def test_data_and_package_markers_do_not_count(tmp_path: Path) -> None:
     _make_folder(tmp_path, "tests/large", MAX_ENTRIES)
     for name in ("__init__.py", "__main__.py", "program.csp", "programs/program.csp", "__pycache__/module.pyc"):
         (tmp_path / "tests/large" / name).parent.mkdir(exist_ok=True)

@@ -55,7 +55,7 @@ def test_the_targets_of_make_exist() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS, ids=lambda path: path.stem)
-def test_a_form_has_what_github_wants(form: Path) -> None:
+def test_a_form_has_what_github_requires(form: Path) -> None:
     text = form.read_text(encoding="utf-8")
     assert re.findall(r"^(\w+):", text, re.MULTILINE) == ["name", "description", "labels", "body"]
     fields = text.split("  - type: ")[1:]
@@ -65,7 +65,7 @@ def test_a_form_has_what_github_wants(form: Path) -> None:
     assert all("\n      label: " in field for field in fields)
 
 
-def test_there_are_forms_and_what_they_point_to_exists() -> None:
+def test_the_forms_exist_and_so_do_their_links() -> None:
     assert len(FORMS) == 3
     config = (ROOT / ".github/ISSUE_TEMPLATE/config.yml").read_text(encoding="utf-8")
     pages = re.findall(r"https://github\.com/cspdiag/cspdiag/blob/main/(\S+)", config)

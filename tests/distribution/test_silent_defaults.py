@@ -26,7 +26,7 @@ def _lines(root: Path, default: str) -> list[str]:
         '        case _:\n            return "#"',
     ],
 )
-def test_a_default_that_is_silent_is_named(tmp_path: Path, default: str) -> None:
+def test_a_silent_default_is_reported(tmp_path: Path, default: str) -> None:
     (line,) = _lines(tmp_path, default)
     assert line.startswith("cspdiag/module.py:5: ")
 

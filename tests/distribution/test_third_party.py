@@ -57,7 +57,7 @@ def test_files_and_their_licence_come_out_of_a_verified_archive(third_party: Mod
     assert [path.name for path in tmp_path.iterdir() if path.is_dir()] == ["third-party"]
 
 
-def test_what_is_there_is_not_fetched_again(third_party: ModuleType, tmp_path: Path) -> None:
+def test_existing_files_are_not_fetched_again(third_party: ModuleType, tmp_path: Path) -> None:
     folder = tmp_path / "third-party"
     third_party.fetch(folder)
     (tmp_path / "tool-1.0.tgz").unlink()

@@ -64,14 +64,14 @@ def test_a_page_of_another_form_is_refused(lost: str) -> None:
         read_page(PAGE.replace(lost, ""))
 
 
-def test_each_page_stands_in_its_family_and_belongs_to_a_kind() -> None:
+def test_each_page_is_in_its_family_and_belongs_to_a_kind() -> None:
     found = {path.relative_to(MANUAL).as_posix() for path in MANUAL.rglob("*") if path.is_file()}
     family = {folder[:2]: folder for folder in FAMILIES}
     assert found == {f"{family[kind.code[1:3]]}/{kind.code}.md" for kind in KINDS}
 
 
 @pytest.mark.parametrize("code", ["E0199", "E9901", "E", "", "../E0101"])
-def test_a_code_without_a_page_is_none(code: str) -> None:
+def test_a_code_without_a_page_does_not_exist(code: str) -> None:
     with pytest.raises(KeyError):
         manual_page(code)
 

@@ -89,7 +89,7 @@ def sections(page: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("page", LINKED, ids=name_of)
-def test_links_lead_somewhere(page: Path) -> None:
+def test_links_have_targets(page: Path) -> None:
     assert dead_links(page) == []
 
 
@@ -99,7 +99,7 @@ def test_places_in_the_code_exist(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", DECISIONS, ids=name_of)
-def test_a_decision_says_what_an_engineer_would_ask(page: Path) -> None:
+def test_a_page_of_a_decision_answers_what_an_engineer_would_ask(page: Path) -> None:
     found = sections(page)
     assert list(found) == SECTIONS
     assert all(text.strip() for text in found.values())
@@ -160,7 +160,7 @@ def calls_of(process: Process) -> list[str]:
     return calls
 
 
-def test_the_walk_is_the_way_that_an_interrupt_goes() -> None:
+def test_the_walk_follows_the_calls_of_an_interrupt() -> None:
     walk = ARCHITECTURE.read_text(encoding="utf-8").partition("## A walk\n")[2].partition("In C it is")[0]
     steps = [f"{path}::{name}" for path, name in places(walk) if name]
     assert len(re.findall(r"^\d\. ", walk, re.MULTILINE)) == 7, "seven steps, as the page says"

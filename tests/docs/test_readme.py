@@ -22,7 +22,7 @@ README = (ROOT / "README.md").read_text()
 JIWY = ROOT / "models/jiwy/jiwy.csp"
 
 
-def test_the_excerpt_stands_in_the_model() -> None:
+def test_the_excerpt_is_in_the_model() -> None:
     (excerpt,) = re.findall(r"```csp\n(.*?)```", README, re.DOTALL)
     lines = {line.strip() for line in JIWY.read_text().splitlines()}
     assert [line for line in excerpt.splitlines() if line.strip() not in lines] == []

@@ -36,7 +36,7 @@ def run(folder: Path, name: str, until: str | None = None, set: dict[str, str] |
 
 
 @pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
-def test_compiler_says_what_the_text_shows(name: str) -> None:
+def test_the_compiler_reports_what_the_text_shows(name: str) -> None:
     found = blocks()
     (place,) = [k for k, block in enumerate(found) if block.language == "csp" and block.name == name]
     following = found[place + 1] if place + 1 < len(found) else None
@@ -67,7 +67,7 @@ def test_two_modes_find_the_switch_and_follow(tmp_path: Path) -> None:
     assert result["control"][-1] == 0
 
 
-def test_the_two_modes_tell_a_slow_period(tmp_path: Path) -> None:
+def test_both_modes_report_a_slow_period(tmp_path: Path) -> None:
     def worst(period: str) -> float:
         result = run(tmp_path, "modes/axis.csp", set={"T": period})
         late = (result.time("position") > 7) & (result.time("position") < 8)

@@ -64,6 +64,16 @@ def test_refused_words_are_nowhere() -> None:
     assert not found, f"docs/glossary.md has plainer words for these: {found}"
 
 
+def test_names_of_tests_have_no_refused_words() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in ROOT.glob("tests/**/test_*.py")
+        for name in (path.stem, *re.findall(r"def (test_\w+)", path.read_text(encoding="utf-8")))
+        if refused_in(name.replace("_", " "))
+    ]
+    assert not found, f"docs/glossary.md has plainer words for these: {found}"
+
+
 @pytest.mark.parametrize(
     "line",
     [

@@ -149,9 +149,7 @@ def test_the_page_fits_a_phone_and_a_wide_screen(tmp_path: Path) -> None:
 
 
 @needs_engine
-def test_errors_are_marked_and_told_once_where_that_is_asked_for(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_errors_are_marked_and_reported_once_if_requested(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     program, page = tmp_path / "clock.csp", tmp_path / "clock.html"
     program.write_text(PROGRAM.replace("-> counter.tick", "-> counter.tock"))
     assert main(["draw", str(program), "--book", str(page)]) == 1

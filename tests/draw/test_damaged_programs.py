@@ -62,7 +62,7 @@ MISTAKES = [
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
 @pytest.mark.parametrize("start", range(3))
-def test_marked_mistakes_lie_on_nothing(start: int) -> None:
+def test_marked_mistakes_overlap_nothing(start: int) -> None:
     assert len(MISTAKES) > 150
     for path, text in MISTAKES[start * 4 :: 12]:
         found = pictures(path, text)
@@ -73,7 +73,7 @@ def test_marked_mistakes_lie_on_nothing(start: int) -> None:
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
 @pytest.mark.parametrize("seed", range(6))
-def test_pictures_of_differences_have_nothing_on_anything(seed: int) -> None:
+def test_nothing_overlaps_in_pictures_of_differences(seed: int) -> None:
     path, text = damaged(seed)
     one, other = pictures(path, path.read_text(encoding="utf-8")), pictures(path, text)
     if one is not None and other is not None:

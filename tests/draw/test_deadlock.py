@@ -84,13 +84,13 @@ def test_each_arrow_of_a_ring_leads_from_a_process_to_the_next(count: int) -> No
     assert bends <= 3
 
 
-def test_what_waits_in_no_cycle_is_drawn_without_arrows() -> None:
+def test_processes_waiting_in_no_cycle_are_drawn_without_arrows() -> None:
     scene = ring(5, besides=5)
     assert len(cards(scene)) == 5
     assert arrows(scene) == []
 
 
-def test_what_waits_besides_a_cycle_is_listed() -> None:
+def test_processes_waiting_besides_a_cycle_are_listed() -> None:
     scene = ring(5, besides=2)
     assert len(cards(scene)) == 3
     shown = ["".join(run.text for run in item.runs) for item in every(scene.items) if isinstance(item, Text)]
@@ -354,5 +354,5 @@ def test_a_deadlock_is_drawn_from_python(tmp_path: Path) -> None:
         program.draw_deadlock(load("models/dining/dining.csp").run())
 
 
-def test_drawings_are_always_alike() -> None:
+def test_drawings_are_deterministic() -> None:
     assert render_svg(ring(7, besides=2)) == render_svg(ring(7, besides=2))

@@ -28,7 +28,7 @@ def wrong(tmp_path: Path) -> Path:
 
 
 @needs_engine
-def test_a_notebook_shows_the_outermost_process_or_the_one_asked_for() -> None:
+def test_a_notebook_shows_the_outermost_process_or_the_requested_one() -> None:
     program = cspdiag.load(JIWY)
     assert "horizontal" in ElementTree.tostring(ElementTree.fromstring(program.draw()._repr_svg_()), encoding="unicode")
     assert repr(program.draw("Bench")) == "<Drawing of Bench>"
@@ -68,7 +68,7 @@ def test_a_program_with_errors_is_drawn_only_with_its_errors(wrong: Path) -> Non
     assert "badge error" in program.draw(check=True).svg()
 
 
-def test_what_is_not_there_is_not_drawn(tmp_path: Path) -> None:
+def test_missing_parts_are_not_drawn(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"`Jiwi` .did you mean `Jiwy`"):
         cspdiag.load(JIWY).draw("Jiwi")
     empty = tmp_path / "empty.csp"

@@ -67,7 +67,7 @@ def test_nodes_are_instances_ports_and_environments(jiwy: networkx.MultiDiGraph)
     assert jiwy.nodes["Bench"]["line"] == 162
 
 
-def test_an_offset_is_told_where_there_is_one() -> None:
+def test_an_offset_is_reported_where_there_is_one() -> None:
     text = """
         process Main {
           in  x : int @ 10 ms
@@ -167,7 +167,7 @@ def shown_by_graphviz(string: str) -> list[str]:
     return [line.replace("&amp;", "&") for line in lines]
 
 
-def test_no_name_ends_a_string_of_dot(hostile: networkx.MultiDiGraph) -> None:
+def test_no_name_terminates_a_dot_string(hostile: networkx.MultiDiGraph) -> None:
     found = [line for string in strings(graph_text(hostile, "dot")) for line in shown_by_graphviz(string)]
     clean = on_one_line(HOSTILE)
     assert found.count(clean) >= 1 + 2 * hostile.number_of_edges()
@@ -182,7 +182,7 @@ MERMAID = re.compile(
 
 
 @pytest.mark.parametrize("name", ["jiwy", "hostile"])
-def test_no_name_ends_a_string_of_mermaid(name: str, request: pytest.FixtureRequest) -> None:
+def test_no_name_terminates_a_mermaid_string(name: str, request: pytest.FixtureRequest) -> None:
     graph = request.getfixturevalue(name)
     lines = graph_text(graph, "mermaid").splitlines()
     assert [line for line in lines if MERMAID.fullmatch(line) is None] == []

@@ -91,7 +91,7 @@ def test_an_embedded_drawing_leaves_the_colours_to_its_page() -> None:
 
 
 @pytest.mark.parametrize("table", [LIGHT, DARK])
-def test_words_and_lines_differ_enough_from_what_they_stand_on(table: dict[Ink, str]) -> None:
+def test_words_and_lines_contrast_with_their_background(table: dict[Ink, str]) -> None:
     """WCAG 2.2, 1.4.3 and 1.4.11: 4.5 to 1 for words, 3 to 1 for lines."""
     papers = [
         ink
@@ -117,7 +117,7 @@ def luminance(colour: str) -> float:
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
-def test_dashes_are_told_from_each_other_without_colour() -> None:
+def test_dashes_are_distinguished_without_colour() -> None:
     assert len(set(palette.DASHES.values())) == len(Dash)
 
 
@@ -143,7 +143,7 @@ def test_scenes_are_joined_without_overlap() -> None:
         assert Rectangle(0, 0, joined.width, joined.height).contains(other)
 
 
-def test_a_png_has_the_size_asked_for_and_the_colours_of_the_scheme() -> None:
+def test_a_png_has_the_requested_size_and_the_colours_of_the_scheme() -> None:
     drawing = Scene(60, 40, (Box(Rectangle(10, 10, 20, 20)),))
     for scheme, paper in ((Scheme.LIGHT, LIGHT), (Scheme.DARK, DARK), (Scheme.AUTO, LIGHT)):
         picture = render_png(drawing, scheme, scale=3)
@@ -176,7 +176,7 @@ def test_a_pdf_has_a_page_for_each_drawing_and_its_words_as_words() -> None:
 
 
 @pytest.mark.parametrize(("module", "package"), [("resvg_py", "resvg-py"), ("fpdf", "fpdf2")])
-def test_what_is_not_installed_is_named(module: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_packages_are_named(module: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
     monkeypatch.setitem(sys.modules, module, None)

@@ -75,7 +75,7 @@ def test_structs_and_enums_are_values() -> None:
     assert constant(program, "last") == 2
 
 
-def test_an_override_reaches_all_that_is_computed_from_it() -> None:
+def test_an_override_affects_everything_computed_from_it() -> None:
     text = "const T = 1 ms\nconst slow = 10 * T\nconst n = 4\nconst x: int[n] = [1, 2]\n"
     program = correct(text, {"T": "2 ms", "n": 2})
     assert constant(program, "T") == 2_000_000
@@ -129,6 +129,6 @@ def test_a_value_given_outside_the_program(type_: Type, text: str, value: Value)
         (UNKNOWN, "1", "not known"),
     ],
 )
-def test_a_value_that_is_none_is_refused_with_a_reason(type_: Type, text: str, reason: str) -> None:
+def test_an_invalid_value_is_refused_with_a_reason(type_: Type, text: str, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
         parse_value(type_, text)

@@ -28,7 +28,7 @@ def test_the_runtime_has_the_same_ticks(offset: int) -> None:
         assert Ticks(5, offset).after(instant) == Sampling(5, offset).next_tick(instant)
 
 
-def test_an_offset_is_told_where_there_is_one() -> None:
+def test_an_offset_is_reported_where_there_is_one() -> None:
     assert (str(Sampling(10_000_000)), Sampling(10_000_000).every) == ("10 ms", "every 10 ms")
     shifted = Sampling(10_000_000, 2_000_000)
     assert (str(shifted), shifted.every) == ("10 ms offset 2 ms", "every 10 ms with an offset of 2 ms")

@@ -77,7 +77,7 @@ def test_spellings_of_one_unit_are_equal(left: str, right: str) -> None:
 @pytest.mark.parametrize(
     "text", ["", "Nm", "m/", "*m", "m**2", "(m", "m)", "m^", "m^x", "volt", "2*m", "m^99999", "m m"]
 )
-def test_what_is_no_unit(text: str) -> None:
+def test_texts_that_are_not_units(text: str) -> None:
     assert parse_unit(text) is None
 
 

@@ -185,7 +185,7 @@ def test_ten_milliseconds_alone_break_the_loops(joint: Joint) -> None:
 
 
 @JOINTS
-def test_worn_machine_is_aligned_and_homed_all_the_same(joint: Joint) -> None:
+def test_a_worn_machine_is_still_aligned_and_homed(joint: Joint) -> None:
     start = {"horizontal": 1.4, "vertical": -2.0}[joint.name] - {"horizontal": 0.3, "vertical": -0.4}[joint.name]
     result = run("jiwy/jiwy.csp", environment="Worn", until="25 s")
     left, right = found_stops(result, joint)

@@ -28,7 +28,7 @@ def test_symmetric_philosophers_deadlock_holding_one_fork_each() -> None:
     assert len(result.communications) == 5
 
 
-def test_one_philosopher_the_other_way_round_lets_everybody_eat() -> None:
+def test_one_left_handed_philosopher_prevents_the_deadlock() -> None:
     result = run("dining/dining.csp")
     assert result.outcome.ended == "terminated"
     assert len(result.communications) == 5 * 3 * 4
@@ -51,7 +51,7 @@ def test_bounded_buffer_keeps_the_order_and_its_bound() -> None:
     assert highest == 4
 
 
-def test_ring_ages_the_token_by_one_a_cell() -> None:
+def test_a_ring_increments_the_token_in_each_cell() -> None:
     result = run("ring/ring.csp")
     assert result.outcome.ended == "terminated"
     assert list(result["Ring.back"]) == [10, 20, 30, 40, 50]

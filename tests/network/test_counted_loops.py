@@ -44,19 +44,19 @@ def first_step(body: str) -> Action:
     return first.steps[0]
 
 
-def test_turns_that_are_all_the_same_are_a_loop() -> None:
+def test_equal_iterations_are_a_loop() -> None:
     found = first_step(f"(seq i < {SOME} : y ! 1)")
     assert isinstance(found, CountedLoop)
     assert found.iterations == SOME
 
 
-def test_a_few_turns_are_written_down() -> None:
+def test_a_few_iterations_are_unrolled() -> None:
     found = first_step(f"(seq i < {MOST_ALIKE_UNROLLED} : y ! 1)")
     assert isinstance(found, SequentialSteps)
     assert len(found.steps) == MOST_ALIKE_UNROLLED
 
 
-def test_no_turn_does_nothing() -> None:
+def test_zero_iterations_do_nothing() -> None:
     assert isinstance(first_step("(seq i < 0 : y ! 1)"), SkipStep)
 
 
@@ -64,14 +64,14 @@ VALUES = ["y ! i", "(y ! 1 ; n := i)", "(if i > 2 then y ! 1)", "wait i * 1 us",
 
 
 @pytest.mark.parametrize("body", VALUES)
-def test_some_turns_with_different_values_are_written_down(body: str) -> None:
+def test_some_iterations_with_different_values_are_unrolled(body: str) -> None:
     found = first_step(f"(seq i < {MOST_UNROLLED} : {body})")
     assert isinstance(found, SequentialSteps)
     assert len(found.steps) == MOST_UNROLLED
 
 
 @pytest.mark.parametrize("body", VALUES)
-def test_many_turns_with_different_values_are_a_loop_that_counts(body: str) -> None:
+def test_many_iterations_with_different_values_are_a_counting_loop(body: str) -> None:
     found = first_step(f"(seq i < {MANY} : {body})")
     assert isinstance(found, SequentialSteps)
     begin, loop = found.steps
@@ -97,7 +97,7 @@ def test_an_index_that_counts_in_another_loop_is_a_value_there() -> None:
     assert [part.iterations for part in parts(main) if isinstance(part, CountedLoop)] == [MANY, MANY]
 
 
-def test_a_condition_that_holds_in_every_turn_decides_nothing_in_the_run() -> None:
+def test_a_condition_that_holds_in_every_iteration_decides_nothing_in_the_run() -> None:
     same, different = (
         process(network(MAIN.format(body=f"(seq i < {MANY} : (if i < {limit} then y ! i else y ! 0))")), "Main")
         for limit in (MANY, MANY - 1)
@@ -115,13 +115,13 @@ def test_a_condition_that_holds_in_every_turn_decides_nothing_in_the_run() -> No
         "((wait 1 ms) interrupt after 1 us -> (if i > 2 then y ! 1))",
     ],
 )
-def test_conditions_by_which_turns_have_parts_that_exclude_each_other_unroll_them(body: str) -> None:
+def test_conditions_that_make_parts_of_iterations_exclusive_unroll_them(body: str) -> None:
     found = first_step(f"(seq i < {MANY} : {body})")
     assert isinstance(found, SequentialSteps)
     assert len(found.steps) == MANY
 
 
-def test_a_condition_on_the_turn_can_give_a_variable_its_first_value() -> None:
+def test_a_condition_on_the_iteration_can_give_a_variable_its_first_value() -> None:
     assert (
         codes(MAIN.replace("int = 0", "int").format(body=f"(seq i < {MANY} : (if i == 0 then n := 1) ; y ! n)")) == []
     )
@@ -133,7 +133,7 @@ def test_what_counts_after_a_turn_that_never_ends_is_no_unreachable_part_of_the_
     assert (found.code, found.span.text) == ("W0611", "y ! n")
 
 
-def test_turns_of_loops_in_loops_are_counted_together() -> None:
+def test_iterations_of_nested_loops_are_counted_together() -> None:
     assert codes(MAIN.format(body="(seq i < 400 : (seq k < 400 : y ! i + k))")) == ["E0506"]
 
 
@@ -154,7 +154,7 @@ process Main {{
 
 
 @pytest.mark.parametrize("body", ["cell[i]", "array[i] ! 1", "(array[1] ! i ; cell[{turns} - 1 - i])"])
-def test_turns_that_choose_parts_of_the_network_are_unrolled(body: str) -> None:
+def test_iterations_that_choose_parts_of_the_network_are_unrolled(body: str) -> None:
     text = STRUCTURE.format(turns=MANY, body=f"seq i < {MANY} : {body.format(turns=MANY)}")
     main = process(network(text), "Main").body
     assert isinstance(main, SequentialSteps)
@@ -187,7 +187,7 @@ environment Bench for Main {{ y -> _ }}
 
 @pytest.mark.parametrize("level", [0, 1])
 @pytest.mark.parametrize("target", ["python", "c"])
-def test_code_for_many_turns_that_count_is_that_for_some(target: str, level: int) -> None:
+def test_code_for_many_counting_iterations_is_that_for_a_few(target: str, level: int) -> None:
     some, many = (
         pipeline.generate(network(COUNTING.format(turns=turns), environment="Bench"), read_source, target, level)
         for turns in (MANY, 60_013)
@@ -239,7 +239,7 @@ environment Bench for Main {{ plant : Plant  y -> plant.y  plant.u -> u }}
 
 @pytest.mark.parametrize("level", [0, 1])
 @pytest.mark.parametrize("target", ["python", "c"])
-def test_code_for_many_turns_is_that_for_some(target: str, level: int) -> None:
+def test_code_for_many_iterations_is_that_for_a_few(target: str, level: int) -> None:
     some, many = (
         pipeline.generate(network(LAW.format(turns=turns), environment="Bench"), read_source, target, level)
         for turns in (SOME, 60_013)

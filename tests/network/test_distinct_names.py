@@ -9,7 +9,7 @@ def test_names_wanted_again_are_numbered_around_those_that_are_taken() -> None:
     assert names.fresh("other", lambda number: f"other_{number}") == "other_2"
 
 
-def test_a_thousand_equal_wishes_cost_a_thousand_steps() -> None:
+def test_a_thousand_equal_names_cost_a_thousand_steps() -> None:
     names = DistinctNames()
     tried: list[int] = []
 

@@ -116,7 +116,7 @@ def test_which_guards_are_always_ready(guard: str, kind: str, ready: bool) -> No
     assert is_always_ready(select.branches[0].event, lambda _: kind) == ready
 
 
-def test_a_time_out_is_always_ready_where_its_duration_is_none() -> None:
+def test_a_time_out_of_zero_is_always_ready() -> None:
     (select,) = (step for step in all_actions(body("after 1 ms -> u ? x")) if isinstance(step, Choice))
     assert is_always_ready(select.branches[0].event, lambda _: "sync", lambda _: True)
 
@@ -134,7 +134,7 @@ process Main { in u : int  communication { inner : Inner  u -> inner.u }  compos
     assert never_ends(optimize(network)), "the same is said of a process that was flattened into another"
 
 
-def test_from_everything_that_is_watched_an_edge_leads_to_the_handler() -> None:
+def test_an_edge_leads_to_the_handler_from_every_part_of_its_body() -> None:
     found = code("((u ? x ; y ! x) catch Timeout -> y ! 0) ; y ! 2")
     (abandon,) = places(found, Abandon)
     first, second, handler, after = places(found, Communicate)
@@ -151,7 +151,7 @@ def test_a_handler_inside_another_part_that_is_watched_may_be_abandoned_too() ->
     assert found.abandoned[places(found, Communicate)[1]] == outer
 
 
-def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
+def test_edges_lead_up_unless_they_close_a_loop() -> None:
     found = code("mu ((u ? x || y ! 1) ; while x > 3 do u ? x) until x > 7")
     for index, earlier in enumerate(found.before):
         for source in earlier:
@@ -213,7 +213,7 @@ def test_every_condition_and_loop_knows_its_instructions() -> None:
          [({"Odd"}, set()), ({"Even"}, {"Odd"})]),
     ],
 )  # fmt: skip
-def test_which_exceptions_come_to_handlers(composition: str, leaving: set[str], coming: list[object]) -> None:
+def test_which_exceptions_reach_handlers(composition: str, leaving: set[str], coming: list[object]) -> None:
     found, watched = exceptions_of(code(composition), lambda _: NO_EXCEPTIONS)
     assert found == leaving
     assert [(each.raised, each.caught_inside) for each in watched] == coming

@@ -182,7 +182,7 @@ process Main(k: int = 0) {{
     ],
 )
 @pytest.mark.parametrize("around", ["{}", "({}) catch Fault -> skip"])
-def test_constants_that_fault_in_a_run_are_no_errors(step: str, marked: str | None, around: str) -> None:
+def test_constants_that_fault_in_a_run_are_not_errors(step: str, marked: str | None, around: str) -> None:
     """They are faults where they stand, and said to be if nothing decides whether they are reached."""
     source = SourceFile(name="case.csp", text=STEPS.format(around.format(step)))
     report = pipeline.build(source, lambda _: source).checked.report
@@ -190,7 +190,7 @@ def test_constants_that_fault_in_a_run_are_no_errors(step: str, marked: str | No
     assert [d.span.text for d in report.diagnostics if d.code == "W0907"] == ([] if marked is None else [marked])
 
 
-def test_an_error_is_not_said_to_be_a_fault_too() -> None:
+def test_an_error_is_not_also_reported_as_a_fault() -> None:
     """Coefficients stand in an equation, and are computed before the run."""
     text = LAW.format("y = delay(u, 1 / 0, int8(1))")
     source = SourceFile(name="case.csp", text=text)

@@ -252,7 +252,7 @@ def test_the_deepest_hierarchy_is_followed() -> None:
     assert len(network(text).instances) == DEEPEST_PROCESSES
 
 
-def test_a_capacity_asked_for_inside_an_instance_is_that_of_the_channel_outside() -> None:
+def test_a_capacity_requested_inside_an_instance_is_that_of_the_channel_outside() -> None:
     text = """
 process Sink { in x : int  communication { var v : int }  composition { mu x ? v } }
 process Shell(n: int) {

@@ -44,11 +44,11 @@ def _outermost(text: str) -> str:
 
 
 @pytest.mark.parametrize("model", ["", " in failures"])
-def test_a_specification_is_not_the_outermost_process_although_it_stands_last(model: str) -> None:
+def test_a_specification_is_not_the_outermost_process_although_it_is_last(model: str) -> None:
     assert _outermost(f"{CELL}{SPECIFICATION}assert Cell refines Specification{model}\n") == "Cell"
 
 
-def test_a_process_that_is_nobodys_specification_is_the_outermost_one_if_it_stands_last() -> None:
+def test_the_last_process_that_is_not_a_specification_is_the_outermost_one() -> None:
     assert _outermost(f"{CELL}{SPECIFICATION}assert Cell deadlock free\n") == "Specification"
 
 

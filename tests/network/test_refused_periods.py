@@ -33,7 +33,7 @@ def _read(path: str) -> SourceFile:
     raise FileNotFoundError(path)
 
 
-def test_constant_that_was_set_is_told_once() -> None:
+def test_constant_that_was_set_is_reported_once() -> None:
     found = pipeline.check(SourceFile(name=MAIN, text=PROGRAM), _read, {"Ts": -5})
     (refused,) = found.report.diagnostics
     assert (refused.code, refused.label) == ("E0701", "set to -5 ns")
@@ -42,7 +42,7 @@ def test_constant_that_was_set_is_told_once() -> None:
 
 
 @pytest.mark.parametrize(("path", "place"), [("two.T", "2:15 "), ("two.half", "2:24 ")])
-def test_parameter_that_was_set_is_told_once(path: str, place: str) -> None:
+def test_parameter_that_was_set_is_reported_once(path: str, place: str) -> None:
     report = Report()
     assert lower(checked(PROGRAM), None, None, {path: 0}, report) is None
     (refused,) = report.diagnostics

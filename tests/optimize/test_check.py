@@ -151,7 +151,9 @@ def test_a_broken_network_is_refused(name: str) -> None:
     ("damage", "wanted"),
     [(fields(Port, media=()), "does not say what it is connected to"), (fields(ir.Choice, name=""), "has no name")],
 )
-def test_what_a_pass_promises_is_asked_of_those_after_it(damage: Callable[[Network], Network], wanted: str) -> None:
+def test_what_a_pass_establishes_is_checked_after_later_passes(
+    damage: Callable[[Network], Network], wanted: str
+) -> None:
     breaking = Pass(name="breaking", description="Breaks the network.", apply=damage)
     with pytest.raises(BrokenNetworkError, match=wanted):
         optimize(network(), (PASSES[0], breaking), debug=True)

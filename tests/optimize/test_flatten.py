@@ -88,7 +88,7 @@ process P{level}(n: int) {{
     )
 
 
-def test_what_is_made_with_the_process_depends_on_its_parameters_only() -> None:
+def test_objects_created_with_a_process_depend_on_its_parameters_only() -> None:
     """Arguments of instances and initial values of variables; what a run computes is a constant of the class."""
     network = flattened("""
 process Other(size: int) { out y : int  composition { mu (y ! size ; wait 1 ms) } }

@@ -25,7 +25,7 @@ def chatter(kind: EventKind) -> System:
 
 
 @pytest.mark.parametrize("kind", ["external", "time", "sample", "miss"])
-def test_a_loop_through_the_environment_or_time_is_no_livelock(kind: EventKind) -> None:
+def test_a_loop_through_the_environment_or_time_is_not_a_livelock(kind: EventKind) -> None:
     verdict = livelock_free(chatter(kind), Limits())
     assert isinstance(verdict, Proved)
     assert verdict.method == "rules"
@@ -33,7 +33,7 @@ def test_a_loop_through_the_environment_or_time_is_no_livelock(kind: EventKind) 
 
 
 @pytest.mark.parametrize("kind", ["communication", "variable", "start"])
-def test_a_loop_that_nobody_sees_is_a_livelock(kind: EventKind) -> None:
+def test_an_invisible_loop_is_a_livelock(kind: EventKind) -> None:
     system = chatter(kind)
     verdict = livelock_free(system, Limits())
     assert isinstance(verdict, Refuted)
@@ -41,7 +41,7 @@ def test_a_loop_that_nobody_sees_is_a_livelock(kind: EventKind) -> None:
     assert [str(system.events[move.event]) for move in verdict.cycle] == ["talk", "look"]
 
 
-def test_a_visible_communication_in_the_loop_is_no_livelock() -> None:
+def test_a_loop_with_a_visible_communication_is_not_a_livelock() -> None:
     assert isinstance(livelock_free(known.alternating_bit(), Limits()), Proved)
     hidden = compose([cycle("one", "a", "b"), cycle("other", "a", "b")])
     shown = compose([cycle("one", "a", "b"), cycle("other", "a", "b")], visible=["b"])
@@ -116,7 +116,7 @@ def test_processes_that_stop_before_their_end_do_not_terminate(system: System) -
 
 
 @pytest.mark.parametrize("question", [livelock_free, terminates])
-def test_a_question_that_reaches_a_limit_is_open(question: type) -> None:
+def test_a_question_that_reaches_a_limit_is_unknown(question: type) -> None:
     verdict = question(known.alternating_bit(lossy=False), Limits(seconds=0.0))
     assert isinstance(verdict, Proved | Unknown)
     verdict = question(compose_hidden(known.io_par_ring(10)), Limits(seconds=0.0))
@@ -125,7 +125,7 @@ def test_a_question_that_reaches_a_limit_is_open(question: type) -> None:
 
 
 @pytest.mark.parametrize("question", [livelock_free, terminates])
-def test_it_looks_at_the_clock_again_and_again(question: type, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_clock_is_checked_repeatedly(question: type, monkeypatch: pytest.MonkeyPatch) -> None:
     # Every look takes a second.
     monkeypatch.setattr(verdict, "time", SimpleNamespace(monotonic=count().__next__))
     answer = question(compose_hidden(known.io_par_ring(12)), Limits(seconds=100.0))

@@ -130,7 +130,7 @@ def test_knots_are_excluded_as_deadlocks_of_processes_that_may_stop(system: Syst
     assert verdict.method == "minimization"
 
 
-def test_a_knot_beside_a_loop_is_seen_and_a_trace_to_it_searched() -> None:
+def test_a_knot_next_to_a_loop_is_seen_and_a_trace_to_it_searched() -> None:
     system = known.beside_a_loop(known.philosophers(3))
     assert isinstance(minimization.deadlock_free(system, Limits()), Proved)
     verdict = minimization.knot_free(system, Limits())
@@ -139,7 +139,7 @@ def test_a_knot_beside_a_loop_is_seen_and_a_trace_to_it_searched() -> None:
     assert naive.knotted(system, naive.replay(system, verdict.trace))
 
 
-def test_states_that_never_stand_still_are_one() -> None:
+def test_unstable_states_are_merged() -> None:
     turns = ((INTERNAL, 3),)
     machine = Machine((((0, 1), (1, 2)), ((INTERNAL, 3), (0, 3)), ((INTERNAL, 3), (0, 4)), turns, ()), (False,) * 5)
     assert with_divergent_states_merged(machine) == Machine(

@@ -50,7 +50,7 @@ def test_large_tables_with_counters_are_refuted_by_a_shortest_trace(system: Syst
         assert naive.deadlocked(system, naive.replay(system, verdict.trace))
 
 
-def test_the_knot_beside_a_loop_is_found_and_reported_whole() -> None:
+def test_the_knot_next_to_a_loop_is_found_and_reported_whole() -> None:
     system = known.beside_a_loop(known.philosophers(6))
     assert isinstance(prove_deadlock_free(system, Limits()), Proved)
     verdict = prove_knot_free(system, Limits())
@@ -65,7 +65,7 @@ def test_a_controller_of_four_joints_is_proved_without_search_and_a_hasty_one_re
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_method_can_be_asked_alone(method: Method) -> None:
+def test_a_method_can_be_used_alone(method: Method) -> None:
     for prove in (prove_deadlock_free, prove_knot_free):
         assert prove(known.milner(3), Limits(), [method]).method == method
 
@@ -117,7 +117,7 @@ def test_every_method_looks_at_the_clock_again_and_again(
     assert "the time limit" in answer.reason
 
 
-def test_what_is_found_out_about_pairs_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_analysis_of_pairs_takes_bounded_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verdict, "time", SimpleNamespace(monotonic=count().__next__))
     with pytest.raises(LimitError):
         _ = Structure(known.table_with_butler(20, 19), Limits(seconds=1000.0)).neighbours

@@ -67,13 +67,13 @@ def test_one_that_shares_in_parallel_saves_a_ring_of_sequential_ones() -> None:
     assert "no process has a choice" in verdict.reason
 
 
-def test_philosophers_of_one_hand_are_left_to_others() -> None:
+def test_philosophers_of_one_hand_are_left_to_other_methods() -> None:
     verdict = ruled(known.philosophers(3), together=True)
     assert isinstance(verdict, Unknown)
     assert "`fork0` has an alternative" in verdict.reason
 
 
-def test_who_always_goes_on_is_named() -> None:
+def test_a_process_that_always_continues_is_named() -> None:
     verdict = ruled(known.beside_a_loop(known.philosophers(3)), together=True)
     assert isinstance(verdict, Proved)
     assert verdict.reason == "`loop asker`, `loop answerer` can always continue"

@@ -74,7 +74,7 @@ def _count(prefix: str, found: list[Diagnostic] | tuple[Diagnostic, ...]) -> int
     return sum(each.code.startswith(prefix) for each in found)
 
 
-def test_mends_of_damaged_programs_end_and_make_nothing_worse() -> None:
+def test_mends_of_damaged_programs_end_and_add_no_errors() -> None:
     answers = {seed: mistakes(seed) for seed in range(PROGRAMS)}
     assert {seed: wrong for seed, (wrong, _) in answers.items() if wrong} == {}
     assert sum(has_mends for _, has_mends in answers.values()) > PROGRAMS // 3

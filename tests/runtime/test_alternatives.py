@@ -50,7 +50,7 @@ def test_the_prioritized_alternative_takes_the_first_ready_guard_in_text_order()
     assert chosen == [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)]
 
 
-def test_the_fair_alternative_goes_round() -> None:
+def test_the_fair_alternative_cycles_through_its_guards() -> None:
     channels = [Channel[int](str(index)) for index in range(3)]
     choice = Alternative(*(Input(channel) for channel in channels))
     chosen: list[int] = []
@@ -89,7 +89,7 @@ def test_it_chooses_when_it_runs_among_what_is_ready_then() -> None:
     assert chosen == [0, 1], "the second channel woke it, but the first was ready when it ran"
 
 
-def test_it_waits_again_when_somebody_was_faster() -> None:
+def test_an_alternative_waits_again_if_another_process_was_faster() -> None:
     shared = AnyChannel[int]("shared")
     taken: list[str] = []
 
@@ -131,7 +131,7 @@ def test_disabled_guards_are_not_chosen() -> None:
     assert chosen == [1, 0]
 
 
-def test_no_enabled_guard_waits_for_ever() -> None:
+def test_no_enabled_guard_waits_forever() -> None:
     async def top() -> None:
         await Alternative(Skip()).select((False,))
 
@@ -241,7 +241,7 @@ def test_the_alternative_that_chooses_resolves_the_other_although_that_was_ready
     assert log == [(1, 7), (0, 1)]
 
 
-def test_a_pledged_writer_goes_on_only_when_its_value_was_read() -> None:
+def test_a_committed_writer_continues_only_when_its_value_was_read() -> None:
     channel, other = Channel[int]("c"), Channel[int]("other")
     writing = Alternative(Output(channel, 7), Output(other, 8))
     reading = Alternative(Ready(channel))

@@ -25,7 +25,7 @@ def test_durations(text: str, nanoseconds: int) -> None:
         ("9" * 400 + "s", "is longer than 292 years"),
     ],
 )
-def test_what_is_no_duration_says_why(text: str, reason: str) -> None:
+def test_an_invalid_duration_is_refused_with_a_reason(text: str, reason: str) -> None:
     with pytest.raises(ValueError, match=r"^.9*(1h|20|9s). is ") as refused:
         duration(text)
     assert reason in str(refused.value)

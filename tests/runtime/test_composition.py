@@ -45,7 +45,7 @@ async def fails() -> None:
     raise OverheatedError
 
 
-def test_branches_start_in_text_order_and_the_parent_goes_on_after_the_last() -> None:
+def test_branches_start_in_text_order_and_the_parent_continues_after_the_last() -> None:
     log: list[str] = []
 
     async def branch(name: str, delay: int) -> None:
@@ -61,7 +61,7 @@ def test_branches_start_in_text_order_and_the_parent_goes_on_after_the_last() ->
     assert log == ["a", "b", "c", "b ends", "c ends", "a ends", "parent"]
 
 
-def test_a_parallel_of_nothing_ends_at_once() -> None:
+def test_an_empty_parallel_ends_at_once() -> None:
     async def top() -> None:
         await parallel()
 
@@ -108,7 +108,7 @@ def test_a_process_of_higher_priority_runs_as_soon_as_the_lower_one_must_wait() 
     assert log == ["low goes on until it must wait", "high 1", "low"]
 
 
-def test_an_exception_cancels_the_siblings_and_goes_up() -> None:
+def test_an_exception_cancels_the_siblings_and_propagates() -> None:
     never = Channel[int]("never")
     log: list[str] = []
 
@@ -129,7 +129,7 @@ def test_an_exception_cancels_the_siblings_and_goes_up() -> None:
     assert log == ["cancelled", "cancelled", "caught"]
 
 
-def test_a_sibling_that_is_ready_goes_on_until_its_next_communication() -> None:
+def test_a_ready_sibling_continues_until_its_next_communication() -> None:
     here, there = Channel[int]("here"), Channel[int]("there")
     variable = Variable[int]("v", 0)
 
@@ -316,7 +316,7 @@ def test_interrupt_lets_a_body_end_by_itself() -> None:
     assert log == ["body", "handler", "handler"]
 
 
-def test_an_exception_in_the_body_of_an_interrupt_goes_up() -> None:
+def test_an_exception_in_the_body_of_an_interrupt_propagates() -> None:
     async def top() -> None:
         await interrupt(fails(), Ready(Channel("never")), stop)
 

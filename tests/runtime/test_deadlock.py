@@ -56,7 +56,7 @@ def test_the_cycle_names_processes_channels_and_lines() -> None:
     assert report.cycle[0].source == "ring.csp:5"
 
 
-def test_who_only_depends_on_the_cycle_is_listed_apart() -> None:
+def test_processes_that_only_depend_on_the_cycle_are_listed_apart() -> None:
     a, b, c, d = (Channel[int](f"Top.{name}") for name in "abcd")
     outcome = Network(Top(Reader("Top.last", c, d), Reader("Top.p", a, b), Reader("Top.q", b, a))).run()
     assert outcome.deadlock is not None
@@ -64,7 +64,7 @@ def test_who_only_depends_on_the_cycle_is_listed_apart() -> None:
     assert "besides:\n  Top.last waits to read Top.c" in outcome.deadlock.text
 
 
-def test_waiting_for_what_nobody_does_any_more() -> None:
+def test_waiting_for_what_no_process_does_any_more() -> None:
     a, b = Channel[int]("Top.a"), Channel[int]("Top.b")
     outcome = Network(Top(Reader("Top.p", a, b))).run()
     assert outcome.deadlock is not None
@@ -91,7 +91,7 @@ def test_alternatives_and_submodels_name_all_they_wait_for() -> None:
     ]
 
 
-def test_an_event_without_a_driver_can_never_come() -> None:
+def test_an_event_without_a_driver_can_never_occur() -> None:
     port = EventInput[int]("Top.button")
 
     async def top() -> None:
@@ -109,7 +109,7 @@ def test_a_broadcast_is_recognized_from_both_sides() -> None:
     assert len(outcome.deadlock.cycle) == 2
 
 
-def test_who_writes_to_a_broadcast_waits_to_write() -> None:
+def test_the_writer_of_a_broadcast_waits_to_write() -> None:
     broadcast = Broadcast[int]("b")
     broadcast.reader()
 

@@ -16,7 +16,7 @@ from cspdiag.cli.main import main
 MODELS = Path(__file__).parents[2] / "models"
 
 
-def test_run_writes_what_was_asked_for_and_says_so(heater: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_writes_what_was_requested_and_says_so(heater: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = heater.parent
     outputs = {"record": "out.csv", "trace": "out.jsonl", "plot": "out.png"}
     options = [part for option, name in outputs.items() for part in (f"--{option}", str(folder / name))]
@@ -48,7 +48,7 @@ def test_quiet_run_says_nothing(heater: Path, capsys: pytest.CaptureFixture[str]
         (["-O2"], "-O2"),
     ],
 )
-def test_wrong_use_is_one_line(
+def test_wrong_use_is_reported_in_one_line(
     heater: Path, options: list[str], reason: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", str(heater), *options]) == 2

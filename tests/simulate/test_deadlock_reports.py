@@ -195,7 +195,7 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
         "ring of any",
     ],
 )
-def test_a_report_names_who_is_missing(
+def test_a_report_names_the_missing_processes(
     text: str, expected: list[str], arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert report(text, arguments, tmp_path, capsys) == expected

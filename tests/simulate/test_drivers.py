@@ -103,7 +103,7 @@ def test_a_driver_that_does_not_open_ends_the_run_before_it_began(
 
 
 @pytest.mark.parametrize("options", [(), ("--quiet",)])
-def test_a_driver_that_does_not_close_is_told_at_the_end(
+def test_a_driver_that_does_not_close_is_reported_at_the_end(
     program: Path, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert _run(program, 4, *options) == 1
@@ -126,7 +126,7 @@ def test_a_package_says_when_and_then_why(program: Path, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("verb", ["run", "compile"])
-def test_a_class_that_its_module_lacks_is_one_line(
+def test_a_class_missing_in_its_module_is_reported_in_one_line(
     program: Path, verb: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     program.write_text(PROGRAM.replace("card.py:Card", "card.py:Crad"))

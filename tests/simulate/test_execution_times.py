@@ -48,7 +48,7 @@ def test_laws_are_timed_in_python(cascade: Network) -> None:
     assert all(time.longest > 0 for time in run.execution_times.values())
 
 
-def test_nothing_is_timed_unless_wanted(cascade: Network) -> None:
+def test_nothing_is_timed_unless_requested(cascade: Network) -> None:
     run = simulate(cascade, pipeline.generate(cascade, no_other_file), until=20_000_000)
     assert run.execution_times == {}
 

@@ -82,7 +82,7 @@ def program(tmp_path: Path) -> Path:
         ("valve / self.tau", "valve / (", "cspdiag: plant.py:6: '(' was never closed"),
     ],
 )  # fmt: skip
-def test_what_a_body_does_wrong_is_told_in_one_line(
+def test_a_failing_body_is_reported_in_one_line(
     program: Path, capsys: pytest.CaptureFixture[str], good: str, bad: str, said: str
 ) -> None:
     program.with_name("plant.py").write_text(MODULE.replace(good, bad, 1))

@@ -57,7 +57,7 @@ def test_traces_are_equal(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_recordings_and_accounts_are_equal(name: str) -> None:
+def test_recordings_and_summaries_are_equal(name: str) -> None:
     plain, fast = both(name)
     assert csv_text(fast) == csv_text(plain)
     assert account(fast) == account(plain)
@@ -117,7 +117,7 @@ FAILING = {
 
 
 @pytest.mark.parametrize("what", FAILING)
-def test_failures_are_told_in_the_same_words(what: str) -> None:
+def test_failures_are_reported_in_the_same_words(what: str) -> None:
     built = pipeline.build(SourceFile(name="site.csp", text=FAILING[what]), read)
     assert built.network is not None, built.checked.report.diagnostics
     environment = "Site" if built.network.environments else None
@@ -155,7 +155,7 @@ process Both {
 """
 
 
-def test_a_deadlock_is_told_by_the_innermost_line() -> None:
+def test_a_deadlock_is_reported_at_the_innermost_line() -> None:
     built = pipeline.build(SourceFile(name="both.csp", text=WAITS_INSIDE), read, top="Both")
     assert built.network is not None, built.checked.report.diagnostics
     for level in (0, 1):

@@ -133,7 +133,7 @@ def test_deep_compositions_leave_the_interpreter_as_it_was(tmp_path: Path) -> No
         (["--draw-deadlock", "out.svg"], "--draw-deadlock is not for -O reference"),
     ],
 )
-def test_what_the_reference_does_not_say_is_refused(
+def test_bodies_unknown_to_the_reference_are_refused(
     heater: Path, options: list[str], reason: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", str(heater), "-O", "reference", *options]) == 2

@@ -170,7 +170,7 @@ def test_an_array_of_instances_may_count() -> None:
     assert isinstance(plain.size, ast.Number)
 
 
-def test_what_is_whole_survives_what_is_broken() -> None:
+def test_intact_definitions_survive_broken_ones() -> None:
     tree, codes = parsed("const A = \nconst B = 2\nprocess P {\n  in x double\n  in y : int\n}\n")
     assert codes == ["E0101", "E0101"]
     names = [item.name.text for item in tree.items if not isinstance(item, ast.Import | ast.Assertion)]

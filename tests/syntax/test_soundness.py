@@ -27,7 +27,7 @@ process Whole {
 """
 
 
-def test_errors_beside_a_syntax_error_are_reported_without_consequences() -> None:
+def test_errors_next_to_a_syntax_error_are_reported_without_consequences() -> None:
     shown = describe(check_files({"case.csp": PROGRAM}).report.diagnostics)
     codes = [line.split("[")[1].split("]")[0] for line in shown.splitlines() if "error[" in line]
     assert codes == ["E0233", "E0301", "E0109", "E0301"]

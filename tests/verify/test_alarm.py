@@ -44,7 +44,7 @@ def test_what_does_not_look_at_the_clock_ends() -> None:
         never_look_at_the_clock()
 
 
-def test_the_alarm_rings_again_for_those_who_go_on() -> None:
+def test_the_alarm_rings_again_if_it_is_ignored() -> None:
     rung = 0
     with ended_by_alarm(Limits(seconds=0.0)):
         while rung < 2:
@@ -54,7 +54,7 @@ def test_the_alarm_rings_again_for_those_who_go_on() -> None:
                 rung += 1
 
 
-def test_nobody_takes_it_for_a_failure_of_what_was_called() -> None:
+def test_an_alarm_is_not_mistaken_for_a_failure() -> None:
     def careless() -> None:
         try:
             never_look_at_the_clock()
@@ -65,7 +65,7 @@ def test_nobody_takes_it_for_a_failure_of_what_was_called() -> None:
         careless()
 
 
-def test_what_others_make_of_it_counts_as_the_limit() -> None:
+def test_a_limit_wrapped_in_another_exception_counts_as_the_limit() -> None:
     def rewriting() -> None:
         try:
             never_look_at_the_clock()
@@ -123,7 +123,7 @@ def often_switched() -> Iterator[None]:
 
 @pytest.mark.usefixtures("often_switched")
 @pytest.mark.filterwarnings("error")
-def test_at_whatever_moment_it_rings_the_answer_is_none_or_the_right_one(
+def test_whenever_the_alarm_rings_the_answer_is_none_or_correct(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     obligations = pipeline.proof_obligations(SourceFile(name="case.csp", text=STUCK), read)
@@ -183,7 +183,7 @@ sys.settrace(None)
     assert done.stdout == ("rung\n" if rings else "")
 
 
-def test_it_rings_in_the_thread_that_asks() -> None:
+def test_the_alarm_rings_in_the_thread_that_requested_it() -> None:
     found: list[Answer] = []
     program = parse(BUSY)
     asking = threading.Thread(target=lambda: found.extend(program.verify(time_limit=0.5)), daemon=True)

@@ -119,7 +119,7 @@ assert Both deadlock free
 """
 
 
-def test_where_nothing_else_is_found_the_first_is_told() -> None:
+def test_the_first_counterexample_is_reported_if_there_is_no_other() -> None:
     (answer,) = answers_to({"case.csp": PROMPT})
     assert answer.outcome == "unknown"
     assert "before `after 5 ms`" in answer.reason
@@ -173,7 +173,7 @@ assert Bus refines NeverLost hide fail
 """
 
 
-def test_a_time_out_comes_where_nobody_is_ready() -> None:
+def test_a_time_out_occurs_if_no_process_is_ready() -> None:
     (answer,) = answers_to({"case.csp": POLLED})
     assert answer.outcome == "refuted"
     assert answer.replayed
@@ -221,7 +221,7 @@ assert Cell terminates
 """
 
 
-def test_who_is_stuck_does_not_terminate() -> None:
+def test_a_stuck_process_does_not_terminate() -> None:
     (answer,) = answers_to({"case.csp": RESOURCES})
     assert answer.outcome == "refuted"
     assert answer.replayed

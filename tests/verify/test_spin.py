@@ -60,7 +60,7 @@ def test_spin_and_the_search_agree_on_random_systems() -> None:
 
 
 @needs_spin
-def test_a_time_limit_ends_spin_honestly() -> None:
+def test_a_time_limit_of_spin_leaves_the_answer_unknown() -> None:
     verdict = deadlock_free(known.philosophers(8, left_handed=1), Limits(seconds=0.01))
     assert isinstance(verdict, Unknown)
     assert "time limit" in verdict.reason
@@ -114,7 +114,7 @@ def test_commands_are_counted_before_they_are_made(system: System) -> None:
     assert sum(numbers_of_commands(system).values()) == len(commands(system))
 
 
-def test_models_that_are_too_large_are_refused_with_the_figure() -> None:
+def test_too_large_models_are_refused_with_their_size() -> None:
     """Only where parties meet in any state does a model grow faster than its components: one in CSPm does not."""
     system = gathering(10, 4)
     with pytest.raises(TargetError, match=r"1,048,616 commands, 1,048,576 of them for `meet`.* its 10 parties"):
@@ -124,6 +124,6 @@ def test_models_that_are_too_large_are_refused_with_the_figure() -> None:
 
 
 @needs_spin
-def test_spin_is_not_asked_about_what_is_too_large() -> None:
+def test_spin_is_not_run_on_too_large_models() -> None:
     with pytest.raises(SpinError, match="1,048,616 commands"):
         deadlock_free(gathering(10, 4), Limits())

@@ -235,7 +235,7 @@ def test_the_last_philosopher_takes_its_forks_in_the_other_order() -> None:
     assert first.text == format_tree(parse(SourceFile(name="deadlock.csp", text=first.text), Report()))
 
 
-def test_of_a_large_table_the_same_is_suggested_as_of_a_small_one() -> None:
+def test_a_large_table_gets_the_suggestions_of_a_small_one() -> None:
     small, large = (suggested(DINING, "deadlock.csp", {"seats": seats}) for seats in ("3", "6"))
     assert len(small) == 2
     assert [suggestion.words for suggestion in large] == [suggestion.words for suggestion in small]
@@ -281,7 +281,7 @@ def test_stations_answer_while_they_want_to_ask() -> None:
     )
 
 
-def test_what_is_left_of_processes_that_have_ended_is_said() -> None:
+def test_partners_that_have_ended_are_reported() -> None:
     robots = ROBOTS.replace("mu (first ! true", "(first ! true").replace(
         "b.first  -> fixture.right", "b.first  -> gripper.right"
     )

@@ -47,7 +47,7 @@ def read(path: str) -> SourceFile:
     raise FileNotFoundError(path)
 
 
-def test_a_replay_that_comes_to_no_rest_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_replay_that_never_comes_to_rest_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """The trace says that two processes are stuck which communicate forever."""
     monkeypatch.setattr(attempt, "_MOST_TURNS", 20)
     built = pipeline.build(SourceFile(name="case.csp", text=ENDLESS), read)

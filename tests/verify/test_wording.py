@@ -26,7 +26,7 @@ assert Main deadlock free
 """
 
 
-def test_a_guard_at_an_instant_is_said_as_in_the_text() -> None:
+def test_a_guard_at_an_instant_is_reported_as_in_the_text() -> None:
     answer = answer_to(AT)
     assert answer.outcome == "unknown"
     assert "before `at since + 333 ms`, and proofs leave times out" in answer.reason

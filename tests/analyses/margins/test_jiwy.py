@@ -48,6 +48,6 @@ def test_margins_shrink_with_the_period(servo: str) -> None:
     )
 
 
-def test_the_friction_that_holds_the_joint_is_told() -> None:
+def test_the_friction_that_holds_the_joint_is_reported() -> None:
     assert jiwy(None)[SERVOS[0]].point == {"pan.speed": 0.1}
     assert jiwy(None)[SERVOS[1]].point == {"tilt.speed": 0.1}

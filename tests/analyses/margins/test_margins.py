@@ -130,7 +130,7 @@ DRY = INTEGRATOR.replace(
 )
 
 
-def test_a_plant_that_sticks_is_looked_at_in_motion() -> None:
+def test_a_plant_that_sticks_is_linearized_in_motion() -> None:
     loop = only_loop(program(DRY, gain=1.0, latch=""))
     assert loop.point == {"plant.v": 0.1}
     assert loop.margins.is_stable
@@ -176,7 +176,7 @@ SCHEDULED = (
 )  # fmt: skip
 
 
-def test_inputs_that_stand_have_the_values_that_they_have_from_the_beginning() -> None:
+def test_constant_inputs_have_their_values_from_the_beginning() -> None:
     loop = only_loop(program(SCHEDULED, latch=""))
     assert loop.margins == only_loop(program(INTEGRATOR, gain=10.0, latch="")).margins
 

@@ -59,7 +59,7 @@ def test_the_answer_keeps_what_is_wanted_and_the_next_period_does_not() -> None:
         assert margin.excess(kept) >= 0 > margin.excess(lost)
 
 
-def test_few_periods_are_looked_at() -> None:
+def test_few_periods_are_tried() -> None:
     looked: list[int] = []
     variant = variants_of(3.0)
 
@@ -71,7 +71,7 @@ def test_few_periods_are_looked_at() -> None:
     assert len(looked) == len(set(looked)) <= 14
 
 
-def test_none_where_no_period_helps() -> None:
+def test_no_period_is_found_if_none_helps() -> None:
     assert largest_period(variants_of(-1.0), {"T": 10_000_000}, RequiredMargin("stable", 0)) is None
 
 
@@ -93,6 +93,6 @@ def test_margins_as_they_are_written(text: str, kind: str, value: float) -> None
 
 
 @pytest.mark.parametrize("text", ["", "deg", "-3dB", "a lot", "0", "1e99deg", "nan"])
-def test_what_is_no_margin_is_refused(text: str) -> None:
+def test_an_invalid_margin_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="a margin is"):
         parse_margin(text)

@@ -80,14 +80,14 @@ BENCH = """
     """
 
 
-def test_events_come_as_often_as_the_environment_steps() -> None:
+def test_events_occur_as_often_as_the_environment_steps() -> None:
     report = report_of(EVENT + BENCH)
     (loop,) = report.loops
     assert loop.response == 500 * US
     assert report.utilization == pytest.approx(0.1 + 0.08)
 
 
-def test_of_events_that_nobody_generates_nothing_is_guessed() -> None:
+def test_events_that_nothing_generates_are_not_guessed() -> None:
     (refusal,) = report_of(EVENT).refusals
     assert refusal.reason == "it computes after the event `e`, and how often cannot be seen"
     assert refusal.help.startswith(
@@ -95,7 +95,7 @@ def test_of_events_that_nobody_generates_nothing_is_guessed() -> None:
     )
 
 
-def test_of_delays_that_are_computed_nothing_is_guessed() -> None:
+def test_computed_delays_are_not_guessed() -> None:
     text = (
         law("Law", "100 us") +
         """

@@ -39,7 +39,7 @@ def test_a_cache_that_others_can_write_into_is_neither_read_nor_written(base: Pa
     assert list(folder.iterdir()) == []
 
 
-def test_a_cache_of_somebody_else_is_not_used(base: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cache_of_another_user_is_not_used(base: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache_folder()
     monkeypatch.setattr(os, "geteuid", lambda: (base / "cspdiag").stat().st_uid + 1)
     with pytest.raises(PermissionError):

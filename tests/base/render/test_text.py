@@ -18,7 +18,7 @@ def test_nothing_is_shown_as_nothing() -> None:
     assert render([]) == ""
 
 
-def test_both_places_stand_in_one_piece_of_source() -> None:
+def test_both_places_are_in_one_snippet() -> None:
     labels = (Label(at(ARM, "drive : double<V>"), "takes `double<V>`"),)
     diagnostic = Sample(at(ARM, "angle -> drive"), "units differ", "gives `double<rad>`", "use `convert`", labels)
     assert shown(diagnostic) == dedent("""\
@@ -143,7 +143,7 @@ def test_a_place_after_the_last_character_is_marked() -> None:
     assert shown(Sample(Span(empty, 0, 0), "empty")).splitlines()[4] == "  | ^"
 
 
-def test_of_a_long_line_the_part_around_the_mark_is_shown() -> None:
+def test_a_long_line_shows_the_part_around_the_mark() -> None:
     file = source("a" * 5000 + " middle " + "b" * 5000 + "\n")
     line, mark = shown(Sample(at(file, "middle"), "long line")).splitlines()[3:5]
     assert len(line) < 180

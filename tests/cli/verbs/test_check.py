@@ -22,7 +22,7 @@ def test_an_error_is_shown_with_its_source_on_standard_error(cspdiag: Command, b
     assert result.err.endswith("\n1 error\n")
 
 
-def test_several_files_are_checked_each_and_told_once(cspdiag: Command, good: Path, bad: Path) -> None:
+def test_several_files_are_checked_each_and_reported_once(cspdiag: Command, good: Path, bad: Path) -> None:
     result = cspdiag("check", good, bad, bad)
     assert result.code == 1
     assert result.err.endswith("\n1 error\n")
@@ -41,7 +41,7 @@ def test_a_file_that_cannot_be_read_does_not_keep_the_others_from_being_checked(
     assert cspdiag("check", missing[0]).err.count("\n") == 1
 
 
-def test_an_import_that_several_files_share_is_told_once(cspdiag: Command, good: Path, bad: Path) -> None:
+def test_an_import_that_several_files_share_is_reported_once(cspdiag: Command, good: Path, bad: Path) -> None:
     users = [good.with_name(f"user{number}.csp") for number in range(2)]
     for user in users:
         user.write_text(f'import "{bad.name}"\n')
@@ -50,11 +50,11 @@ def test_an_import_that_several_files_share_is_told_once(cspdiag: Command, good:
     assert len(json.loads(result.out)) == 1
 
 
-def test_standard_input_is_called_by_its_sign(cspdiag: Command) -> None:
+def test_standard_input_is_named_by_its_sign(cspdiag: Command) -> None:
     assert cspdiag("check", "--format", "concise", "-", stdin=BAD).err.startswith("-:11:32: error[E")
 
 
-def test_what_is_for_machines_goes_to_standard_output(cspdiag: Command, good: Path, bad: Path) -> None:
+def test_formats_for_machines_go_to_standard_output(cspdiag: Command, good: Path, bad: Path) -> None:
     found = cspdiag("check", "--format", "json", bad)
     assert (found.code, found.err) == (1, "")
     (entry,) = json.loads(found.out)

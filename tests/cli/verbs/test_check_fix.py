@@ -24,7 +24,7 @@ def slip(tmp_path: Path) -> Path:
     return path
 
 
-def test_what_is_surely_meant_is_written(cspdiag: Command, slip: Path) -> None:
+def test_certain_corrections_are_written(cspdiag: Command, slip: Path) -> None:
     slip.chmod(0o640)
     assert cspdiag("check", "--fix", slip) == (0, "", f"fixed 1 in {slip}\nchecked 1 file: no errors\n")
     assert slip.read_text() == GOOD
@@ -111,7 +111,7 @@ def test_ends_of_lines_and_the_byte_order_mark_stay(cspdiag: Command, slip: Path
         assert slip.read_bytes() == mark + GOOD.encode().replace(b"\n", end)
 
 
-def test_of_two_ends_of_lines_each_line_keeps_its_own(cspdiag: Command, slip: Path) -> None:
+def test_each_line_keeps_its_own_line_end(cspdiag: Command, slip: Path) -> None:
     head, _, rest = SLIP.partition("\n")
     slip.write_bytes(f"{head}\r\n{rest}".encode())
     assert cspdiag("check", "--fix", slip).code == 0
@@ -139,7 +139,7 @@ def test_a_read_only_file_is_left_alone_and_so_are_the_others(cspdiag: Command, 
     assert cspdiag("check", "--diff", slip).code == 1
 
 
-def test_a_file_that_somebody_changes_meanwhile_is_not_overwritten(
+def test_a_file_changed_meanwhile_is_not_overwritten(
     cspdiag: Command, slip: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def mend_slowly(*arguments: object) -> object:
@@ -178,7 +178,7 @@ def test_all_files_are_written_or_none(
     assert {path.name for path in slip.parent.iterdir()} == {slip.name, other.name}
 
 
-def test_what_is_no_file_is_not_replaced(cspdiag: Command, tmp_path: Path) -> None:
+def test_only_files_are_replaced_by_output(cspdiag: Command, tmp_path: Path) -> None:
     read, write = os.pipe()
     os.write(write, SLIP.encode())
     os.close(write)
@@ -212,12 +212,12 @@ def test_machines_are_given_the_edits(cspdiag: Command, slip: Path, bad: Path) -
     assert change["replacements"] == [{"deletedRegion": place["region"], "insertedContent": {"text": "held"}}]
 
 
-def test_what_was_mended_is_not_told_to_machines(cspdiag: Command, slip: Path) -> None:
+def test_mended_diagnostics_are_not_reported_to_machines(cspdiag: Command, slip: Path) -> None:
     result = cspdiag("check", "--fix", "--format", "json", slip)
     assert (result.code, json.loads(result.out), result.err) == (0, [], f"fixed 1 in {slip}\n")
 
 
-def test_who_only_checks_is_told_of_mends(cspdiag: Command, slip: Path, bad: Path) -> None:
+def test_check_without_fix_mentions_mends(cspdiag: Command, slip: Path, bad: Path) -> None:
     assert cspdiag("check", slip).err.endswith("\n1 error\n--fix corrects it, --diff shows how\n")
     assert cspdiag("check", slip, bad).err.endswith("\n2 errors\n--fix corrects 1 of them, --diff shows how\n")
     assert "--fix" not in cspdiag("check", bad).err

@@ -84,7 +84,7 @@ def test_targets_whose_files_have_different_names_share_a_folder(cspdiag: Comman
     assert {f"{good.stem}.pml", f"{good.stem}.csp", "pyproject.toml"} < _texts(folder).keys()
 
 
-def test_it_is_said_that_the_package_of_another_program_is_replaced(cspdiag: Command, tmp_path: Path) -> None:
+def test_replacing_the_package_of_another_program_is_reported(cspdiag: Command, tmp_path: Path) -> None:
     out = tmp_path / "out"
     first, second, moved = (tmp_path / name / "arm.csp" for name in ("first", "second", "moved"))
     for program in (first, second, moved):
@@ -183,7 +183,7 @@ def test_the_transition_system_does_not_depend_on_the_hash_seed() -> None:
     ],
     ids=repr,
 )
-def test_what_cannot_be_done_is_told_in_one_line(
+def test_impossible_requests_are_reported_in_one_line(
     cspdiag: Command, tmp_path: Path, options: list[str], told: str
 ) -> None:
     result = cspdiag("compile", JIWY, "-o", tmp_path / "out", *options)
@@ -227,7 +227,7 @@ def test_a_hand_written_module_goes_into_the_package(cspdiag: Command, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["math", "typing", "time", "asyncio", "json", "Signal", "class"])
-def test_a_package_has_no_name_of_pythons_own(cspdiag: Command, tmp_path: Path, name: str) -> None:
+def test_a_package_does_not_take_a_name_of_python(cspdiag: Command, tmp_path: Path, name: str) -> None:
     """``python -m math`` would find another module, and generated code would find itself instead of ``typing``."""
     path = tmp_path / f"{name}.csp"
     path.write_text("process Main { out y : int\n composition { y ! 1 } }\n")

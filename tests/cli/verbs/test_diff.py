@@ -71,7 +71,7 @@ def test_equal_versions_have_no_differences(cspdiag: Command, versions: tuple[Pa
     assert cspdiag("diff", old, old, "--format", "json") == (0, "[]\n", "")
 
 
-def test_comments_and_layout_of_the_text_are_no_difference(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+def test_comments_and_layout_of_the_text_do_not_count(cspdiag: Command, versions: tuple[Path, Path]) -> None:
     old, new = versions
     new.write_text("// a comment\n" + PROGRAM.replace("    mu law", "    // again and again\n    mu\n      law"))
     assert cspdiag("diff", old, new) == (0, "", "")
@@ -80,13 +80,13 @@ def test_comments_and_layout_of_the_text_are_no_difference(cspdiag: Command, ver
     assert cspdiag("diff", old, new) == (0, "", "")
 
 
-def test_differences_are_told_by_definition_with_exit_code_1(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+def test_differences_are_reported_by_definition_with_exit_code_1(cspdiag: Command, versions: tuple[Path, Path]) -> None:
     result = cspdiag("diff", *versions)
     assert result == (1, "  process Loop\n    ~ port e: period 2 ms → 5 ms\n    ~ port u: period 2 ms → 5 ms\n", "")
     assert cspdiag("diff", *versions, "--exit-zero").code == 0
 
 
-def test_differences_are_told_to_machines(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+def test_differences_are_reported_to_machines(cspdiag: Command, versions: tuple[Path, Path]) -> None:
     first, _ = json.loads(cspdiag("diff", *versions, "--format", "json").out)
     assert first == {
         "action": "changed",
@@ -121,7 +121,7 @@ def test_imports_are_those_of_the_revision(cspdiag: Command, repository: Path) -
     assert cspdiag("diff", path, "--from", "main") == (0, "", "")
 
 
-def test_a_revision_stands_before_a_file_as_in_git(
+def test_a_revision_precedes_a_file_as_in_git(
     cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = repository / "loop.csp"
@@ -145,7 +145,7 @@ def test_a_revision_stands_before_a_file_as_in_git(
         (["loop.csp", "-o", "nowhere/x.svg"], "there is no folder nowhere"),
     ],
 )
-def test_what_cannot_be_compared_is_refused_in_a_line(
+def test_versions_that_cannot_be_compared_are_refused_in_one_line(
     cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: str
 ) -> None:
     monkeypatch.chdir(repository)
@@ -163,7 +163,7 @@ def test_outside_of_a_repository_two_files_are_needed(cspdiag: Command, versions
     assert cspdiag("diff", *versions).code == 1
 
 
-def test_before_the_first_commit_it_is_said_what_to_do(cspdiag: Command, repository: Path, tmp_path: Path) -> None:
+def test_before_the_first_commit_a_message_says_what_to_do(cspdiag: Command, repository: Path, tmp_path: Path) -> None:
     advice = "commit it first, or name two files to compare: diff OLD NEW"
     new = repository / "new.csp"
     new.write_text(PROGRAM)

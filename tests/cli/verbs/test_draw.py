@@ -38,7 +38,7 @@ def test_the_outermost_process_is_drawn_into_a_file_of_its_name(
 
 
 @needs_engine
-def test_one_diagram_of_one_process_goes_where_it_is_wanted(cspdiag: Command, good: Path) -> None:
+def test_one_diagram_of_one_process_is_written_to_the_requested_file(cspdiag: Command, good: Path) -> None:
     out = good.with_name("the relay.svg")
     result = cspdiag("draw", good, "--process", "Relay", "--diagram", "communication", "-o", out)
     assert (result.code, result.err) == (0, f"wrote {out}\n")
@@ -48,7 +48,7 @@ def test_one_diagram_of_one_process_goes_where_it_is_wanted(cspdiag: Command, go
 
 @needs_engine
 @pytest.mark.parametrize(("name", "begins"), [("x.svg", b"<svg"), ("x.png", b"\x89PNG"), ("x.pdf", b"%PDF")])
-def test_the_name_of_the_output_tells_its_format(cspdiag: Command, good: Path, name: str, begins: bytes) -> None:
+def test_the_name_of_the_output_decides_its_format(cspdiag: Command, good: Path, name: str, begins: bytes) -> None:
     out = good.with_name(name)
     assert cspdiag("draw", good, "-o", out).code == 0
     assert begins in out.read_bytes()[:200]
@@ -97,7 +97,7 @@ def test_labels_are_hidden_by_name(cspdiag: Command, good: Path) -> None:
 
 
 @needs_engine
-def test_a_file_may_follow_the_wish_to_hide_all_labels(cspdiag: Command, good: Path) -> None:
+def test_a_file_may_follow_the_option_to_hide_all_labels(cspdiag: Command, good: Path) -> None:
     hidden = cspdiag("draw", "-o", "-", "--diagram", "communication", "--hide-labels", good)
     assert hidden == cspdiag("draw", good, "-o", "-", "--diagram", "communication", "--hide-labels")
     assert hidden.code == 0
@@ -125,7 +125,7 @@ def test_a_program_with_errors_is_drawn_with_them_on_demand(cspdiag: Command, ba
 
 
 @needs_engine
-def test_the_check_shows_every_process_that_something_is_said_about(cspdiag: Command, tmp_path: Path) -> None:
+def test_check_draws_every_process_with_a_diagnostic(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "two.csp"
     path.write_text(
         "process A { out x : int  composition { x ! true } }\n"
@@ -160,7 +160,7 @@ def _drawn(cspdiag: Command, path: Path) -> str:
         (["--scale", "nan"], "argument --scale: expected a finite number, not 'nan'"),
     ],
 )
-def test_what_cannot_be_drawn_as_asked_is_refused_in_a_line(
+def test_requests_that_cannot_be_drawn_are_refused_in_one_line(
     cspdiag: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: str
 ) -> None:
     monkeypatch.chdir(tmp_path)

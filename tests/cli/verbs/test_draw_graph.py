@@ -49,7 +49,7 @@ def test_draw_writes_the_graph(
         (["-o", "a.mmd"], "-o a.mmd contradicts --format dot"),
     ],
 )
-def test_what_a_graph_has_not_is_refused(
+def test_options_that_a_graph_does_not_have_are_refused(
     cspdiag: Command,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

@@ -15,16 +15,16 @@ def test_a_page_shows_both_programs(cspdiag: Command) -> None:
     assert "Mended:\n\n    " in result.out
 
 
-def test_small_letters_will_do(cspdiag: Command) -> None:
+def test_small_letters_are_accepted(cspdiag: Command) -> None:
     assert cspdiag("explain", "e0101") == cspdiag("explain", "E0101")
 
 
 @pytest.mark.parametrize("code", ["e312", "312", "0312", "E312", "w0312"])
-def test_the_number_will_do(cspdiag: Command, code: str) -> None:
+def test_the_number_is_enough(cspdiag: Command, code: str) -> None:
     assert cspdiag("explain", code) == cspdiag("explain", "E0312")
 
 
-def test_a_number_that_there_is_not_is_refused(cspdiag: Command) -> None:
+def test_an_unknown_number_is_refused(cspdiag: Command) -> None:
     for code in ("9999", "0", "E", ""):
         assert cspdiag("explain", code).code == 2
     assert len({code[1:] for code in manual_pages()}) == len(manual_pages())

@@ -51,7 +51,7 @@ def test_a_file_with_syntax_errors_stays_and_the_others_are_formatted(
     assert ugly.read_text() == pretty
 
 
-def test_a_program_that_does_not_make_sense_is_formatted_all_the_same(cspdiag: Command) -> None:
+def test_a_meaningless_program_is_still_formatted(cspdiag: Command) -> None:
     result = cspdiag("fmt", "-", stdin="process A {composition{nobody}}")
     assert result.code == 0
     assert "nobody" in result.out
@@ -68,7 +68,7 @@ def test_a_difference_has_the_lines_of_the_file(cspdiag: Command, ugly: Path) ->
     assert " // one two\f three\u2028 four\n-const  x = 1\n+const x = 1\n" in difference
 
 
-def test_a_link_stays_one_and_what_it_points_to_is_formatted(cspdiag: Command, ugly: Path, pretty: str) -> None:
+def test_a_link_stays_a_link_and_its_target_is_formatted(cspdiag: Command, ugly: Path, pretty: str) -> None:
     link = ugly.with_name("link.csp")
     link.symlink_to(ugly)
     assert cspdiag("fmt", link).code == 0

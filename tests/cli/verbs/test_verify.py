@@ -47,7 +47,7 @@ def test_a_proof_ends_with_0_and_says_how_it_was_made(cspdiag: Command, proved: 
     assert cspdiag("verify", proved, "--quiet") == (0, "", "")
 
 
-def test_a_refutation_ends_with_1_and_shows_who_waits_for_whom(cspdiag: Command, refuted: Path) -> None:
+def test_a_refutation_ends_with_1_and_shows_the_waiting_processes(cspdiag: Command, refuted: Path) -> None:
     result = cspdiag("verify", refuted)
     assert (result.code, result.out) == (1, "")
     assert "REFUTED  Both deadlock free" in result.err
@@ -56,7 +56,7 @@ def test_a_refutation_ends_with_1_and_shows_who_waits_for_whom(cspdiag: Command,
     assert "The program itself was stepped through this." in result.err
 
 
-def test_what_nobody_knows_ends_with_1_too(cspdiag: Command, tmp_path: Path) -> None:
+def test_an_unknown_answer_ends_with_1_too(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "open.csp"
     path.write_text(manual_page(NotProved.code).refused)
     result = cspdiag("verify", path)
@@ -66,7 +66,9 @@ def test_what_nobody_knows_ends_with_1_too(cspdiag: Command, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("limit", [("--time-limit", "0.000001"), ("--memory-limit", "0.000001")])
-def test_a_limit_that_is_reached_ends_honestly(cspdiag: Command, refuted: Path, limit: tuple[str, str]) -> None:
+def test_a_limit_that_is_reached_leaves_the_answer_unknown(
+    cspdiag: Command, refuted: Path, limit: tuple[str, str]
+) -> None:
     result = cspdiag("verify", refuted, "--method", "breadth-first", *limit)
     assert result.code == 1
     assert "UNKNOWN" in result.err
@@ -83,7 +85,7 @@ def test_programs_with_errors_are_not_proved(cspdiag: Command, tmp_path: Path) -
 
 @pytest.mark.parametrize("format_", ["concise", "json", "sarif", "github", "junit"])
 @pytest.mark.parametrize("options", [[], ["--timing"]])
-def test_errors_are_told_in_the_format_that_is_wanted(
+def test_errors_are_reported_in_the_requested_format(
     cspdiag: Command, tmp_path: Path, format_: str, options: list[str]
 ) -> None:
     path = tmp_path / "bad.csp"
@@ -93,7 +95,7 @@ def test_errors_are_told_in_the_format_that_is_wanted(
     assert "error" in told.out + told.err
 
 
-def test_warnings_stand_beside_what_is_not_proved(cspdiag: Command, refuted: Path) -> None:
+def test_warnings_are_printed_with_what_is_not_proved(cspdiag: Command, refuted: Path) -> None:
     refuted.write_text(PAGE.refused.replace("communication {", "communication { var idle : int = 0", 1))
     (run,) = json.loads(cspdiag("verify", refuted, "--format", "sarif").out)["runs"]
     assert [result["ruleId"] for result in run["results"]] == ["W0511", "E1101"]
@@ -127,7 +129,7 @@ def test_wrong_usage_ends_with_2(cspdiag: Command, refuted: Path, options: list[
     assert result.err.count("\n") == 1
 
 
-def test_without_assertions_freedom_from_deadlock_and_livelock_is_asked(cspdiag: Command, tmp_path: Path) -> None:
+def test_without_assertions_freedom_from_deadlock_and_livelock_is_checked(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "ticks.csp"
     path.write_text("process Ticks {\n  out tick : bool\n\n  composition { mu (tick ! true ; wait 1 s) }\n}\n")
     result = cspdiag("verify", path)
@@ -148,7 +150,7 @@ def test_without_assertions_freedom_from_deadlock_and_livelock_is_asked(cspdiag:
         ("class Own:\n    pass\n\n\nraise LookupError('broken')\n", 1, "body.py:5: LookupError: broken"),
     ],
 )
-def test_hand_written_bodies_that_cannot_be_had(
+def test_missing_hand_written_bodies(
     cspdiag: Command, tmp_path: Path, body: str | None, code: int, reason: str
 ) -> None:
     path = tmp_path / "whole.csp"
@@ -232,7 +234,7 @@ def _never(*_: object) -> None:
     raise AssertionError("asked again")
 
 
-def test_a_damaged_memory_is_as_none(cspdiag: Command, refuted: Path, own_cache: Path) -> None:
+def test_a_damaged_cache_is_ignored(cspdiag: Command, refuted: Path, own_cache: Path) -> None:
     first = cspdiag("verify", refuted)
     (kept,) = own_cache.rglob("*.json")
     kept.write_text('{"files": [')
@@ -242,7 +244,7 @@ def test_a_damaged_memory_is_as_none(cspdiag: Command, refuted: Path, own_cache:
     assert cspdiag("verify", refuted).code == first.code
 
 
-def test_a_memory_that_cannot_be_written_is_as_none(
+def test_an_unwritable_cache_is_ignored(
     cspdiag: Command, refuted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     no_folder = tmp_path / "file"
@@ -324,7 +326,7 @@ def test_nothing_is_written_where_nothing_was_refuted(cspdiag: Command, proved: 
         ('{"format": "cspdiag trace 1"}', "an incomplete trace (KeyError: 'process')"),
     ],
 )
-def test_a_file_that_is_no_trace(cspdiag: Command, refuted: Path, tmp_path: Path, text: str, reason: str) -> None:
+def test_a_file_that_is_not_a_trace(cspdiag: Command, refuted: Path, tmp_path: Path, text: str, reason: str) -> None:
     trace = tmp_path / "trace.json"
     trace.write_text(text)
     result = cspdiag("run", refuted, "--replay", trace)
@@ -363,7 +365,7 @@ assert Belt terminates
 """
 
 
-def test_values_are_told_in_the_words_of_the_text(cspdiag: Command, tmp_path: Path) -> None:
+def test_values_are_reported_in_the_words_of_the_text(cspdiag: Command, tmp_path: Path) -> None:
     program, trace = tmp_path / "belt.csp", tmp_path / "trace.json"
     program.write_text(CHECKED)
     result = cspdiag("verify", program, "--trace-out", trace)
@@ -426,7 +428,7 @@ NESTED = ENDED.replace("(c ! 1 ; c ! 2) ||", "(wait 1 ms || wait 2 ms) || (c ! 1
 
 
 @pytest.mark.parametrize("text", [ENDED, INTERRUPTED, LABELLED, NESTED])
-def test_a_replay_names_who_waits_as_the_proof_does(cspdiag: Command, tmp_path: Path, text: str) -> None:
+def test_a_replay_names_the_waiting_processes_as_the_proof_does(cspdiag: Command, tmp_path: Path, text: str) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(text)
     proof = waiting_lines(cspdiag("verify", program, "--trace-out", trace).err)
@@ -436,14 +438,14 @@ def test_a_replay_names_who_waits_as_the_proof_does(cspdiag: Command, tmp_path: 
     assert waiting_lines(replay.err) == proof
 
 
-def test_a_replay_counts_the_steps_that_the_proof_tells(cspdiag: Command, tmp_path: Path) -> None:
+def test_a_replay_counts_the_steps_that_the_proof_reports(cspdiag: Command, tmp_path: Path) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(LABELLED)
     assert "get stuck: after 4 steps, " in cspdiag("verify", program, "--trace-out", trace).err
     assert cspdiag("run", program, "--replay", trace).err.endswith("did all 4 steps\n")
 
 
-def test_a_replay_says_where_others_are_in_a_delay(cspdiag: Command, tmp_path: Path) -> None:
+def test_a_replay_reports_the_delays_of_other_processes(cspdiag: Command, tmp_path: Path) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(ENDED)
     cspdiag("verify", program, "--trace-out", trace)
@@ -553,7 +555,7 @@ def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, compos
         ),
     ],
 )
-def test_a_replay_says_when_what_is_repeated_comes(
+def test_a_replay_reports_the_instants_of_repeated_steps(
     cspdiag: Command, tmp_path: Path, ports: str, composition: str, lines: list[str]
 ) -> None:
     file, trace = tmp_path / "rounds.csp", tmp_path / "trace.json"

@@ -46,7 +46,7 @@ def test_jiwy_is_schedulable(cspdiag: Command) -> None:
     assert " ".join(servo.split()) == f"vertical.motionControl.servo {figures}"
 
 
-def test_a_late_loop_is_told_with_advice(cspdiag: Command, late: Path) -> None:
+def test_a_late_loop_is_reported_with_advice(cspdiag: Command, late: Path) -> None:
     result = cspdiag("verify", "--timing", late)
     assert result.code == 1
     assert result.out.startswith(
@@ -131,12 +131,12 @@ def test_files_may_have_spaces_in_their_names(cspdiag: Command, silent: Path, tm
     assert result.err.endswith(f"--trace '{trace}', or with -O0\n")
 
 
-def test_a_trace_that_is_not_there_is_said_in_a_line(cspdiag: Command, silent: Path) -> None:
+def test_a_missing_trace_is_reported_in_one_line(cspdiag: Command, silent: Path) -> None:
     result = cspdiag("verify", "--timing", "--wcet-from", "nowhere.json", silent)
     assert result == (2, "", "cspdiag: nowhere.json: no such file or directory\n")
 
 
-def test_a_program_without_samples_is_asked_for_a_period(cspdiag: Command, tmp_path: Path) -> None:
+def test_a_program_without_samples_needs_a_period(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "events.csp"
     path.write_text(
         "process Main { in e : int out y : double communication { var k : int = 0 } composition { mu (e ? k ; y ! 1.0) "

@@ -101,7 +101,7 @@ def test_members_of_a_law_have_the_types_of_its_ports(compiler: str, nested: boo
         ("double level; int32_t count; double opening;", "count", "int64_t"),
     ],
 )
-def test_other_types_are_refused_in_words(
+def test_other_types_are_refused_with_a_reason(
     compiler: str, nested: bool, members: str, member: str, type_: str, tmp_path: Path
 ) -> None:
     said = compiled(tmp_path, compiler, members, nested=nested)

@@ -70,7 +70,7 @@ def test_make_builds_the_simulation(tmp_path: Path) -> None:
 
 @needs_compiler
 @pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
-def test_make_goes_on_when_headers_are_gone(tmp_path: Path) -> None:
+def test_make_works_when_headers_are_removed(tmp_path: Path) -> None:
     network = network_of("ring/ring.csp")
     make = ["make", "-s", f"CC={COMPILERS[0]}", "CFLAGS=-O0"]
     readable = pipeline.generate(network, read_source, "c")

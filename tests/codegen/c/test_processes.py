@@ -129,7 +129,7 @@ def test_branches_share_a_step_function_where_they_differ_in_even_steps(branch: 
 
 
 @pytest.mark.parametrize("level", [0, 1])
-def test_branches_that_differ_in_their_number_are_written_down_once(level: int) -> None:
+def test_branches_that_differ_in_their_number_share_code(level: int) -> None:
     network = network_of(PROGRAMS / "branches_of_one_body.csp")
     server = pipeline.generate(network, read_source, "c", level)["server.c"]
     assert server.count("= self->reply[self->choice_2.alternative.chosen];") == 1
@@ -157,7 +157,7 @@ def test_a_long_law_is_one_function_wherever_it_runs() -> None:
     assert "    const int8_t error = " in main  # its variables are called as in the text
 
 
-def test_turns_of_a_fused_loop_are_counted_without_looking_for_overflow() -> None:
+def test_iterations_of_a_fused_loop_are_counted_without_overflow_checks() -> None:
     network = network_of(ROOT / "models" / "cascade" / "cascade.csp")
     cascade = pipeline.generate(network, read_source, "c", 1)["cascade.c"]
     assert "self->turn = self->turn + 1;" in cascade

@@ -44,7 +44,7 @@ def test_arguments_and_steps_other_than_one_count_too() -> None:
     ]
 
 
-def test_different_groups_that_take_turns_make_one_loop() -> None:
+def test_alternating_groups_make_one_loop() -> None:
     groups = [[made(element(name, i))] for i in range(3) for name in ("left", "right")]
     assert shown(*groups) == [
         "for (uint32_t i = 0U; i < 3U; i++) {",
@@ -54,7 +54,7 @@ def test_different_groups_that_take_turns_make_one_loop() -> None:
     ]
 
 
-def test_a_few_or_irregular_ones_stay_as_they_are() -> None:
+def test_few_or_irregular_statements_are_not_rolled() -> None:
     few = [[made(element("cell", i))] for i in range(2)]
     assert shown(*few) == ["make(&cell[0]);", "make(&cell[1]);"]
     groups = [[made(element("cell", i * i), countable(i))] for i in range(4)]

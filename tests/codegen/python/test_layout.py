@@ -120,7 +120,7 @@ def test_breaks_where_the_formatter_does() -> None:
 
 
 @pytest.mark.parametrize("columns", [0, 80, 96, 97, 200])
-def test_a_comment_stands_where_its_statement_does(columns: int) -> None:
+def test_a_comment_stays_with_its_statement(columns: int) -> None:
     indent = " " * columns
     line = comment_line(indent, "position.csp:12  " + "limit(position) ; " * 20)
     assert line.startswith(f"{indent}# position.csp:12  limit(position)")
@@ -128,7 +128,7 @@ def test_a_comment_stands_where_its_statement_does(columns: int) -> None:
 
 
 @pytest.mark.parametrize("columns", [12, 300])
-def test_a_declaration_that_can_have_no_parentheses_is_several(columns: int) -> None:
+def test_a_declaration_that_cannot_have_parentheses_is_split(columns: int) -> None:
     names = [f"variable_{number}" for number in range(30)]
     rows = lines(nonlocal_(names), " " * columns)
     assert [name for row in rows for name in row.strip().removeprefix("nonlocal ").split(", ")] == names

@@ -32,7 +32,7 @@ def test_a_group_breaks_all_its_lines() -> None:
     assert render(BLOCK, 12) == ["{", "  a = 1,", "  b = 2", "}"]
 
 
-def test_a_fill_has_as_many_items_on_a_line_as_fit() -> None:
+def test_a_fill_puts_as_many_items_on_a_line_as_fit() -> None:
     assert render(CALL, 14) == ["f(alpha, beta,", "  gamma)"]
     assert render(CALL, 13) == ["f(alpha,", "  beta,", "  gamma)"]
 
@@ -42,7 +42,7 @@ def test_what_follows_an_item_of_several_lines_begins_a_new_one() -> None:
     assert render(document, 14) == ["f({", "    a = 1,", "    b = 2", "  },", "  x);"]
 
 
-def test_what_comes_behind_counts() -> None:
+def test_what_follows_a_group_counts() -> None:
     document: Document = (Group(("a", LINE, "b")), ";")
     assert render(document, 4) == ["a b;"]
     assert render(document, 3) == ["a", "b;"]
@@ -61,5 +61,5 @@ def test_the_first_layout_is_taken_of_which_every_line_fits() -> None:
     assert render((document, ";"), 7) == ["never;"]
 
 
-def test_lines_begin_where_the_statement_stands() -> None:
+def test_lines_begin_at_the_statement() -> None:
     assert render(BLOCK, 14, 4) == ["    {", "      a = 1,", "      b = 2", "    }"]

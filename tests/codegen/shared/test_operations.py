@@ -53,7 +53,9 @@ def test_the_opposite_of_a_negation_is_what_it_negates() -> None:
 @pytest.mark.parametrize(
     ("operator", "value", "holds"), [("==", True, True), ("!=", True, False), ("==", False, False)]
 )
-def test_a_comparison_with_a_truth_is_the_condition_or_its_opposite(operator: str, value: bool, holds: bool) -> None:
+def test_a_comparison_with_a_truth_value_is_the_condition_or_its_negation(
+    operator: str, value: bool, holds: bool
+) -> None:
     condition = variable("a", BOOL)
     literal = LiteralValue(type=BOOL, value=value)
     comparison = BinaryOperation(type=BOOL, operator=operator, left=condition, right=literal)

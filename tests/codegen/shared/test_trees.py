@@ -17,7 +17,7 @@ def containing(language: str, pattern: str) -> set[str]:
     return {path for path in found if not path.startswith("text/")}
 
 
-def test_only_the_length_of_an_expression_is_asked_for() -> None:
+def test_only_the_length_of_an_expression_is_needed() -> None:
     assert containing("python", r"\.flat\b") == {"fast/values.py"}
     assert len(re.findall(r"\.flat\b", (CODEGEN / "python/fast/values.py").read_text("utf-8"))) == 1
 

@@ -108,7 +108,7 @@ def touching(drawn: Scene, port: str) -> set[str]:
 
 
 @needs_engine
-def test_no_port_hangs_in_the_air_inside_a_box() -> None:
+def test_every_port_inside_a_box_is_at_its_border() -> None:
     for definition, depth in (("Line", 2), ("Line", 3), ("Bench", 2)):
         drawn = scene(definition, depth)
         assert faults(drawn) == []
@@ -143,7 +143,7 @@ def test_no_port_hangs_in_the_air_inside_a_box() -> None:
         ("Line", "alone|echo[0]", {"alone.echo[0] -> alone.keys[1]", "alone/m ~> echo", "alone/n ~> echo"}),
     ],
 )  # fmt: skip
-def test_arrows_go_on_inside_at_the_elements_that_they_name(definition: str, port: str, arrows: set[str]) -> None:
+def test_arrows_continue_inside_at_the_elements_that_they_name(definition: str, port: str, arrows: set[str]) -> None:
     assert touching(scene(definition, 2), port) == arrows
 
 

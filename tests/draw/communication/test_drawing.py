@@ -156,7 +156,7 @@ def random_marks(generator: random.Random, keys: Iterable[str]) -> dict[str, Mar
 
 
 @pytest.mark.parametrize("name", MARKED)
-def test_badges_lie_on_nothing_however_many_there_are(name: str) -> None:
+def test_badges_overlap_nothing_however_many_there_are(name: str) -> None:
     generator = random.Random(name)
     found = pictures(name)
     for definition in found.drawn():
@@ -218,7 +218,7 @@ def test_the_same_program_is_drawn_the_same(name: str) -> None:
         assert one.scene(definition) == other.scene(again)
 
 
-def test_what_no_arrow_touches_stands_below_the_rest() -> None:
+def test_unconnected_elements_are_below_the_rest() -> None:
     found = groups(draw_communication(diagram("jiwy/jiwy.csp", "MotionControl"), hidden=NOTHING_HIDDEN))
     failed = next(item.place for item in found["failed"].items if isinstance(item, Box))
     servo = next(item.place for item in found["servo"].items if isinstance(item, Box))

@@ -80,14 +80,14 @@ process Net {{
 
 
 @pytest.mark.parametrize("kind", ["broadcast", "any", "buffer 4", "overwrite 2"])
-def test_the_kind_that_was_asked_for_is_known_with_its_capacity(kind: str) -> None:
+def test_the_requested_kind_is_known_with_its_capacity(kind: str) -> None:
     line = arrow(drawn(KINDS.format(kind=kind, composition="source || drain || other"), "Net"), "line")
     name, _, capacity = kind.partition(" ")
     assert line.requested == name
     assert line.capacity == (capacity or None)
 
 
-def test_kinds_that_nobody_asked_for_are_those_that_the_compiler_infers() -> None:
+def test_kinds_that_are_not_requested_are_those_inferred() -> None:
     text = KINDS.replace(", other.a", "").replace("    other  : Drain\n", "")
     parallel = arrow(drawn(text.format(kind="", composition="source || drain"), "Net"), "line")
     sequential = arrow(drawn(text.format(kind="", composition="source ; drain"), "Net"), "line")
@@ -193,14 +193,14 @@ process P {
 """
 
 
-def test_a_port_left_alone_shows_its_default_or_that_it_has_none() -> None:
+def test_an_unconnected_port_shows_its_default_or_that_it_has_none() -> None:
     ports = {port.key: port for port in box(drawn(DEFAULTS, "P"), "leaf").ports}
     assert (ports["a"].is_connected, ports["a"].default) == (False, "7")
     assert (ports["b"].is_connected, ports["b"].default) == (False, None)
     assert (ports["c"].is_connected, ports["c"].default) == (True, None)
 
 
-def test_hand_written_bodies_and_drivers_are_told_from_others() -> None:
+def test_hand_written_bodies_and_drivers_are_distinguished_from_others() -> None:
     text = """
 driver Stick(port: text) python "stick.py:Stick" { out x : double }
 submodel Plant python "plant.py:Plant" { in u : double  out y : double }
@@ -266,18 +266,18 @@ def test_marks_belong_to_the_smallest_element_around_the_places_of_a_diagnostic(
     assert "double<deg>" in marks["w -> law.w"].note
 
 
-def test_what_is_outside_of_every_element_marks_nothing() -> None:
+def test_a_diagnostic_outside_every_element_marks_nothing() -> None:
     found = pictures(BROKEN)
     diagnostics = numbered(found.diagnostics)
     assert marks_of({"elsewhere": ()}, diagnostics) == {}
 
 
-def test_a_definition_that_cannot_be_read_is_left_out_and_the_others_are_drawn() -> None:
+def test_a_definition_that_cannot_be_read_is_omitted_and_the_others_are_drawn() -> None:
     found = pictures(BROKEN + "process Bad { communication { a -> -> b } }\n")
     assert [definition.name.text for definition in found.drawn()] == ["Loop"]
 
 
-def test_the_inside_of_instances_is_shown_as_deep_as_asked_for() -> None:
+def test_the_inside_of_instances_is_shown_to_the_requested_depth() -> None:
     checked = check(read_source(str(ROOT / "models/jiwy/jiwy.csp")), read_source)
     assert checked.program is not None
     found = Pictures(checked.program)

@@ -55,7 +55,7 @@ def pictures(text: str) -> Pictures:
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
 @pytest.mark.parametrize("kinds", [("overwrite 2",), ("buffer 3", "sync"), tuple(KINDS)])
-def test_no_symbol_stands_where_an_arrow_of_another_kind_runs(kinds: tuple[str, ...]) -> None:
+def test_no_symbol_is_on_an_arrow_of_another_kind(kinds: tuple[str, ...]) -> None:
     found = pictures(program(kinds))
     for definition in found.drawn():
         for hidden in (NOTHING_HIDDEN, ALL_LABELS):
@@ -86,7 +86,7 @@ def path(*places: tuple[float, float], source: str | None = "m") -> Section:
 KNOWN: dict[str, symbols.Symbol | None] = {"one": "event", "other": "buffer", "same": "event"}
 
 
-def test_a_symbol_stands_behind_the_fork() -> None:
+def test_a_symbol_is_placed_after_the_fork() -> None:
     routes = {
         "one": Route((path((0, 0), (100, 0)),)),
         "other": Route((path((0, 0), (20, 0), (20, 50), (100, 50)),)),

@@ -73,7 +73,7 @@ def test_any_composition_is_drawn_without_faults(seed: int) -> None:
 
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(programs())
-def test_random_programs_are_drawn_without_faults_and_always_alike(text: str) -> None:
+def test_random_programs_are_drawn_deterministically_and_without_faults(text: str) -> None:
     note(text)
     first, second = diagrams(text), diagrams(text)
     assert first
@@ -85,7 +85,7 @@ def test_random_programs_are_drawn_without_faults_and_always_alike(text: str) ->
 
 
 @pytest.mark.parametrize("away", [(0, -30), (0, 45), (-40, 0)])
-def test_a_moved_process_is_noticed_by_the_measuring(away: tuple[float, float]) -> None:
+def test_the_measurement_detects_a_moved_process(away: tuple[float, float]) -> None:
     scene = draw_composition(diagram("first ; (second || third) ; (mu last until done)"))
     assert faults(scene) == []
 
@@ -123,7 +123,7 @@ process Endless { communication { again : Endless } composition { skip ; again }
 """
 
 
-def test_instances_show_their_inside_as_deep_as_is_wished() -> None:
+def test_instances_show_their_inside_to_the_requested_depth() -> None:
     tree = parse(SourceFile(name="nested.csp", text=NESTED), Report())
     assert tree is not None
     definitions = {process.name.text: process for process in processes(tree)}
@@ -142,7 +142,7 @@ def test_instances_show_their_inside_as_deep_as_is_wished() -> None:
     assert shown("Endless", 9) == shown("Endless", 1)
 
 
-def test_tall_groups_stand_beside_each_other() -> None:
+def test_tall_groups_are_side_by_side() -> None:
     tall = " ; ".join(f"(process_number_{number} || skip || skip)" for number in range(40))
     scene = draw_composition(diagram(f"h: ({tall}) ||> v: ({tall})"))
     assert faults(scene) == []
@@ -191,7 +191,7 @@ def test_a_line_that_ends_at_a_group_carries_a_parenthesis() -> None:
     assert parentheses(draw_composition(diagram("h: (a ; b) || v: (c ; d)"))) == 2
 
 
-def test_a_long_sequence_goes_on_in_new_rows_and_a_long_parallel_in_new_columns() -> None:
+def test_a_long_sequence_continues_in_new_rows_and_a_long_parallel_in_new_columns() -> None:
     names = [f"process_number_{number}" for number in range(24)]
     sequence = draw_composition(diagram(" ; ".join(names)))
     assert sequence.width < 1150
@@ -249,7 +249,7 @@ def test_deep_nesting_is_drawn() -> None:
     assert faults(draw_composition(diagram(text))) == []
 
 
-def test_instances_tell_what_they_are() -> None:
+def test_tooltips_describe_instances() -> None:
     text = """
     /// Holds its set-point.
     submodel Law { in x : double out y : double y = x }

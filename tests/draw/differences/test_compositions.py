@@ -56,7 +56,7 @@ def changes(before: str, after: str) -> list[str]:
         ("h: a", "v: a", ["group h: → v:"]),
     ],
 )  # fmt: skip
-def test_changes_are_told_as_small_as_they_are(before: str, after: str, expected: list[str]) -> None:
+def test_changes_are_reported_as_small_as_they_are(before: str, after: str, expected: list[str]) -> None:
     assert changes(before, after) == expected
 
 
@@ -66,7 +66,7 @@ def test_renamed_instances_are_no_change_of_the_composition() -> None:
     assert compared(old, new, {"a": "b"}).changes == ()
 
 
-def test_a_composition_that_came_or_went_is_one_change() -> None:
+def test_an_added_or_removed_composition_is_one_change() -> None:
     without = CompositionDiagram(key="P", root=None)
     came = compared(without, diagram("a ; b"))
     assert [change.action for change in came.changes] == ["added"]

@@ -103,16 +103,16 @@ def told(*replacements: tuple[str, str]) -> list[str]:
          ["submodel Law", "~ parameter kp: default none → 1<V>"]),
     ],
 )  # fmt: skip
-def test_a_change_is_told_in_the_words_of_the_diagram(old: str, new: str, lines: list[str]) -> None:
+def test_a_change_is_reported_in_the_words_of_the_diagram(old: str, new: str, lines: list[str]) -> None:
     assert told((old, new)) == lines
 
 
-def test_a_type_that_differs_in_its_unit_only_is_told_as_another_unit() -> None:
+def test_a_type_that_differs_in_its_unit_only_is_reported_as_another_unit() -> None:
     lines = told(("out u : double<V> @ T\n  communication", "out u : double<mV> @ T\n  communication"))
     assert lines == ["process Writer", "~ port u: unit V → mV"]
 
 
-def test_a_period_that_follows_from_a_constant_is_told_where_it_is_used() -> None:
+def test_a_period_that_follows_from_a_constant_is_reported_where_it_is_used() -> None:
     assert told(("const T = 2 ms", "const T = 5 ms")) == [
         "const T",
         "~ value 2 ms → 5 ms",
@@ -124,12 +124,12 @@ def test_a_period_that_follows_from_a_constant_is_told_where_it_is_used() -> Non
     ]
 
 
-def test_a_composition_that_changes_what_a_channel_is_says_so() -> None:
+def test_a_composition_that_changes_the_kind_of_a_channel_is_reported() -> None:
     lines = told(("composition { reader || writer }", "composition { reader ; writer }"))
     assert "~ connection value: inferred kind rendezvous → variable" in lines
 
 
-def test_a_long_composition_is_told_by_its_steps_and_a_short_one_as_a_whole() -> None:
+def test_a_long_composition_is_reported_by_its_steps_and_a_short_one_as_a_whole() -> None:
     steps = " ; ".join(["x ? v ; y ! v"] * 12)
     before = PROGRAM.replace("mu (x ? v ; y ! v)", f"mu ({steps})")
     after = before.replace("mu (x ? v", "mu (wait 1 ms ; x ? v")
@@ -155,7 +155,7 @@ def test_renamed_definitions_are_recognized() -> None:
     ]
 
 
-def test_a_new_instance_between_two_others_is_told_with_its_connections() -> None:
+def test_a_new_instance_between_two_others_is_reported_with_its_connections() -> None:
     lines = told(
         ("    writer : Writer\n", "    writer : Writer\n    second : Reader(T)\n"),
         ("    x        -> reader.x\n", "    x        -> reader.x, second.x\n    second.y -> _\n"),
@@ -168,7 +168,7 @@ def test_a_new_instance_between_two_others_is_told_with_its_connections() -> Non
     ]
 
 
-def test_what_came_and_went_altogether_is_told_in_one_line() -> None:
+def test_whole_added_and_removed_definitions_are_reported_in_one_line() -> None:
     lines = told(
         ("struct Gains { kp: double  kd: double }", "enum Mode { idle, run }"),
         ("const T = 2 ms", "const T = 2 ms\nconst N = 3"),
@@ -215,7 +215,7 @@ def test_a_model_differs_from_nothing_in_all_its_definitions() -> None:
     assert len(backwards.changes) == len(found.changes)
 
 
-def test_blanks_within_indexes_are_no_difference() -> None:
+def test_spaces_within_indexes_do_not_count() -> None:
     text = (ROOT / "models/ring/ring.csp").read_text(encoding="utf-8")
     changed = text.replace("cell[i + 1].input", "cell[ i+1 ].input").replace("cell[cells - 1]", "cell[cells-1]")
     assert changed != text

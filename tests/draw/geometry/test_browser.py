@@ -51,7 +51,7 @@ def drawings() -> dict[str, str]:
 
 
 @pytest.mark.slow
-def test_nothing_lies_on_anything_in_a_browser(tmp_path: Path) -> None:
+def test_nothing_overlaps_in_a_browser(tmp_path: Path) -> None:
     drawn = drawings()
     measured = answer(tmp_path, page(drawn))
     assert len(measured) == len(SIZES) * len(drawn)

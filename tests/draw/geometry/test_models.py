@@ -32,7 +32,7 @@ def pictures_of(model: str) -> Pictures:
 
 @needs_engine
 @pytest.mark.parametrize("model", MODELS)
-def test_nothing_lies_on_anything(model: str) -> None:
+def test_nothing_overlaps(model: str) -> None:
     pictures = pictures_of(model)
     for definition in pictures.drawn():
         assert faults(pictures.scene(definition)) == [], definition.name.text
@@ -40,7 +40,7 @@ def test_nothing_lies_on_anything(model: str) -> None:
 
 @needs_engine
 @pytest.mark.parametrize("depth", [2, 3])
-def test_nothing_lies_on_anything_inside_boxes(depth: int) -> None:
+def test_nothing_overlaps_inside_boxes(depth: int) -> None:
     pictures = pictures_of("models/jiwy/jiwy.csp")
     jiwy = pictures.outermost()
     assert jiwy is not None
@@ -64,19 +64,19 @@ def test_the_rules_see_what_lies_on_words(other: Line | Box | Text, fault: str) 
     assert any(fault in each for each in faults(fitted((WORDS, other))))
 
 
-def test_words_in_a_box_and_beside_a_line_are_fine() -> None:
+def test_words_in_a_box_and_next_to_a_line_are_accepted() -> None:
     beside = Line((Point(0, 54), Point(200, 54)))
     assert faults(fitted((Box(Rectangle(20, 20, 150, 80)), WORDS, beside))) == []
 
 
-def test_what_leaves_the_sheet_is_seen() -> None:
+def test_the_rules_detect_what_leaves_the_sheet() -> None:
     assert any("leaves the sheet" in each for each in faults(Scene(60, 60, (WORDS,))))
 
 
 @needs_engine
 @settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 @given(programs())
-def test_nothing_lies_on_anything_in_random_programs(text: str) -> None:
+def test_nothing_overlaps_in_random_programs(text: str) -> None:
     checked = check(SourceFile(name="drawn.csp", text=text), read_source)
     assert checked.readable is not None
     pictures = Pictures(checked.readable)

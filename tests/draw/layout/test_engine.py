@@ -64,7 +64,7 @@ def test_without_elkjs_a_checkout_says_what_fetches_it(
 
 
 @needs_engine
-def test_what_the_engine_complains_about_is_one_line() -> None:
+def test_errors_of_the_engine_are_one_line() -> None:
     wrong = {"id": "", "children": [{"id": "a"}], "edges": [{"id": "e", "sources": ["a"], "targets": ["nowhere"]}]}
     with pytest.raises(LayoutError) as caught:
         engine.run(wrong)
@@ -74,7 +74,7 @@ def test_what_the_engine_complains_about_is_one_line() -> None:
 
 
 @needs_engine
-def test_the_engine_goes_on_after_a_failure() -> None:
+def test_the_engine_works_after_a_failure() -> None:
     expected = lay_out(GRAPH)
     with pytest.raises(LayoutError):
         engine.run({"id": "", "edges": [{"id": "e", "sources": ["x"], "targets": ["y"]}]})

@@ -163,7 +163,7 @@ def box(name: str, inputs: int = 1, outputs: int = 1) -> Node:
 
 
 @needs_engine
-def test_a_box_more_moves_no_others_above_it() -> None:
+def test_an_additional_box_moves_none_above_it() -> None:
     """Branches in the order of the text: what is added at the end stands at the end."""
     branches = [box(f"b{index}") for index in range(4)]
 
@@ -178,7 +178,7 @@ def test_a_box_more_moves_no_others_above_it() -> None:
 
 
 @needs_engine
-def test_ends_of_the_diagram_stand_at_its_ends() -> None:
+def test_ends_of_the_diagram_are_at_its_sides() -> None:
     first = Node("first", 50, 18, layer=Layer.FIRST)
     last = Node("last", 50, 18, layer=Layer.LAST)
     chain = (Edge("1", ("a.out0",), ("b.in0",)), Edge("2", ("first",), ("b.in1",)), Edge("3", ("a.out1",), ("last",)))
@@ -228,7 +228,7 @@ def test_ports_in_a_fixed_order_are_in_the_order_of_the_text() -> None:
         ),
     ],
 )
-def test_a_graph_that_is_none_is_refused(graph: Graph, problem: str) -> None:
+def test_an_invalid_graph_is_refused(graph: Graph, problem: str) -> None:
     with pytest.raises(ValueError, match=problem):
         lay_out(graph)
 

@@ -59,7 +59,7 @@ def codes(text: str) -> list[str]:
         ("prialt k < 2 : after 1 ms -> o ! k", []),
     ],
 )
-def test_all_turns_agree(composition: str, expected: list[str]) -> None:
+def test_all_iterations_agree(composition: str, expected: list[str]) -> None:
     assert codes(PROCESS.format(composition=composition)) == expected
 
 
@@ -91,7 +91,7 @@ def test_all_instances_agree(part: str, first: str, second: str, expected: list[
 
 
 @pytest.mark.parametrize(("second", "expected"), [("n = 0", ["W0616"]), ("n = 1", [])])
-def test_a_button_is_looked_at_where_any_instance_does(second: str, expected: list[str]) -> None:
+def test_a_button_is_checked_if_any_instance_reads_it(second: str, expected: list[str]) -> None:
     part = "mu ((mu wait d) interrupt c ? v -> (o ! 1 ; seq i < n : if v then o ! 2))"
     found = codes(INSTANCES.format(part=part, first="n = 0", second=second, kind="bool", initial="false"))
     assert found == expected

@@ -166,7 +166,7 @@ def hunt(seeds: range) -> tuple[int, int, list[int]]:
     return len(answers), sum(len(said) for said, _ in answers.values()), wrong
 
 
-def test_what_is_said_never_to_happen_does_not() -> None:
+def test_what_is_reported_as_impossible_never_happens() -> None:
     ran, said, wrong = hunt(range(50))
     assert wrong == []
     assert ran > 30

@@ -42,7 +42,7 @@ environment Bench for Main {{
 @pytest.mark.parametrize(
     ("operator", "is_behind", "delay"), list(product(("[]", "[]>"), (False, True), (1500, 2000, 2500, 9000)))
 )
-def test_a_time_out_never_elapses_where_that_is_said(operator: str, is_behind: bool, delay: int) -> None:
+def test_a_time_out_never_elapses_if_that_is_stated(operator: str, is_behind: bool, delay: int) -> None:
     branches = ["a ? x -> skip", f"after {delay} us -> alarm ! 1"]
     if not is_behind:
         branches.reverse()

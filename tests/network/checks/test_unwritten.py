@@ -42,7 +42,7 @@ process Main {{
     assert may_be_unwritten(network)["Main"] == found
 
 
-def test_ports_behind_which_such_a_variable_is() -> None:
+def test_ports_that_lead_to_such_a_variable() -> None:
     network = programs.network("""
 process Find { in u : int  out place : int  communication { var x : int }  composition { u ? x ; place ! x } }
 process Go { in place : int  out y : int  communication { var x : int }  composition { place ? x ; y ! x } }

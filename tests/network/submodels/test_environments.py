@@ -142,7 +142,7 @@ def test_parameters_may_be_set_from_outside() -> None:
     assert changed.constants["motor.friction.coefficient"] == 9.0
 
 
-def test_drivers_stand_beside_the_system() -> None:
+def test_drivers_are_next_to_the_system() -> None:
     hands = environment(PROGRAM, "Hands")
     (stick,) = hands.drivers
     assert stick.arguments == (("port", "left"), ("scale", 2.0))

@@ -26,7 +26,7 @@ graphs = st.integers(0, 12).flatmap(
 
 
 @given(graphs)
-def test_every_equation_stands_after_those_it_reads_or_in_a_loop_that_is_shown(graph: list[list[int]]) -> None:
+def test_every_equation_is_after_those_it_reads_or_in_a_reported_loop(graph: list[list[int]]) -> None:
     items = [equation(str(k), *map(str, read)) for k, read in enumerate(graph)]
     order = ordered(items)
     done: set[str] = set()
@@ -66,7 +66,7 @@ def test_the_loop_shown_is_a_shortest_one() -> None:
     assert [item.name for item in loop] == ["a", "d"]
 
 
-def test_a_call_stands_between_what_it_takes_and_what_it_gives() -> None:
+def test_a_call_is_between_its_inputs_and_its_outputs() -> None:
     call = ExternalCall(
         name="plant",
         span=SPAN,

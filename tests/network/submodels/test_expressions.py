@@ -79,7 +79,7 @@ formulas = st.recursive(
 
 @settings(max_examples=60, deadline=None)
 @given(formulas, numbers, numbers)
-def test_formulas_mean_what_they_mean_in_arithmetic(formula: str, x: float, z: float) -> None:
+def test_formulas_have_their_arithmetic_meaning(formula: str, x: float, z: float) -> None:
     law = instance(f"submodel Law {{ in x : double in z : double out y : double y = x * 0 + {formula} }}", "Law")
     assert law.evaluate(x=x, z=z)["y"] == pytest.approx(meaning(formula, x, z), nan_ok=True)
 

@@ -61,7 +61,7 @@ def test_nested_submodels_are_inlined_under_the_names_of_their_instances() -> No
     assert instance(text, "Twice", k=3.0).evaluate(x=1.0)["y"] == 6 * (3 + 3) + 1
 
 
-def test_an_input_that_is_left_to_its_default_is_a_constant() -> None:
+def test_an_unconnected_input_with_a_default_is_a_constant() -> None:
     text = """
     submodel Sum { in a : double  in b : double = 4  out y : double  y = a + b }
     submodel Outer { in x : double  out y : double  sum : Sum  sum.a = x  y = sum.y }
@@ -164,7 +164,7 @@ def test_euler_integrates_in_single_steps() -> None:
     assert block.states["x"] == pytest.approx(0.9)
 
 
-def test_time_goes_on_within_an_integration() -> None:
+def test_time_advances_within_an_integration() -> None:
     text = "submodel Ramp { out y : double<s^2> state x : double<s^2> = 0 der x = 2 * time  y = x }"
     block = instance(text, "Ramp", 500 * MS, environment=True)
     for _ in range(4):
@@ -259,7 +259,7 @@ def test_structs_enums_arrays_and_integers() -> None:
         ("inner : Inner  inner.x = x  y = inner.y", True),
     ],
 )
-def test_who_needs_a_sample_period(body: str, expected: bool) -> None:
+def test_which_equations_need_a_sample_period(body: str, expected: bool) -> None:
     text = f"""
     submodel Inner {{ in x : double  out y : double  y = integral(x, 0<s>) / 1<s> }}
     submodel Outer {{ in x : double  out y : double  {body} }}"""

@@ -117,12 +117,12 @@ def test_the_present_instant_ends_a_program(body: Comp, ends: int) -> None:
         Seq((Mu(STEP, LATE), If(LATE, Stop()))),
     ],
 )
-def test_what_the_present_instant_does_not_end_goes_on(body: Comp) -> None:
+def test_loops_that_the_present_instant_does_not_end_continue(body: Comp) -> None:
     """Also where times are kept: what is told of them apart is only how old they are."""
     assert decide(made(body), "terminates").holds is False
 
 
-def test_ages_that_are_told_apart_are_those_that_are_compared() -> None:
+def test_ages_that_are_distinguished_are_those_that_are_compared() -> None:
     """The writer is lost if the reader stops at a time that is 2 ms old, which every one is when it is read."""
     for age, free in ((2, False), (3, True)):
         asks = Seq((Read("c", Target("t", TIME)), If(Bin("==", AGE, time(age), BOOL), Stop())))
@@ -154,7 +154,7 @@ def test_how_far_the_clock_counts(body: Comp, instant: int, age: int) -> None:
     assert (found.instant, found.age) == (instant, age)
 
 
-def test_where_the_clock_counts_on_nothing_is_said() -> None:
+def test_nothing_is_reported_while_the_clock_advances() -> None:
     paced = Seq((Assign(Target("t", TIME), Bin("+", T, time(2), TIME)), Wait(T, until=True)))
     answer = decide(made(Seq((KEEP, Mu(paced)))), "deadlock free", limit=200)
     assert answer.holds is None
@@ -162,7 +162,7 @@ def test_where_the_clock_counts_on_nothing_is_said() -> None:
     assert decide(made(Seq((KEEP, Mu(paced, LATE)))), "terminates").holds is True
 
 
-def test_states_that_hold_less_of_the_clock_give_the_answers_of_those_that_hold_all(
+def test_states_with_less_of_the_clock_give_the_answers_of_full_states(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Of random programs of which the states end in either way."""
@@ -184,7 +184,7 @@ def test_the_present_instant_is_written_as_now() -> None:
     assert expression(Bin("<=", AGE, time(2), BOOL)) == "((now - t) <= 2 ms)"
 
 
-def test_one_program_in_six_asks_for_the_time_in_many_ways() -> None:
+def test_one_program_in_six_uses_the_time_in_many_ways() -> None:
     asking = [seed for seed in range(600) if asks_for_the_time(seed)]
     assert 80 < len(asking) < 120
     programs = [program_of(seed, inputs=seed % 3 == 0) for seed in asking]
@@ -209,7 +209,7 @@ def test_programs_that_the_present_instant_ends_are_not_taken_for_endless() -> N
     assert not report.counts["rejected"]
 
 
-def test_how_runs_end_is_read_from_what_is_reported_of_them() -> None:
+def test_the_end_of_a_run_is_read_from_its_report() -> None:
     """The first ends with an exception of its own, after a warning; the second with that instead of a fault."""
     report = hunt("trace", iter([283, 188]))
     assert not report.wrong, report.wrong[0][1].wrong

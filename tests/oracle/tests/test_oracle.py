@@ -60,13 +60,13 @@ def program(body: Comp, *, channels: tuple[Channel, ...] = SYNC, laws: tuple[Law
     return Program(body, channels=channels, variables=variables, ports=(X, O), laws=laws, exceptions=("Alarm",))
 
 
-def test_a_rendezvous_is_made_when_the_second_party_comes() -> None:
+def test_a_rendezvous_is_made_when_the_second_party_arrives() -> None:
     body = Par((Seq((Wait(2 * MS), write("c", 7))), Seq((read("c"), Write("o", Ref("v", INT))))))
     run = page_run(program(body), 20 * MS)
     assert (run.trace, run.ending) == ([(2 * MS, "c", 7), (2 * MS, "o", 7)], "terminated")
 
 
-def test_a_writer_of_a_broadcast_goes_on_when_every_reader_has_the_value() -> None:
+def test_a_writer_of_a_broadcast_continues_when_every_reader_has_the_value() -> None:
     channels = (Channel("c", INT, "broadcast"),)
     body = Par((Seq((write("c", 1), write("o", 5))), read("c"), Seq((Wait(3 * MS), read("c", "w")))))
     run = page_run(program(body, channels=channels), 20 * MS)
@@ -138,7 +138,7 @@ def test_a_law_that_computes_for_longer_than_its_period_misses_samples() -> None
     assert decide(made, "schedulable").holds is False
 
 
-def test_a_sample_that_nobody_ever_asks_for_is_missed() -> None:
+def test_a_sample_that_is_never_read_is_missed() -> None:
     over = Seq((Mu(Run("a"), Bin("==", number(0), number(0), INT)), Mu(Wait(3 * MS))))
     assert decide(program(over, laws=(LAW,)), "schedulable").holds is False
 
@@ -159,12 +159,12 @@ def test_two_that_read_first_are_deadlocked() -> None:
     assert decide(program(body), "deadlock free").holds is False
 
 
-def test_a_pair_that_waits_for_each_other_beside_a_loop_is_a_knot() -> None:
+def test_a_pair_that_waits_for_each_other_next_to_a_loop_is_a_knot() -> None:
     stuck = (Mu(Seq((read("c"), write("d", 1)))), Mu(Seq((read("d", "w"), write("c", 1)))))
     assert decide(program(Par((*stuck, Mu(Wait(MS))))), "deadlock free").holds is False
 
 
-def test_a_partner_that_waits_for_time_comes_back() -> None:
+def test_a_partner_that_waits_for_time_returns() -> None:
     """The device reads again after 3 ms, so the panel does not wait forever."""
     device = Seq((read("c"), Wait(3 * MS), read("c"), read("c")))
     late = Guarded(After(2 * MS), Seq((write("c", 0), write("c", 1))))
@@ -173,16 +173,16 @@ def test_a_partner_that_waits_for_time_comes_back() -> None:
     assert decide(program(Par((device, panel, beside))), "deadlock free").holds is True
 
 
-def test_who_waits_for_a_partner_that_runs_on_elsewhere_is_in_no_knot() -> None:
+def test_waiting_for_a_partner_that_continues_elsewhere_is_not_a_knot() -> None:
     body = Par((Seq((write("c", 1), Mu(Wait(MS)))), Seq((read("c"), read("c")))))
     assert decide(program(body), "deadlock free").holds is None
 
 
-def test_who_stops_and_is_waited_for_by_nobody_is_no_knot() -> None:
+def test_a_stopped_process_without_waiting_partners_is_not_a_knot() -> None:
     assert decide(program(Par((Stop(), Mu(Wait(MS))))), "deadlock free").holds is True
 
 
-def test_a_pair_that_goes_round_without_time_livelocks() -> None:
+def test_a_pair_that_loops_without_time_livelocks() -> None:
     body = Par((Mu(write("c", 1)), Mu(read("c"))))
     assert decide(program(body), "livelock free").holds is False
     assert decide(program(Mu(write("o", 1))), "livelock free").holds is True
@@ -206,7 +206,7 @@ def test_an_instant_stays_where_it_is_when_an_alternative_begins_anew() -> None:
 
 
 @pytest.mark.parametrize(("late", "holds"), [(3, True), (4, False)])
-def test_states_are_told_apart_by_instants(late: int, holds: bool) -> None:
+def test_states_are_distinguished_by_instants(late: int, holds: bool) -> None:
     """A loop comes back to its place, at another instant: it never ends before 3 ms."""
     ends = Seq((Mu(Wait(MS), Un("not", early(3 * MS), BOOL)), If(early(late * MS), Stop())))
     assert decide(program(Par((ends, Mu(Wait(MS))))), "terminates").holds is False

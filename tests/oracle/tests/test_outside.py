@@ -56,13 +56,13 @@ def event(port: str) -> Read:
 # ---- what comes from outside ----
 
 
-def test_waiting_for_an_event_is_no_deadlock_and_it_comes_at_last() -> None:
+def test_waiting_for_an_event_is_not_a_deadlock_because_it_occurs_eventually() -> None:
     assert decide(made(event("e"), E), "deadlock free").holds is True
     assert decide(made(event("e"), E), "terminates").holds is True
     assert decide(made(Mu(event("e")), E), "terminates").holds is False
 
 
-def test_an_event_may_come_while_a_process_runs() -> None:
+def test_an_event_may_arrive_while_a_process_runs() -> None:
     """The second is there when the process looks for it, although it has not waited since the first."""
     again = Alt((Guarded(event("e"), read("c", "v")), Guarded(Skip(), Skip())), prioritized=True)
     program = made(Seq((event("e"), write("o", 1), again)), E, channels=(Channel("c", INT, "sync"),))
@@ -119,7 +119,7 @@ def either() -> Comp:
     return Alt((Guarded(Skip(), event("e")), Guarded(Skip(), event("f"))))
 
 
-def test_traces_do_not_tell_what_is_refused_and_failures_do() -> None:
+def test_failures_show_refusals_and_traces_do_not() -> None:
     offers, chooses = made(both(), E, F), made(either(), E, F)
     assert refines(chooses, offers).holds is True
     assert refines(chooses, offers, failures=True).holds is False
@@ -127,7 +127,7 @@ def test_traces_do_not_tell_what_is_refused_and_failures_do() -> None:
     assert refines(offers, chooses, failures=True).holds is True
 
 
-def test_the_end_is_seen() -> None:
+def test_the_end_is_visible() -> None:
     assert refines(made(event("e"), E), made(Mu(event("e")), E)).holds is False
     assert refines(made(Skip()), made(Stop())).holds is False
     assert refines(made(Stop()), made(Skip())).holds is True

@@ -127,14 +127,14 @@ def test_numbers_at_the_ends_are_written_with_numbers_of_their_types() -> None:
 
 
 @pytest.mark.parametrize(("initial", "ends"), [(MOST - 3, True), (MOST - 2, False)])
-def test_a_sum_that_faults_leads_to_what_is_done_then(initial: int, ends: bool) -> None:
+def test_a_sum_that_faults_leads_to_its_handler(initial: int, ends: bool) -> None:
     adds = Assign(Target("v", INT), Bin("+", Ref("v", INT), Lit(3, INT), INT))
     body = Catch(adds, "Fault", Stop())
     assert decide(made(body, initial), "terminates").holds is ends
 
 
 @pytest.mark.parametrize(("received", "holds"), [(1, True), (2, False)])
-def test_a_value_that_came_by_a_channel_is_added_as_it_was_sent(received: int, holds: bool) -> None:
+def test_a_value_received_from_a_channel_is_added_as_it_was_sent(received: int, holds: bool) -> None:
     """Where the sum faults the reader does not read again, and the writer waits forever."""
     adds = Assign(Target("w", INT), Bin("+", Ref("v", INT), Lit(MOST - 1, INT), INT))
     reader = Seq((read("c"), Catch(Seq((adds, read("c", "w"))), "Fault", Skip())))

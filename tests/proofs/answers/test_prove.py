@@ -15,7 +15,7 @@ from tests.support.verifying import answers_to
 SPAN = Span(SourceFile(name="a.csp", text="assert P deadlock free"), 0, 22)
 
 
-def test_memory_that_is_used_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_exhausted_memory_gives_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     def exhausted(*_: object) -> None:
         raise MemoryError
 
@@ -24,7 +24,7 @@ def test_memory_that_is_used_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) ->
     assert (answer.outcome, answer.reason) == ("unknown", "the memory of this machine is used up")
 
 
-def test_a_knot_beside_what_goes_on_is_told_apart_from_a_deadlock() -> None:
+def test_a_knot_next_to_running_processes_is_distinguished_from_a_deadlock() -> None:
     question = Question("P", "deadlock free", SPAN)
     deadlock = prove(question, lambda _: known.philosophers(3), Limits())
     knot = prove(question, lambda _: known.beside_a_loop(known.philosophers(3)), Limits())
@@ -68,7 +68,7 @@ assert Axes deadlock free
 """
 
 
-def test_who_only_ends_together_with_others_does_not_wait_for_them() -> None:
+def test_a_branch_that_ends_with_others_does_not_wait_for_them() -> None:
     (answer,) = answers_to({"case.csp": STOPPED})
     assert answer.outcome == "proved"
     assert answer.reason == "no deadlock and no knot (no process ever waits for another)"

@@ -40,7 +40,7 @@ assert Both deadlock free
 """
 
 
-def test_who_waits_at_a_buffer_waits_for_the_process_behind_it() -> None:
+def test_a_process_waiting_at_a_buffer_waits_for_the_one_behind_it() -> None:
     answer = answer_to(BUFFERED)
     assert answer.counterexample is not None
     assert set(waiting_lines(answer.counterexample)) == {
@@ -77,7 +77,7 @@ assert Main deadlock free
 """
 
 
-def test_who_would_have_ended_is_not_said_to_have_ended() -> None:
+def test_a_process_that_would_have_ended_is_not_reported_as_ended() -> None:
     """The third branch reads at 1 ms, in every run: that it gives up at 3 ms is only what a proof without times
     supposes.
     """
@@ -90,7 +90,7 @@ def test_who_would_have_ended_is_not_said_to_have_ended() -> None:
     )
 
 
-def test_a_long_way_to_what_is_supposed_is_told_by_its_end() -> None:
+def test_a_long_path_to_an_assumption_is_reported_by_its_end() -> None:
     text = READS_IN_TIME.replace("(wait 1 ms ; ", f"({'wait 1 ms ; ' * 7}")
     assert answer_to(text).candidate[0] == "after 8 steps, the last of them " + "`wait 1 ms` of `3`, " * 4 + (
         "`after 2 ms` of `3`:"

@@ -61,11 +61,11 @@ def test_a_round_of_several_steps() -> None:
         [True, False, False, True, False, True, True, False, True, True, True, False],
     ],
 )
-def test_few_rounds_and_values_of_no_rule_are_told_one_by_one(values: list[object]) -> None:
+def test_few_rounds_and_irregular_values_are_listed_one_by_one(values: list[object]) -> None:
     assert told([step("a", value) for value in values]) == [(1, "a", str(value)) for value in values]
 
 
-def test_a_value_out_of_turn_is_told() -> None:
+def test_an_unexpected_value_is_reported() -> None:
     rows = told([step("a", value) for value in [*range(20), -1, *range(20, 40)]])
     assert rows == [
         *[(1, "a", "0"), (18, "a", "1 … 18"), (1, "a", "19")],

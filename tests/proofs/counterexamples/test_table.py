@@ -60,7 +60,7 @@ def test_branches_of_several_parallels_and_instances() -> None:
     assert "in line 5" in key
 
 
-def test_a_key_without_branches_has_no_such_line() -> None:
+def test_a_key_without_branches_has_no_line_for_them() -> None:
     named = """process Writer { out c : int composition { c ! 1 } }
 process Reader { in c : int communication { var x : int } composition { c ? x ; c ? x } }
 process Main { communication { w : Writer r : Reader w.c -> r.c } composition { w || r } }

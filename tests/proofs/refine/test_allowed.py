@@ -44,12 +44,12 @@ def test_a_run_that_is_a_trace_of_the_specification_does_nothing_wrong() -> None
     assert said(ONE_PLACE, [("accept", None), ("deliver", None), ("accept", None)]) is None
 
 
-def test_a_run_that_does_too_much_is_told_with_what_was_allowed() -> None:
+def test_a_run_that_does_too_much_is_reported_with_what_was_allowed() -> None:
     told = said(ONE_PLACE, [("accept", None), ("accept", None)])
     assert told == "it does `accept`, where the specification allows only `deliver`"
 
 
-def test_the_value_decides_where_the_specification_tells_values_apart() -> None:
+def test_the_value_decides_if_the_specification_distinguishes_values() -> None:
     assert said(LAMP, [("level", "off"), ("level", "on")]) is None
     told = said(LAMP, [("level", "on"), ("level", "on")])
     assert told == "it does `level.on`, where the specification allows only `level.off`"
@@ -71,7 +71,7 @@ def test_a_refusal_counts_in_failures_and_at_rest_only() -> None:
     assert said(ONE_PLACE, [], rest, failures=True) is None
 
 
-def test_who_offers_any_value_offers_each() -> None:
+def test_a_process_that_offers_any_value_offers_each() -> None:
     any_value = RunEnd(ended=False, offers=frozenset({("level", None)}))
     one_value = RunEnd(ended=False, offers=frozenset({("level", "on")}))
     on: list[Label] = [("level", "on")]
@@ -85,6 +85,6 @@ def test_the_limits_hold() -> None:
         violation(ONE_PLACE, Labels(ONE_PLACE), [], BUSY, Limits(seconds=-1.0), failures=False)
 
 
-def test_a_value_that_nobody_knows_may_be_the_wrong_one() -> None:
+def test_an_unknown_value_may_be_the_wrong_one() -> None:
     told = forbidden_refusal({("level", None)}, [{("level", "on")}])
     assert told == "it refuses `level.on` and offers only `level`, where the specification demands `level.on`"

@@ -78,7 +78,7 @@ def test_hidden_ports_are_not_seen() -> None:
     assert isinstance(refines_in_failures(system, ONE_PLACE, Limits(), hidden=["log"]), Proved)
 
 
-def test_an_end_where_the_specification_goes_on_is_a_violation() -> None:
+def test_an_end_where_the_specification_continues_is_a_violation() -> None:
     once = compose(
         [Machine("once", {"0": [("accept", "1")], "1": [("deliver", "2")], "2": []}, frozenset({"2"}))],
         visible=["accept", "deliver"],
@@ -97,7 +97,7 @@ def valued(*values: str | None) -> System:
     return System((Component("P", (((0, 1),), tuple((1 + at, 1) for at in range(len(values))))),), events)
 
 
-def test_values_count_where_the_specification_tells_them_apart() -> None:
+def test_values_count_if_the_specification_distinguishes_them() -> None:
     only_zero, any_value = valued("0"), valued(None)
     assert isinstance(refines_in_traces(valued("0"), only_zero, Limits()), Proved)
     verdict = refines_in_traces(valued("0", "1"), only_zero, Limits())
@@ -131,14 +131,14 @@ def counter(most: int) -> System:
     return compose([Machine("buffer", table)], visible=["accept", "deliver"])
 
 
-def test_a_large_process_is_made_small_first() -> None:
+def test_a_large_process_is_minimized_first() -> None:
     verdict = refines_in_failures(buffers(60), counter(60), Limits())
     assert isinstance(verdict, Proved)
     assert verdict.method == "minimization"
     assert verdict.states == 61
 
 
-def test_a_large_specification_is_made_small_first() -> None:
+def test_a_large_specification_is_minimized_first() -> None:
     assert isinstance(refines_in_failures(counter(60), buffers(60), Limits()), Proved)
     assert isinstance(refines_in_failures(counter(59), buffers(60), Limits()), Refuted)
 

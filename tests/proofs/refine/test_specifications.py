@@ -218,7 +218,7 @@ PAIRS = VALUES | ORDERS | SAMPLES
 
 
 @pytest.mark.parametrize("name", PAIRS)
-def test_answer(name: str) -> None:
+def test_a_question_gets_the_expected_answer(name: str) -> None:
     answer = answer_to(PAIRS[name].text)
     assert (answer.outcome, answer.replayed) == (PAIRS[name].outcome, PAIRS[name].outcome == "refuted"), answer.reason
 

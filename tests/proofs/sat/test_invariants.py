@@ -24,7 +24,7 @@ pytest.importorskip("pysat")
 
 
 @pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])
-def test_a_butler_who_keeps_one_seat_empty_is_understood(together: bool) -> None:
+def test_a_butler_that_keeps_one_seat_empty_gives_a_proof(together: bool) -> None:
     question = StuckQuestion(table_with_butler(5, 4), together)
     assert isinstance(by_sat(question, Limits()), Unknown), "pairs and traps do not count"
     verdict = by_invariants(question, Limits())
@@ -32,13 +32,13 @@ def test_a_butler_who_keeps_one_seat_empty_is_understood(together: bool) -> None
     assert "invariant" in verdict.reason
 
 
-def test_beside_a_loop_that_never_waits_there_is_no_deadlock() -> None:
+def test_there_is_no_deadlock_next_to_a_loop_that_never_waits() -> None:
     assert isinstance(
         by_invariants(StuckQuestion(known.beside_a_loop(table_with_butler(3, 3)), True), Limits()), Proved
     )
 
 
-def test_a_butler_who_admits_everybody_proves_nothing() -> None:
+def test_a_butler_that_admits_all_philosophers_proves_nothing() -> None:
     verdict = by_invariants(StuckQuestion(table_with_butler(4, 4), together=True), Limits())
     assert isinstance(verdict, Unknown)
     assert verdict.candidate is not None
@@ -99,7 +99,7 @@ def test_weights_that_increase_somewhere_are_refused() -> None:
     assert not problem.never_increases({0: {1: -1}})
 
 
-def test_a_fork_is_taken_by_whom_holds_it() -> None:
+def test_a_fork_is_taken_by_the_philosopher_that_holds_it() -> None:
     system = known.philosophers(3)
     problem = problem_of(Structure(system))
     # Philosopher 0 picks fork 0 in its second step, and puts it back in its last; the fork is then in its state 1.

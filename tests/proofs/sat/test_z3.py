@@ -113,13 +113,13 @@ def only_z3(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
         pytest.skip("z3 is not installed")
 
 
-def test_it_is_found_where_python_sat_is_not() -> None:
+def test_z3_is_found_without_python_sat() -> None:
     solver = find_solver()
     assert solver is not None
     assert solver.__name__ == "_Z3"
 
 
-def test_what_is_assumed_counts_for_one_model_only() -> None:
+def test_assumptions_count_for_one_model_only() -> None:
     create = find_solver()
     assert create is not None
     solver = create(60.0)
@@ -134,7 +134,7 @@ def test_what_is_assumed_counts_for_one_model_only() -> None:
     solver.close()
 
 
-def test_when_its_time_is_up_it_says_so() -> None:
+def test_a_time_limit_is_reported() -> None:
     create = find_solver()
     assert create is not None
     solver = create(0.0)

@@ -89,7 +89,7 @@ def test_a_search_that_reaches_a_limit_says_so(search: type) -> None:
     assert "memory limit" in no_memory.reason
 
 
-def test_states_of_more_than_one_word_are_told_apart() -> None:
+def test_states_of_more_than_one_word_are_distinguished() -> None:
     packing = Packing(known.io_par_ring(34))
     assert packing.words == 2
     sizes: list[int] = []

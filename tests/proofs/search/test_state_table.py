@@ -40,7 +40,7 @@ def test_each_state_has_one_number_and_numbers_follow_the_batches(words: int) ->
     assert table.find(batch(absent, words)).tolist() == [-1]
 
 
-def test_states_of_several_words_with_equal_keys_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_states_of_several_words_with_equal_keys_are_distinguished(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(state_table, "_keys", lambda words: (words[0] & 1) + 1)
     table = StateTable(2, Limits())
     states = [(one, other) for one in range(20) for other in range(20)]

@@ -32,7 +32,7 @@ DEADLOCKED = {
 
 @pytest.mark.parametrize("name", FREE)
 @pytest.mark.parametrize("search", [stubborn.deadlock_free, stubborn.knot_free])
-def test_a_few_states_stand_for_all(name: str, search: type) -> None:
+def test_a_few_states_represent_all(name: str, search: type) -> None:
     system, most = FREE[name]
     verdict = search(system, Limits())
     assert isinstance(verdict, Proved)
@@ -49,7 +49,7 @@ def test_a_deadlock_is_found_with_a_trace_to_it(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", DEADLOCKED)
-def test_a_knot_is_found_beside_a_loop_and_its_trace_has_no_move_of_the_loop(name: str) -> None:
+def test_a_knot_is_found_next_to_a_loop_and_its_trace_has_no_move_of_the_loop(name: str) -> None:
     system = known.beside_a_loop(DEADLOCKED[name])
     assert isinstance(stubborn.deadlock_free(system, Limits()), Proved)
     verdict = stubborn.knot_free(system, Limits())
@@ -59,7 +59,7 @@ def test_a_knot_is_found_beside_a_loop_and_its_trace_has_no_move_of_the_loop(nam
     assert loop.isdisjoint(party for move in verdict.trace for party, _ in move.moves)
 
 
-def test_an_event_that_a_loop_would_put_off_for_ever_is_followed() -> None:
+def test_an_event_that_a_loop_would_delay_forever_is_followed() -> None:
     """A process that spins is the smallest choice in every state, while two others go to wait for each other."""
     spinner = Component("spinner", (((INTERNAL, 0),),))
     ring = known.compose([known.cycle("one", "begin", "a", "b"), known.cycle("other", "b", "a")])

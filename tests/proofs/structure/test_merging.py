@@ -38,7 +38,7 @@ def split(system: System) -> System:
     return System(tuple(components), system.events * 2)
 
 
-def test_what_was_split_is_one_again() -> None:
+def test_split_events_are_merged_again() -> None:
     system = known.philosophers(3)
     merged = representatives(split(system))
     for number, event in enumerate(system.events):
@@ -46,7 +46,7 @@ def test_what_was_split_is_one_again() -> None:
             assert merged[number + len(system.events)] == number
 
 
-def test_events_that_two_parties_tell_apart_stay_two() -> None:
+def test_events_that_two_parties_distinguish_stay_two() -> None:
     system = known.client_server_ring(3)
     assert representatives(system) == list(range(len(system.events)))
 

@@ -65,7 +65,7 @@ def test_values_that_decide_nothing_are_not_followed() -> None:
     assert [str(event) for event in system_of(text).events if event.kind == "communication"] == ["Main.p.c"]
 
 
-def test_counter_with_too_many_values_may_go_on_or_have_come_to_its_end() -> None:
+def test_a_counter_with_too_many_values_may_continue_or_have_ended() -> None:
     text = main("var n : int = 0", "mu (b ! n ; n := n + 1) until n == 1000", "out b : int")
     system = system_of(text)
     assert [edge[0] for edge in system.components[0].edges[1]] == [INTERNAL, INTERNAL]
@@ -90,7 +90,7 @@ def test_condition_on_what_a_law_computes_is_left_open() -> None:
     assert [abstraction.what for abstraction in system.abstractions] == ["`high` in `Main` may hold or not"]
 
 
-def test_open_condition_that_is_asked_twice_is_answered_alike() -> None:
+def test_an_open_condition_evaluated_twice_has_one_result() -> None:
     text = "submodel Law { in x : double out high : bool high = x > 1 }\n" + main(
         "law : Law y -> law.x law.high -> high : bool",
         "law ; (if high then b ! 1 else b ! 2) ; (if high then b ! 3 else b ! 4)",
@@ -260,7 +260,7 @@ def test_variable_that_two_components_access_is_a_component() -> None:
     assert not system.abstractions
 
 
-def test_partner_that_never_comes_is_nobody() -> None:
+def test_a_partner_that_never_arrives_is_nobody() -> None:
     text = WRITER.replace("c ! 1", "if 1 > 2 then c ! 1 else stop") + READER + main("p : P q : Q p.c -> q.c", "p || q")
     system = system_of(text)
     (event,) = system.events
@@ -442,7 +442,7 @@ def test_reader_of_a_value_that_nobody_writes_waits() -> None:
     assert [system.components[party].name for party in system.events[event].parties] == ["Main.q", "nobody"]
 
 
-def test_guard_of_an_interrupt_is_looked_at_where_the_body_begins_another() -> None:
+def test_the_guard_of_an_interrupt_is_checked_where_the_body_begins_another() -> None:
     text = main(
         "var x : int var n : int = 0",
         "((n := 1 interrupt after 1 ms -> skip) interrupt a ? x -> b ! 1)",
@@ -516,7 +516,7 @@ def test_offer_of_a_process_that_is_cancelled_is_withdrawn() -> None:
     assert "ready Main.partner.ring" in listing(system_of(text), "Main.work")
 
 
-def test_value_of_a_broadcast_that_is_taken_back_was_seen() -> None:
+def test_a_withdrawn_value_of_a_broadcast_was_seen() -> None:
     both = (
         "partner : Partner work : Work more : Work partner.ring -> broadcast -> work.ring, more.ring"
         " work.done, more.done -> any -> done"

@@ -44,11 +44,11 @@ def test_too_many_states_of_one_process(monkeypatch: pytest.MonkeyPatch) -> None
     assert "\n" not in str(refused.value)
 
 
-def test_a_long_loop_that_only_computes_comes_to_its_end() -> None:
+def test_a_long_loop_that_only_computes_ends() -> None:
     assert [len(component.edges) for component in system_of(SILENT).components] == [2]
 
 
-def test_the_turns_of_a_loop_that_communicates_are_told_apart() -> None:
+def test_the_iterations_of_a_communicating_loop_are_distinguished() -> None:
     assert len(system_of(LONG.replace("b ! i", "b ! 1")).components[0].edges) == 101
 
 

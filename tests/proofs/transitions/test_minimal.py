@@ -14,7 +14,7 @@ def template(edges: list[list[tuple[Label, int]]], places: list[PlaceTemplate], 
     return Template(edges=edges, places=places, terminal=terminal)
 
 
-def test_states_that_lead_alike_are_one() -> None:
+def test_equivalent_states_are_merged() -> None:
     found = minimized(
         template([[(A, 1), (B, 2)], [(A, 3)], [(A, 4)], [], []], [HERE, THERE, THERE, HERE, HERE], {3, 4})
     )

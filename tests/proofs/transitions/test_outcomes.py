@@ -68,14 +68,14 @@ INCLUDED = {
 
 
 @pytest.mark.parametrize(("channels", "composition"), EXACT.values(), ids=EXACT)
-def test_the_system_does_what_the_meaning_does(channels: str, composition: str) -> None:
+def test_the_transition_system_does_what_the_reference_does(channels: str, composition: str) -> None:
     text = program(channels, composition)
     network = network_of(SourceFile(name="small.csp", text=text))
     assert outcomes_of_system(system_of(text)) == outcomes_of_meaning(network)
 
 
 @pytest.mark.parametrize(("channels", "composition"), INCLUDED.values(), ids=INCLUDED)
-def test_the_system_does_no_less_than_the_meaning(channels: str, composition: str) -> None:
+def test_the_transition_system_does_no_less_than_the_reference(channels: str, composition: str) -> None:
     text = program(channels, composition)
     network = network_of(SourceFile(name="small.csp", text=text))
     meaning = outcomes_of_meaning(network)
@@ -83,7 +83,7 @@ def test_the_system_does_no_less_than_the_meaning(channels: str, composition: st
     assert outcomes_of_system(system_of(text)) >= meaning
 
 
-def test_outcomes_tell_programs_apart() -> None:
+def test_outcomes_distinguish_programs() -> None:
     one, other = (system_of(program(*EXACT[f"partners in {how} order"])) for how in ("one", "another"))
     assert outcomes_of_system(one) == {((("Main.c", 1), ("Main.d", 1)), "terminated")}
     assert outcomes_of_system(other) == {((), "deadlock")}

@@ -24,7 +24,7 @@ from cspdiag.runtime import (
 from tests.runtime.support import finish, run, traced
 
 
-def test_the_writer_goes_on_only_when_the_reader_has_come() -> None:
+def test_the_writer_continues_only_when_the_reader_has_arrived() -> None:
     channel = Channel[int]("c")
     log: list[str] = []
 
@@ -45,7 +45,7 @@ def test_the_writer_goes_on_only_when_the_reader_has_come() -> None:
     assert log == ["writes", "reads", "took 1", "written"]
 
 
-def test_the_second_party_goes_on_and_the_first_is_queued() -> None:
+def test_the_second_party_continues_and_the_first_is_queued() -> None:
     channel = Channel[int]("c")
     log: list[str] = []
 
@@ -200,7 +200,7 @@ def test_a_broadcast_reaches_every_end_and_its_writer_waits_for_the_last() -> No
     assert [entry for entry in log if entry.endswith("took 1")] == ["0 took 1", "1 took 1", "2 took 1"]
 
 
-def test_a_broadcast_to_waiting_readers_lets_the_writer_go_on() -> None:
+def test_a_broadcast_to_waiting_readers_lets_the_writer_continue() -> None:
     channel = Broadcast[int]("b")
     ends = [channel.reader(), channel.reader()]
 

@@ -103,7 +103,7 @@ def reader(channel: Rendezvous[Any], got: list[Any], count: int) -> Body:
 
 
 @pytest.mark.parametrize("writer_first", [True, False])
-def test_values_pass_in_order_whoever_comes_first(writer_first: bool) -> None:
+def test_values_pass_in_order_whichever_party_is_first(writer_first: bool) -> None:
     channel, got = Rendezvous[int]("c"), list[int]()
     branches = [writer(channel, 1, 2, 3), reader(channel, got, 3)]
     outcome = run(*(branches if writer_first else branches[::-1]))
@@ -211,7 +211,9 @@ def goes_on(channel: Rendezvous[int], seen: list[str]) -> Body:
 
 
 @pytest.mark.parametrize(("program", "seen"), [(Program, []), (CheckedProgram, ["went on"])])
-def test_who_is_ready_when_cancelled_goes_on_only_if_it_is_checked(program: type[Program], seen: list[str]) -> None:
+def test_a_ready_process_when_cancelled_continues_only_if_it_is_checked(
+    program: type[Program], seen: list[str]
+) -> None:
     channel, got, told = Rendezvous[int]("c"), list[int](), list[str]()
 
     def takes_and_fails(me: Task) -> Steps:
@@ -266,7 +268,7 @@ def test_rounds_keep_their_tasks_and_begin_anew_after_a_failure() -> None:
     assert trace == ["first", 1 * ms, "first", 2 * ms, "first", 3 * ms]
 
 
-def test_a_deadlock_is_told_with_the_channels_in_which_the_code_waits() -> None:
+def test_a_deadlock_is_reported_with_the_channels_in_which_the_code_waits() -> None:
     first, second, got = Rendezvous[int]("Top.a"), Rendezvous[int]("Top.b"), list[int]()
 
     def one(me: Task) -> Steps:

@@ -57,7 +57,7 @@ def _order(policy: Policy | None) -> list[str]:
     return done
 
 
-def test_a_policy_says_which_ready_process_is_next() -> None:
+def test_a_policy_decides_which_ready_process_is_next() -> None:
     assert _order(None) == _order(Policy()) == ["a", "b", "c"]
     assert _order(Last()) == ["c", "b", "a"]
 
@@ -86,7 +86,7 @@ def _chosen(policy: Policy | None) -> list[int]:
     return chosen
 
 
-def test_a_policy_says_which_ready_guard_is_taken() -> None:
+def test_a_policy_decides_which_ready_guard_is_taken() -> None:
     assert _chosen(None) == _chosen(Policy()) == [0, 1, 2, 0]
     # The last in the order that is fair is the one that was taken last.
     assert _chosen(Last()) == [2, 2, 2, 2]
@@ -122,7 +122,7 @@ class _Law(Submodel):
         await write_all((self.y, 2 * value))
 
 
-def test_a_policy_is_told_what_processes_do_and_when_laws_compute() -> None:
+def test_a_policy_is_notified_of_what_processes_do_and_when_laws_compute() -> None:
     told = Told()
     x, y = Channel[int]("x"), EventOutput[int]("y")
     law = _Law(x, y)
@@ -199,7 +199,7 @@ def _started(body: Any, ports: Any = ()) -> tuple[_Halting, StepwiseRun, list[tu
     return policy, run, seen
 
 
-def test_tasks_halt_where_a_policy_says_so_and_go_on_as_it_says() -> None:
+def test_tasks_halt_and_continue_as_a_policy_decides() -> None:
     a, b = Channel[int]("a"), Channel[int]("b")
     got: list[object] = []
 
@@ -231,7 +231,7 @@ def test_tasks_halt_where_a_policy_says_so_and_go_on_as_it_says() -> None:
     run.close()
 
 
-def test_a_policy_says_when_delays_end_and_interrupts_come() -> None:
+def test_a_policy_decides_when_delays_end_and_interrupts_arrive() -> None:
     done: list[str] = []
 
     async def handler() -> None:

@@ -235,7 +235,7 @@ def test_a_device_with_several_ports_is_opened_and_closed_once() -> None:
     assert board.calls == ["open", "dac = 2.0", "dac = 0.0", "close"]
 
 
-def test_the_end_of_a_run_wakes_nobody_and_closes_everything_although_a_driver_fails_to_close() -> None:
+def test_the_end_of_a_run_wakes_no_process_and_closes_everything_although_a_driver_fails_to_close() -> None:
     bad, good = Device("close"), Device()
     a = EventOutput[float]("a", driver=bad, safe=0.0)
     b = EventOutput[float]("b", driver=good, safe=0.0)

@@ -69,7 +69,7 @@ def _alone(first: int) -> tuple[list[object], list[object], int]:
     return list(trace.communications), seen, outcome.time
 
 
-def test_two_threads_run_a_network_each() -> None:
+def test_two_threads_run_one_network_each() -> None:
     expected = [_alone(0), _alone(1000)]
     together = threading.Barrier(2, timeout=20)
     outcomes: dict[int, Outcome] = {}
@@ -89,7 +89,7 @@ def test_two_threads_run_a_network_each() -> None:
         assert (list(trace.communications), seen, outcomes[number].time) == expected[number]
 
 
-def test_a_process_runs_a_network_and_goes_on_in_its_own() -> None:
+def test_a_process_runs_a_network_and_continues_in_its_own() -> None:
     expected = [_alone(0), _alone(1000)]
     inner: list[object] = []
 

@@ -167,7 +167,7 @@ def test_outputs_change_at_the_ticks_with_the_last_value_of_the_period() -> None
     assert world.written["fast"] == [(0, 1.0), (1 * ms, 2.0)]
 
 
-def test_in_an_instant_inputs_come_in_the_order_of_the_ports_then_outputs_then_delays() -> None:
+def test_at_an_instant_inputs_precede_outputs_and_outputs_precede_delays() -> None:
     world = Scripted({"a": COUNT, "b": COUNT}, ["u"])
     b = SampledInput[int]("b", period=ms, driver=world.drivers["b"])
     a = EventInput[int]("a", driver=world.drivers["a"])
@@ -251,7 +251,7 @@ def test_a_value_that_is_not_finite_never_reaches_a_driver(value: Any) -> None:
 
 
 @pytest.mark.parametrize("way", ["end", "exception", "deadlock", "time limit", "Ctrl-C", "KeyboardInterrupt"])
-def test_outputs_are_released_on_every_way_out(way: str) -> None:
+def test_outputs_are_released_on_every_exit(way: str) -> None:
     world = Scripted({}, ["u", "v"])
     u = SampledOutput[float]("u", period=ms, driver=world.drivers["u"], safe=0.5)
     v = EventOutput[float]("v", driver=world.drivers["v"], safe=0.0)
@@ -279,7 +279,7 @@ def test_outputs_are_released_on_every_way_out(way: str) -> None:
     assert world.written["v"][-1][1] == 0.0
 
 
-def test_a_deadlock_is_noticed_although_ticks_would_go_on() -> None:
+def test_a_deadlock_is_detected_although_ticks_would_continue() -> None:
     world = Scripted({"x": COUNT})
     port = SampledInput[int]("x", period=ms, driver=world.drivers["x"])
 

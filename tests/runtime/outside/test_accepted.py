@@ -123,7 +123,7 @@ def test_another_value_is_refused(accepts: Any, given: Any, error: type[Exceptio
         accepts(given)
 
 
-def test_a_refusal_says_what_is_wanted() -> None:
+def test_a_refusal_says_what_is_expected() -> None:
     with pytest.raises(TypeError, match=r"^True is no Gear$"):
         gear(True)
 

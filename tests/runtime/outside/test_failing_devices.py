@@ -64,7 +64,7 @@ def test_a_blocking_device_that_falls_silent_is_missed_samples_and_then_a_timeou
     assert caught[0].startswith("driver Dumb has brought no sample of Top.x for ")
 
 
-def test_an_alternative_hears_of_a_silent_device_too() -> None:
+def test_a_silent_device_affects_an_alternative_too() -> None:
     port = SampledInput[float]("Top.x", period=50 * ms, driver=Dumb(1))
     end = port.reader()
     choice = Alternative(Input(end))
@@ -132,7 +132,7 @@ def test_a_safe_value_that_fails_is_an_unsuccessful_end(blocking: bool) -> None:
     assert outcome.exit_code == 1
 
 
-def test_nothing_is_handed_to_an_output_after_its_safe_value() -> None:
+def test_an_output_gets_nothing_after_its_safe_value() -> None:
     motor = Device()
     u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
 
@@ -146,7 +146,7 @@ def test_nothing_is_handed_to_an_output_after_its_safe_value() -> None:
     assert motor.written == [0.0]
 
 
-def test_a_signal_is_the_callers_again_when_the_run_is_over() -> None:
+def test_signals_belong_to_the_caller_again_after_the_run() -> None:
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     u = EventOutput[float]("Top.u", driver=Device(), safe=0.0)
 
@@ -257,7 +257,7 @@ def test_branches_that_raise_exceptions_without_a_text_fail_as_others() -> None:
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
-def test_a_thread_that_is_started_beside_the_run_is_sent_no_signals() -> None:
+def test_a_thread_started_next_to_the_run_receives_no_signals() -> None:
     blocked: list[int] = []
     thread = threading.Thread(target=lambda: blocked.extend(signal.pthread_sigmask(signal.SIG_BLOCK, ())))
     with left_to_the_main_thread():
@@ -329,7 +329,7 @@ def test_what_the_release_raises_repeats_nothing_and_keeps_no_other_output_from_
     assert f"driver Bus failed to {operation} at port Top.a: {error.__name__}" in str(failed)
 
 
-def test_a_safe_value_that_ctrl_c_cuts_off_is_handed_over_once_more() -> None:
+def test_a_safe_value_interrupted_by_ctrl_c_is_written_again() -> None:
     class Motor(Bus):
         def write(self, value: float) -> None:
             if not self.written:

@@ -251,7 +251,7 @@ def test_without_a_compiler_the_message_says_what_to_install(monkeypatch: pytest
         find_compiler()
 
 
-def test_what_a_compiler_says_leads_back_to_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_messages_of_a_compiler_name_places_in_the_program(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     files = {"law.c": "int a; /* laws.csp:3 */\nint b;\n"}
     script = (
         '[ "$1" = --version ] && echo mine && exit\nfor f; do case $f in */law.c) echo "$f:2:5: error: no b" >&2; exit '
@@ -263,7 +263,7 @@ def test_what_a_compiler_says_leads_back_to_the_program(monkeypatch: pytest.Monk
     assert explained("other.c:1:1: error", files, None) == "other.c:1:1: error"
 
 
-def test_a_compiler_that_goes_on_computing_is_stopped(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_compiler_that_computes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """With all that it has started; its other options are not tried then."""
     log = tmp_path / "log"
     script = f'[ "$1" = --version ] && echo mine && exit\necho tried >> {log}\nsh -c "while :; do :; done"; exit 1'
@@ -322,7 +322,7 @@ def test_the_cache_keeps_what_was_used_last(monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @needs_compiler
-def test_an_interrupted_run_is_told_to_its_end() -> None:
+def test_an_interrupted_run_is_reported_to_its_end() -> None:
     endless = FAULTY.replace("n + 10", "n")
 
     def interrupt_later(reader: StreamReader) -> None:
@@ -340,7 +340,7 @@ def test_an_interrupted_run_is_told_to_its_end() -> None:
 
 
 @needs_compiler
-def test_a_signal_while_nobody_reads_loses_no_record() -> None:
+def test_a_signal_without_a_reader_loses_no_record() -> None:
     """A program that is ahead of its reader waits in the middle of a write: the signal must not cut that short."""
     network = network_of(FAULTY.replace("n + 10", "n"))
     files = pipeline.generate(network, read_source, "c")
@@ -369,7 +369,7 @@ environment E for Main on miss count { s : S s.x -> x }
 
 
 @needs_compiler
-def test_missed_samples_are_told_once_against_the_clock(tmp_path: Path) -> None:
+def test_missed_samples_are_reported_once_against_the_clock(tmp_path: Path) -> None:
     (tmp_path / "case.csp").write_text(COUNTING)
     run = [sys.executable, "-m", "cspdiag", "run", "case.csp", "--target", "c", "--real-time", "--for", "20ms"]
     told = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stderr
@@ -378,7 +378,7 @@ def test_missed_samples_are_told_once_against_the_clock(tmp_path: Path) -> None:
 
 
 @needs_compiler
-def test_a_program_that_runs_by_itself_tells_missed_samples_once(tmp_path: Path) -> None:
+def test_a_program_that_runs_by_itself_reports_missed_samples_once(tmp_path: Path) -> None:
     files = pipeline.generate(network_of(COUNTING), read_source, "c", 0)
     sources = [path for path in files if path.endswith(".c")]
     real_time = native._wanted(sources, real_time=True)

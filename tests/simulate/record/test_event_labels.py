@@ -21,17 +21,17 @@ def test_values_of_one_instant_are_listed() -> None:
     assert label((5, "10"), (5, "20"), (5, "30")) == [("10, 20, 30", 5, False)]
 
 
-def test_where_they_have_no_room_they_are_counted() -> None:
+def test_values_without_room_are_counted() -> None:
     values = [(5.0, "1000")] * 3
     assert label(*values, (20, "7"), marks=(5, 20)) == [("7", 20, False), ("3 values", 5, False)]
 
 
-def test_where_the_count_has_no_room_either_it_shows_that_there_are_some() -> None:
+def test_a_label_without_room_for_the_count_shows_that_there_are_some() -> None:
     values = [(5.0, "1000")] * 3
     assert label(*values, (9, "7"), marks=(5, 9)) == [("7", 9, False), ("…", 5, False)]
 
 
-def test_at_the_end_a_label_stands_left_of_its_mark() -> None:
+def test_at_the_end_a_label_is_left_of_its_mark() -> None:
     assert label((END, "12345"), gap=1.0) == [("12345", END - 1.0, True)]
 
 

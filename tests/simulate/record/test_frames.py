@@ -93,7 +93,7 @@ def test_signals_are_chosen_by_name(heater: Path) -> None:
             make(["powr"])
 
 
-def test_every_type_has_a_place_for_what_is_not_known_yet() -> None:
+def test_every_type_can_represent_missing_values() -> None:
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("xarray")
     run = cspdiag.parse(SHAPES).run()

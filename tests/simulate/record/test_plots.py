@@ -311,7 +311,7 @@ def names(axes: Axes) -> list[str]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_text_stands_on_another(runs: dict[str, Run], name: str) -> None:
+def test_no_text_overlaps_another(runs: dict[str, Run], name: str) -> None:
     found = list(boxes(drawn(runs[name])))
     crossing = [
         (one, other)
@@ -322,7 +322,7 @@ def test_no_text_stands_on_another(runs: dict[str, Run], name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_legends_stand_beside_the_curves_and_everything_on_the_page(runs: dict[str, Run], name: str) -> None:
+def test_legends_are_next_to_the_curves_and_everything_is_on_the_page(runs: dict[str, Run], name: str) -> None:
     figure = drawn(runs[name])
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     for axes in figure.axes:
@@ -335,7 +335,7 @@ def test_legends_stand_beside_the_curves_and_everything_on_the_page(runs: dict[s
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_curves_of_a_panel_are_told_apart_without_colours(runs: dict[str, Run], name: str) -> None:
+def test_curves_of_a_panel_are_distinguished_without_colours(runs: dict[str, Run], name: str) -> None:
     for axes in drawn(runs[name]).axes:
         legend = axes.get_legend()
         styles = (
@@ -418,7 +418,7 @@ def test_literals_that_pass_in_no_time_are_seen(runs: dict[str, Run]) -> None:
     assert (bar.get_x(), bar.get_width() > 0.001) == (1.0, True)
 
 
-def test_a_run_of_no_time_says_what_it_wrote(runs: dict[str, Run]) -> None:
+def test_a_run_of_zero_length_reports_what_it_wrote(runs: dict[str, Run]) -> None:
     figure = drawn(runs["ends at once"])
     assert told_in_lane(figure, "a") == ["1000, 2222, 0"]
     assert told_in_lane(figure, "mode") == ["idle"]
@@ -472,7 +472,7 @@ def test_a_safe_value_at_the_end_does_not_flatten_the_run(runs: dict[str, Run]) 
     assert axes.get_ylabel() == "(W/m²/K)"
 
 
-def test_what_nobody_read_is_drawn_thin(runs: dict[str, Run]) -> None:
+def test_unread_samples_are_drawn_thin(runs: dict[str, Run]) -> None:
     figure = drawn(runs["drive"])
     axes = figure.axes[1]
     speed = {line.get_linewidth(): line for line in axes.lines if line.get_color() == "#1f4e79"}
@@ -641,7 +641,7 @@ def test_variables_and_whole_numbers_of_very_different_size_have_panels_of_their
     ]
 
 
-def test_curves_that_lie_on_each_other_differ_in_width() -> None:
+def test_coinciding_curves_differ_in_width() -> None:
     text = """
     process Main {
       in  a, b : double @ 10 ms

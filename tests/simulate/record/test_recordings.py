@@ -85,7 +85,7 @@ def test_two_runs_give_the_same_trace(run: Run, heater: Path) -> None:
     assert plain_trace_text(run) == plain_trace_text(again)
 
 
-def test_archive_has_instants_beside_values(run: Run, tmp_path: Path) -> None:
+def test_an_archive_has_instants_and_values(run: Run, tmp_path: Path) -> None:
     run.to_npz(tmp_path / "out.npz")
     with numpy.load(tmp_path / "out.npz") as archive:
         assert set(archive) == {name + tail for name in ("temperature", "button", "power") for tail in ("", ".time")}

@@ -112,7 +112,7 @@ def test_a_sampled_input_is_recorded_at_every_tick_read_or_not(run: Run) -> None
     assert "busy" in recorded["mode"]
 
 
-def test_a_row_stands_for_each_tick_to_the_last_one(program: cspdiag.LoadedProgram) -> None:
+def test_each_tick_has_a_row_up_to_the_last_one(program: cspdiag.LoadedProgram) -> None:
     recorded = columns(csv_text(program.run("Bench", until="120 ms")))
     assert recorded["time"][-1] == "0.12"
     assert recorded["speed"][-1] == "120.0"
@@ -124,7 +124,7 @@ def test_only_what_was_read_is_a_communication(run: Run) -> None:
     assert not [passed for passed in run.communications if passed.channel == "Drive.mode"]
 
 
-def test_what_nobody_read_is_known(run: Run) -> None:
+def test_unread_samples_are_known(run: Run) -> None:
     assert run.unread("speed") == [False] * 5 + [True] * 19
     assert run.unread("mode") == [True] * 16
     assert list(run.unread("power")) == []

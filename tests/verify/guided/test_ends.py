@@ -34,7 +34,7 @@ assert Lamp refines Patient in failures
 """
 
 
-def test_what_a_process_refuses_is_seen_before_it_goes_on() -> None:
+def test_what_a_process_refuses_is_seen_before_it_continues() -> None:
     """After the first press the specification wants another one; the lamp is lit at once."""
     assert refuted(REFUSES)
 
@@ -72,7 +72,7 @@ assert Collected deadlock free
 """
 
 
-def test_where_times_want_another_order_that_run_is_told() -> None:
+def test_the_run_in_the_order_of_its_times_is_reported() -> None:
     """Each cell writes every two milliseconds, so that none can be served three times before the other is."""
     answer = answer_to(TURNS)
     assert (answer.outcome, answer.replayed) == ("refuted", True)
@@ -84,7 +84,7 @@ def test_where_times_want_another_order_that_run_is_told() -> None:
     assert all(party.span is not None for step in told for party in step.parties)
 
 
-def test_a_replay_says_when_what_happens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_replay_reports_the_instants_of_its_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     program, trace = tmp_path / "turns.csp", tmp_path / "trace.json"
     program.write_text(TURNS)
     main(["verify", str(program), "--no-cache", "--quiet", "--trace-out", str(trace)])
@@ -116,7 +116,7 @@ assert Chatters refines Alternates
 """
 
 
-def test_a_process_that_never_waits_is_broken_off() -> None:
+def test_a_process_that_never_waits_is_stopped() -> None:
     assert refuted(NEVER_WAITS.replace("ORDER", "(a ! true ; b ! true)"))
     assert answer_to(NEVER_WAITS.replace("ORDER", "b ! true")).outcome == "proved"
 
@@ -141,7 +141,7 @@ assert Starts refines Ignores
 """
 
 
-def test_the_environment_may_act_just_before_a_process_looks() -> None:
+def test_the_environment_may_act_just_before_a_process_checks() -> None:
     """The alternative comes at once after the first output, and can always take the second one."""
     assert refuted(AT_ONCE)
 
@@ -175,7 +175,7 @@ assert Both terminates
 """
 
 
-def test_what_goes_on_for_ever_does_so_in_its_times() -> None:
+def test_a_repeated_cycle_keeps_its_times() -> None:
     """Where one loop is a little slower than the other, the two go round in step ten times, and then come to a halt."""
     for every, is_for_ever in (("10 ms", True), ("10100 us", False)):
         answer = answer_to(DRIFTS.replace("EVERY", every))
@@ -204,7 +204,7 @@ assert Raises refines Goes
 """
 
 
-def test_a_program_that_ends_by_an_exception_has_done_what_it_did_before() -> None:
+def test_a_program_that_ends_by_an_exception_keeps_its_earlier_effects() -> None:
     assert refuted(RAISES.replace("SPECIFICATION", "b ! true"))
     assert answer_to(RAISES.replace("SPECIFICATION", "a ! true")).outcome == "proved"
 
@@ -235,7 +235,7 @@ assert Follows refines Tells in failures hide x
 
 
 @pytest.mark.parametrize(("pause", "is_late"), [("0 ms", False), ("2 ms", True)])
-def test_a_sample_that_is_taken_is_none_that_was_missed(pause: str, is_late: bool) -> None:
+def test_a_sample_that_is_taken_was_not_missed(pause: str, is_late: bool) -> None:
     assert refuted(NEVER_LATE.replace("PAUSE", pause)) == is_late
 
 
@@ -287,12 +287,12 @@ assert Logged terminates
 """
 
 
-def test_loops_of_different_rates_go_on_for_ever() -> None:
+def test_loops_of_different_rates_continue_forever() -> None:
     """The cycle that is found has one round of each; twenty of the first take as long as one of the other."""
     assert refuted(LOGGED)
 
 
-def test_who_is_stuck_does_not_end() -> None:
+def test_a_stuck_process_does_not_end() -> None:
     """Without priorities and times the second process may be left alone; a program that comes to a halt has not ended
     either.
     """
@@ -355,7 +355,7 @@ assert Both terminates
         ("mu (c ! 1 ; wait 2 ms)", "mu (c ? v)", [], ["c", "wait 2 ms"]),
     ],
 )
-def test_what_has_to_happen_before_a_round_is_told(
+def test_steps_required_before_a_round_are_reported(
     offers: str, takes: str, before: list[str], again: list[str]
 ) -> None:
     """No time passes while a process can get on, so that a delay is never the first that happens beside an offer."""
@@ -373,7 +373,7 @@ def _last(step: Step) -> str:
     return step.channel.rpartition(": ")[2].rpartition(".")[2]
 
 
-def test_who_stands_still_after_a_fault_that_was_caught_is_where_the_handler_stops() -> None:
+def test_a_process_stuck_after_a_caught_fault_is_where_the_handler_stops() -> None:
     composition = "(mu (wait 1 ms ; n := n - 1 ; beat ! 10 / n)) catch Fault -> stop"
     answer = answer_to(
         f"process Main {{ out beat : int communication {{ var n : int = 3 }} composition {{ {composition} }} }}\n"

@@ -55,7 +55,7 @@ assert Both deadlock free
         ("(wait 4 ms || wait 11 ms)", True),
     ],
 )
-def test_delays_end_when_they_say(delay: str, comes_too_late: bool) -> None:
+def test_delays_end_on_time(delay: str, comes_too_late: bool) -> None:
     """At one instant the two may come in either order."""
     assert refuted(RACE.replace("DELAY", delay)) == comes_too_late
 
@@ -113,7 +113,7 @@ assert Guarded deadlock free
 """
 
 
-def test_a_watchdog_that_is_fed_in_time_does_not_bark() -> None:
+def test_a_watchdog_that_is_kicked_in_time_does_not_fire() -> None:
     assert not refuted(WATCHDOG.replace("PATIENCE", "10 ms"))
     assert refuted(WATCHDOG.replace("PATIENCE", "8 ms"))
 
@@ -208,7 +208,7 @@ assert All deadlock free
 """
 
 
-def test_others_go_on_until_a_delay_is_over() -> None:
+def test_others_continue_until_a_delay_is_over() -> None:
     """Twenty samples are taken before two processes wait for each other, although the counterexample does not
     say so.
     """
@@ -228,7 +228,7 @@ assert Late deadlock free
 
 
 @pytest.mark.parametrize(("work", "is_missed"), [("wait 500 us", False), ("wait 2500 us", True), ("skip", False)])
-def test_samples_are_missed_by_who_comes_too_late(work: str, is_missed: bool) -> None:
+def test_samples_are_missed_by_a_late_process(work: str, is_missed: bool) -> None:
     assert refuted(MISSES.replace("WORK", work)) == is_missed
 
 
@@ -270,7 +270,7 @@ assert Both deadlock free
 
 
 @pytest.mark.parametrize("channel", ["", "buffer 2 ->", "overwrite 1 ->"])
-def test_who_is_more_urgent_gets_on_first_alone_or_with_a_buffer(channel: str) -> None:
+def test_the_more_urgent_process_continues_first_alone_or_with_a_buffer(channel: str) -> None:
     """The value is there before the less urgent process looks, unless a delay comes before it."""
     text = URGENT.replace("CHANNEL", channel)
     assert not refuted(text.replace("BODY", "item ! 1"))

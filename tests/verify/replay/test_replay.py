@@ -45,7 +45,7 @@ def test_the_program_does_what_was_found(table: tuple[pipeline.ProofObligations,
 
 
 @pytest.mark.parametrize("changed", ["shortened", "exchanged", "unknown channel", "extended"])
-def test_a_trace_that_the_program_does_not_do_is_noticed(
+def test_a_trace_that_the_program_does_not_follow_is_detected(
     table: tuple[pipeline.ProofObligations, Trace], changed: str
 ) -> None:
     obligations, trace = table
@@ -104,7 +104,7 @@ assert All deadlock free
 """
 
 
-def test_what_priorities_exclude_is_no_refutation() -> None:
+def test_runs_that_priorities_exclude_are_not_refutations() -> None:
     """Without priorities `tell` may be chosen, and then everything stops; with them `ask` is always there before."""
     (answer,) = answers_to({"case.csp": PRIORITIES})
     assert answer.outcome == "unknown"
@@ -150,7 +150,7 @@ assert Both livelock free
 """
 
 
-def test_a_loop_that_counts_is_no_endless_one() -> None:
+def test_a_counting_loop_is_not_endless() -> None:
     (answer,) = answers_to({"case.csp": COUNTED})
     assert answer.outcome == "unknown"
     assert "in each round, `ping.count` changes" in answer.reason
@@ -331,7 +331,7 @@ def test_a_value_in_a_buffer_comes_before_a_guard_that_is_always_ready() -> None
     assert (answer.outcome, answer.replayed) == ("refuted", True)
 
 
-def test_steps_that_do_not_depend_on_each_other_may_come_in_another_order() -> None:
+def test_independent_steps_may_be_reordered() -> None:
     """The value may come into the buffer after the other process has looked, whatever the order in which a proof tells
     it.
     """

@@ -76,7 +76,7 @@ def oven(condition: str = "heat < 0.5", samples: int = 25) -> str:
 @pytest.mark.parametrize(
     ("condition", "value"), [("heat < 0.5", "0.0"), ("heat > 0.5", "1.0"), ("heat > 36.5 and heat < 37.5", "37.0")]
 )
-def test_process_goes_round_until_its_law_has_come_to_its_end(condition: str, value: str) -> None:
+def test_a_process_loops_until_its_law_ends_it(condition: str, value: str) -> None:
     (answer,) = answers_to({"case.csp": oven(condition)})
     assert (answer.outcome, answer.replayed) == ("refuted", True)
     assert answer.counterexample is not None
@@ -86,13 +86,13 @@ def test_process_goes_round_until_its_law_has_come_to_its_end(condition: str, va
     assert all(party.span is not None for step in added for party in step.parties)
 
 
-def test_loop_without_an_end_is_not_gone_round_for_ever() -> None:
+def test_an_endless_loop_is_not_followed_forever() -> None:
     (answer,) = answers_to({"case.csp": oven(samples=100_000_000)})
     assert answer.outcome == "unknown"
     assert "`heater` goes round" in answer.reason
 
 
-def test_rounds_are_told_and_stored_once(cspdiag: Command, tmp_path: Path) -> None:  # noqa: F811
+def test_rounds_are_reported_and_stored_once(cspdiag: Command, tmp_path: Path) -> None:  # noqa: F811
     (tmp_path / "case.csp").write_text(oven())
     file, trace = str(tmp_path / "case.csp"), tmp_path / "trace.json"
     told = cspdiag("verify", file, "--trace-out", str(trace)).err

@@ -30,7 +30,7 @@ assert Holds deadlock free
 """
 
 
-def test_values_are_told_as_the_text_writes_them(
+def test_values_are_reported_as_the_text_writes_them(
     cspdiag: Command,  # noqa: F811
     tmp_path: Path,
 ) -> None:
@@ -66,11 +66,11 @@ def test_a_range_is_offered_as_one_of_its_numbers(told: str, kind: Type, offered
         ("1 ms", TimeType(), [1_000_000, (1 << 63) - 1, -(1 << 63)]),
     ],
 )
-def test_last_come_numbers_at_which_operations_fault(text: str | None, kind: Type, offered: list[float]) -> None:
+def test_numbers_at_which_operations_fault_are_tried_last(text: str | None, kind: Type, offered: list[float]) -> None:
     assert Values(None, (), (0, 128, 128.0, (1 << 63) - 1)).candidates(kind, text) == offered
 
 
-def test_counterexample_tells_what_the_environment_offered() -> None:
+def test_a_counterexample_shows_what_the_environment_offered() -> None:
     """The proof knows a range, and the program reads the port once more while it waits: the values are those of the
     steps.
     """

@@ -50,7 +50,7 @@ FORMS = [
 
 @pytest.mark.parametrize("claim", ["deadlock free", "terminates"])
 @pytest.mark.parametrize(("program", "composition"), FORMS)
-def test_who_waits_for_its_own_guard_is_stuck(program: str, composition: str, claim: str) -> None:
+def test_a_process_that_waits_for_its_own_guard_is_stuck(program: str, composition: str, claim: str) -> None:
     assert answer_to(program.format(composition=composition) + f"\nassert Main {claim}\n").outcome != "proved"
 
 

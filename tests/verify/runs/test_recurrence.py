@@ -56,13 +56,13 @@ ENDLESS = [
 
 
 @pytest.mark.parametrize(("composition", "claim"), ENDING)
-def test_what_may_come_to_an_end_is_not_said_to_go_on_for_ever(composition: str, claim: str) -> None:
+def test_a_loop_that_may_end_is_not_reported_as_endless(composition: str, claim: str) -> None:
     answer = answer_to(PROGRAM.format(type="int", composition=composition, claim=claim))
     assert answer.outcome != "refuted" or not answer.counterexample.cycle
 
 
 @pytest.mark.parametrize(("composition", "claim"), ENDLESS)
-def test_what_repeats_itself_with_all_that_decides_goes_on_for_ever(composition: str, claim: str) -> None:
+def test_a_repetition_of_the_whole_state_is_endless(composition: str, claim: str) -> None:
     answer = answer_to(PROGRAM.format(type="int", composition=composition, claim=claim))
     assert (answer.outcome, answer.replayed) == ("refuted", True)
     assert answer.counterexample is not None
@@ -76,7 +76,7 @@ def test_a_loop_that_only_computes_is_left_as_the_program_leaves_it() -> None:
     assert "only computes or abandons" in answer.reason
 
 
-def test_a_law_whose_state_comes_to_a_fault() -> None:
+def test_a_law_whose_state_faults() -> None:
     law = "submodel Counts { out y : int  state s : int = 0  next s = s + 1  y = 1 / (30 - s) }\n\nprocess Main"
     composition, claim = "(mu (c ! 1 ; counts)) || mu (c ? a)", "livelock free"
     text = PROGRAM.format(type="int", composition=composition, claim=claim).replace("process Main", law)
@@ -85,6 +85,6 @@ def test_a_law_whose_state_comes_to_a_fault() -> None:
     assert answer_to(text.replace("1 / (30 - s)", "s")).outcome == "refuted"
 
 
-def test_a_counter_of_few_bits_comes_to_a_fault() -> None:
+def test_a_counter_of_few_bits_ends_in_a_fault() -> None:
     text = PROGRAM.format(type="int8", composition=ENDLESS[2][0], claim=ENDLESS[2][1])
     assert answer_to(text).outcome == "unknown"

@@ -18,7 +18,7 @@ def read(path: str) -> SourceFile:
     raise FileNotFoundError(path)
 
 
-def test_what_a_program_has_done_it_can_be_led_to_do_again() -> None:
+def test_a_program_can_be_guided_to_repeat_a_run() -> None:
     """Random programs in their environments, with samples, time-outs, priorities, interrupts and exceptions."""
     seen = Counter[bool]()
 
@@ -34,7 +34,7 @@ def test_what_a_program_has_done_it_can_be_led_to_do_again() -> None:
     assert seen[True] > 6
 
 
-def test_refuted_is_what_some_schedule_comes_to() -> None:
+def test_what_some_schedule_reaches_is_refuted() -> None:
     """The answer for small closed programs, and what an interpreter finds that tries all their schedules in exact
     times.
     """

@@ -70,7 +70,7 @@ GONE = plant("command ? x ; wait 3 ms", "command ! 1 ; command ! 2")
         (plant("mu (wait 1 ms ; command ? x) until x == 1 ; mu wait 1 ms", "command ! 1 ; command ! 2"), "proved"),
     ],
 )
-def test_a_partner_that_may_still_come_is_waited_for(text: str, outcome: str) -> None:
+def test_a_partner_that_may_still_arrive_is_waited_for(text: str, outcome: str) -> None:
     """What runs on and never comes is no knot: see the page on proofs."""
     answer = answer_to(text)
     assert (answer.outcome, answer.replayed) == (outcome, outcome == "refuted"), answer.reason
@@ -99,13 +99,15 @@ assert Main deadlock free
         "(skip -> c ? x [] after 1 ms -> c ? x)",
     ],
 )
-def test_a_partner_comes_in_any_part_of_what_follows_its_wait(writer: str, reader: str) -> None:
+def test_a_partner_arrives_in_any_part_that_follows_its_wait(writer: str, reader: str) -> None:
     """In a branch, a body that may be interrupted, a handler."""
     answer = answer_to(WAITS_THEN_READS.replace("WRITER", writer).replace("READER", reader))
     assert answer.outcome != "refuted", answer.reason
 
 
-def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_replay_reports_which_processes_are_stuck_and_when(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     program, trace = tmp_path / "plant.csp", tmp_path / "trace.json"
     program.write_text(GONE)
     main(["verify", str(program), "--no-cache", "--quiet", "--trace-out", str(trace)])
@@ -121,7 +123,7 @@ def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.Capt
     )
 
 
-def test_who_is_abandoned_at_once_does_not_come() -> None:
+def test_a_process_abandoned_at_once_does_not_arrive() -> None:
     """The writer stops before it has written, so that its reader waits forever."""
     text = """process Main {
       communication {

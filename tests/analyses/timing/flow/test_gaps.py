@@ -165,7 +165,7 @@ def test_a_branch_that_begins_later_takes_the_sample_of_the_present_tick_first()
     assert late > 9_000_000
 
 
-def test_a_partner_that_is_less_urgent_than_what_comes_between() -> None:
+def test_a_partner_that_is_less_urgent_than_work_in_between() -> None:
     """What an event begins waits for a partner below a busy loop: the samples wait for that loop, too."""
     parts = "channel s : double"
     text = program("mu (e ? v -> s ! v [] p -> a) ||> mu b ||> mu s ? w", parts).replace("10 us", "6 ms")
@@ -248,7 +248,7 @@ def counting(composition: str) -> str:
 
 
 @pytest.mark.parametrize("name", ENDLESS)
-def test_a_loop_of_computing_that_is_not_known_to_end(name: str) -> None:
+def test_a_computing_loop_that_is_not_known_to_end(name: str) -> None:
     text = counting(ENDLESS[name])
     report = report_of(text)
     assert report.is_schedulable is None
@@ -303,7 +303,7 @@ def test_a_process_that_begins_once_counts_from_its_initial_values() -> None:
 
 
 @pytest.mark.parametrize("composition", ENDING)
-def test_a_loop_of_computing_that_ends(composition: str) -> None:
+def test_a_computing_loop_that_ends(composition: str) -> None:
     text = counting(composition)
     assert report_of(text).is_schedulable is True, report_of(text).reason
     assert not missed(network_of(text), 1)
@@ -327,7 +327,7 @@ KEPT = (
 
 
 @pytest.mark.parametrize("composition", KEPT)
-def test_what_takes_every_sample_is_proved(composition: str) -> None:
+def test_a_process_that_takes_every_sample_is_proved(composition: str) -> None:
     text = program(composition, "channel s : double" if "s !" in composition else "")
     assert report_of(text).is_schedulable is True, report_of(text).reason
     assert not missed(network_of(text), 1)
@@ -354,7 +354,7 @@ def test_what_a_hand_written_process_reads_cannot_be_seen() -> None:
     ]
 
 
-def test_communications_that_begin_ever_more_of_each_other_are_not_counted_for_ever() -> None:
+def test_communications_that_cause_ever_more_of_each_other_are_not_counted_forever() -> None:
     text = program(
         "mu (a ; s ! n ; s ! n) || mu (s ? v -> (t ! v ; t ! v) [] q -> b) || mu (t ? w -> (s ! w ; s ! w) [] e ? k -> "
         "skip)",
@@ -375,7 +375,7 @@ OWN = (
 
 
 @pytest.mark.parametrize("read", ["p ? v", "a", "(p ? v -> skip)", "here: (p ? v)", "(seq s < 1 : p ? v)"])
-def test_turns_of_waiting_after_a_fault_are_added_up(read: str) -> None:
+def test_iterations_that_wait_after_a_fault_are_added_up(read: str) -> None:
     """The fault comes after the sample, so that two turns are in time, and three are not."""
     few, many = (program(CAUGHT.format(f"{read} ; k := 4 / (k - 1)", turns)) for turns in (2, 3))
     assert report_of(few).is_schedulable is True
@@ -385,20 +385,20 @@ def test_turns_of_waiting_after_a_fault_are_added_up(read: str) -> None:
     assert missed(network_of(many), 1)
 
 
-def test_turns_of_waiting_after_a_fault_that_ends_the_process_which_reads() -> None:
+def test_iterations_that_wait_after_a_fault_that_ends_the_reader() -> None:
     text = program(CAUGHT.format("own", 3), "own : Own  p -> own.x", OWN)
     assert report_of(text).is_schedulable is True
     assert not missed(network_of(text), 1)
 
 
 @pytest.mark.parametrize("body", ["k := 6 / (k - 1) ; p ? v", "when k / (k - 1) > 0 & p ? v -> skip", "p ? row[k]"])
-def test_a_fault_before_the_sample_goes_round_without_one(body: str) -> None:
+def test_a_loop_with_a_fault_before_its_sample_runs_without_samples(body: str) -> None:
     report = report_of(program(CAUGHT.format(body, 2), "var row : double[3] = [0, 0, 0]"))
     assert report.is_schedulable is None
     assert "a loop that waits here for time to pass, without a sample in between" in report.reason
 
 
-def test_many_turns_are_not_said_to_be_unknown() -> None:
+def test_many_iterations_are_not_reported_as_unknown() -> None:
     counted, open_end = (
         report_of(program(f"mu (a ; {waits})"))
         for waits in ("seq r < 2000 : wait 1 us", "mu (wait 1 us ; k := k + 1) until k % 2000 == 0")

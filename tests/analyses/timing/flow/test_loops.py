@@ -228,7 +228,7 @@ def test_laws_without_times_are_all_named() -> None:
     assert report.loops == ()
 
 
-def test_measured_times_count_instead_of_stated_ones() -> None:
+def test_measured_times_replace_stated_ones() -> None:
     report = report_of(loops_of(("a", "1 ms", None), ("b", "1 ms", "900 us")), {"Main.a": 100 * US, "Main.b": 50 * US})
     assert report.is_schedulable is True
     assert {loop.work for loop in report.loops} == {100 * US, 50 * US}

@@ -328,7 +328,7 @@ def test_work_that_an_arrival_begins_adds_to_that_of_the_samples(kind: str) -> N
     assert by_name(report)["log"].response >= 460 * US  # type: ignore[operator]
 
 
-def test_work_that_is_handed_on_twice_counts_for_those_beside_it() -> None:
+def test_work_passed_on_twice_counts_for_parallel_processes() -> None:
     """The second loop takes what the first writes between its own samples, and makes a third thread compute."""
     text = ON_ARRIVAL.replace("<kind>", "").replace(
         "mu (passed ? taken -> compute [] s -> control)",
@@ -386,7 +386,7 @@ assert Convoy schedulable
 """
 
 
-def test_what_holds_of_several_instances_is_told_once() -> None:
+def test_a_label_of_several_instances_is_shown_once() -> None:
     (answer,) = answers_to({"case.csp": FOLLOWERS})
     assert answer.found is not None
     told = [(label.message, label.span) for label in answer.found.labels]

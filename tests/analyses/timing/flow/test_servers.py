@@ -78,7 +78,7 @@ def served(order: str, choice: str = "[]", wait: str = "") -> str:
     "order",
     ["fast || slow || server", "fast ||> server ||> slow", "slow ||> fast ||> server", "server ||> slow ||> fast"],
 )
-def test_loops_that_ask_keep_their_bounds(order: str, choice: str) -> None:
+def test_loops_with_requests_keep_their_bounds(order: str, choice: str) -> None:
     network = with_bench(served(order, choice), ["x", "z"], ["y", "w"], "1 ms")
     report = timing_report(network)
     assert report.is_schedulable is True
@@ -92,19 +92,19 @@ def test_loops_that_ask_keep_their_bounds(order: str, choice: str) -> None:
         assert (loop.response or 0) <= 1600 * US
 
 
-def test_who_asks_counts_the_service_as_its_own_work() -> None:
+def test_a_client_counts_the_service_as_its_own_work() -> None:
     loops = by_name(report_of(served("fast || slow || server")))
     assert (loops["fast"].work, loops["slow"].work) == (300 * US, 500 * US)
 
 
-def test_who_lets_the_server_wait_blocks_the_others_without_bound() -> None:
+def test_a_client_that_keeps_the_server_waiting_blocks_others_without_bound() -> None:
     report = report_of(served("fast || slow || server", wait="x ? one ;"))
     assert report.is_schedulable is None
     reasons = [refusal.reason for refusal in report.refusals]
     assert any("it waits at `askSlow` without bound" in reason or "answerFast" in reason for reason in reasons), reasons
 
 
-def test_reading_what_is_overwritten_says_what_to_do_instead() -> None:
+def test_reading_an_overwriting_channel_gets_advice() -> None:
     text = (
         law("First", "100 us") + law("Second", "100 us") +
         """

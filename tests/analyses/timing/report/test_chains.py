@@ -181,7 +181,7 @@ def two_laws(order: str) -> Network:
     )
 
 
-def test_what_comes_after_its_use_is_used_a_sample_later() -> None:
+def test_a_value_computed_after_its_use_is_used_a_sample_later() -> None:
     """In one order the value goes through in one sample, in the other it lies there until the next."""
     straight = bounds(timing_report(two_laws("mu (first ; second)")))
     assert straight == (4 * MS, 2 * MS)
@@ -191,7 +191,7 @@ def test_what_comes_after_its_use_is_used_a_sample_later() -> None:
     assert either == late
 
 
-def test_a_value_goes_on_through_assignments() -> None:
+def test_a_value_passes_through_assignments() -> None:
     text = """
         submodel Law wcet 100 us { in p : double  out y : double  y = p }
         process Main {
@@ -253,7 +253,7 @@ def test_an_output_of_another_rate_has_the_last_value_written(
 
 
 @pytest.mark.parametrize("order", ["first || second", "second ||> first", "first ||> second"])
-def test_what_is_handed_over_in_a_sample_is_no_older_for_it(order: str) -> None:
+def test_values_passed_within_a_sample_do_not_age(order: str) -> None:
     """Two loops of one period that meet in every sample."""
     runs = {"first": "mu (first ; c ! made)", "second": "mu (x1 ? own ; c ? taken ; second)"}
     order = " ".join(runs.get(part, part) for part in order.split())

@@ -102,7 +102,7 @@ def test_no_text_leaves_the_picture_or_reaches_into_the_chart(text: str) -> None
 
 
 @pytest.mark.parametrize("text", [TINY, FREQUENT, MANY])
-def test_every_bar_is_seen_and_none_but_late_ones_are_red(text: str) -> None:
+def test_every_bar_is_visible_and_only_late_ones_are_red(text: str) -> None:
     for bar in bars(chart(text)):
         assert number(bar, "width") >= 1.5
         assert bar.get("class") is None or number(bar, "width") >= 4, "an edge would cover it"

@@ -30,7 +30,7 @@ def ends_of(network: Network, times: dict[str, int]) -> dict[str, list[int]]:
     return ends
 
 
-def test_the_sample_that_is_told_is_late_in_a_run() -> None:
+def test_the_reported_sample_is_late_in_a_run() -> None:
     source = random.Random(5)
     shown = missed = 0
     while shown < 25:
@@ -54,7 +54,7 @@ def test_the_sample_that_is_told_is_late_in_a_run() -> None:
     assert 0 < missed < shown
 
 
-def test_a_bound_that_no_run_is_known_to_reach_refutes_nothing() -> None:
+def test_a_bound_that_no_known_run_reaches_refutes_nothing() -> None:
     """The slow loop begins only when the fast one has just been served, which a bound for all phases does not know."""
     text = loops_of(("fast", "1 ms", "300 us"), ("slow", "10 ms", "800 us"), order="||>")
     report = report_of(text)
@@ -91,7 +91,7 @@ def test_a_sample_that_takes_longer_than_its_period_is_late_in_every_mode() -> N
     assert report.reason == "`law` cannot always be ready before the next sample: there is more work than time"
 
 
-def test_of_two_ways_the_longer_need_not_be_gone() -> None:
+def test_the_longer_of_two_paths_need_not_be_followed() -> None:
     text = (
         law("Short", "100 us") + law("Long", "1200 us") +
         """

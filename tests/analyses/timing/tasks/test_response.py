@@ -42,7 +42,7 @@ def test_equal_priority_is_served_in_order() -> None:
     assert [response.worst for response in response_times([one, other])] == [50, 50]
 
 
-def test_first_come_first_served_never_waits_for_what_came_later() -> None:
+def test_first_come_first_served_never_waits_for_later_jobs() -> None:
     slow, fast = Task("slow", 1000, 50, 1000, 1), Task("fast", 60, 10, 60, 1)
     assert response_time(slow, [fast]).worst == 60
     assert response_time(fast, [slow]).worst == 60
@@ -77,7 +77,7 @@ def random_tasks(source: random.Random) -> list[Task]:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_agrees_with_the_simulated_processor(seed: int) -> None:
+def test_the_analysis_agrees_with_the_simulated_processor(seed: int) -> None:
     source = random.Random(seed)
     compared = beyond_period = sets = 0
     while sets < 100:

@@ -47,21 +47,21 @@ def test_a_file_changed_by_hand_is_not_overwritten(tmp_path: Path) -> None:
     assert contents(folder) == FILES
 
 
-def test_a_folder_of_somebody_else_is_not_overwritten(tmp_path: Path) -> None:
+def test_a_foreign_folder_is_not_overwritten(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text("mine\n")
     with pytest.raises(UsageError, match=r"README\.md"):
         write_package(str(tmp_path), FILES, "python", force=False)
     assert contents(tmp_path) == {"README.md": "mine\n"}
 
 
-def test_files_that_were_added_stay_and_files_no_longer_generated_go(tmp_path: Path) -> None:
+def test_added_files_stay_and_files_no_longer_generated_are_removed(tmp_path: Path) -> None:
     write_package(str(tmp_path), FILES, "python", force=False)
     (tmp_path / "arm/notes.txt").write_text("mine\n")
     write_package(str(tmp_path), {"README.md": "read\n"}, "python", force=False)
     assert contents(tmp_path) == {"README.md": "read\n", "arm/notes.txt": "mine\n"}
 
 
-def test_folders_that_are_left_empty_go_and_others_stay(tmp_path: Path) -> None:
+def test_empty_folders_are_removed_and_others_stay(tmp_path: Path) -> None:
     modules = {f"arm/{name}/part.py": "part\n" for name in ("kernel/inner", "ports", "extra")}
     write_package(str(tmp_path), {**FILES, **modules}, "python", force=False)
     (tmp_path / "arm/extra/notes").mkdir()
@@ -78,7 +78,7 @@ def test_folders_that_are_left_empty_go_and_others_stay(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("moves", range(5))
-def test_what_a_generation_that_was_broken_off_left_is_known_as_generated(
+def test_files_of_an_interrupted_generation_are_known_as_generated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moves: int
 ) -> None:
     write_package(str(tmp_path / "arm"), {**FILES, "arm/old.py": "old\n"}, "python", force=False)
@@ -113,7 +113,7 @@ def test_a_file_no_longer_generated_but_changed_by_hand_stays(tmp_path: Path) ->
     assert (tmp_path / "arm/network.py").read_text() == "mine\n"
 
 
-def test_a_failure_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failure_keeps_the_existing_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "arm"
     write_package(str(folder), FILES, "python", force=False)
 
@@ -189,7 +189,7 @@ def test_a_linked_file_of_a_package_is_one_changed_by_hand(tmp_path: Path, elsew
 @pytest.mark.parametrize(
     "named", ["{elsewhere}/network.py", "../elsewhere/network.py", "arm/../../elsewhere/network.py", "a\\..\\b", ""]
 )
-def test_a_manifest_that_names_files_outside_is_not_believed(tmp_path: Path, elsewhere: Path, named: str) -> None:
+def test_a_manifest_that_names_files_outside_is_not_trusted(tmp_path: Path, elsewhere: Path, named: str) -> None:
     folder = tmp_path / "arm"
     write_package(str(folder), FILES, "python", force=False)
     digest = sha256(b"of somebody else\n").hexdigest()
@@ -202,7 +202,7 @@ def test_a_manifest_that_names_files_outside_is_not_believed(tmp_path: Path, els
 
 
 @pytest.mark.parametrize("make", ["link", "bytes"])
-def test_a_manifest_that_is_none_is_not_believed(tmp_path: Path, make: str) -> None:
+def test_an_invalid_manifest_is_not_trusted(tmp_path: Path, make: str) -> None:
     folder = tmp_path / "arm"
     write_package(str(folder), FILES, "python", force=False)
     manifest = folder / MANIFEST
@@ -262,7 +262,7 @@ def test_a_pipe_in_the_place_of_a_file_is_not_opened(tmp_path: Path, path: str) 
 
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize(("obstacle", "is_folder"), [("README.md", True), (MANIFEST, True), ("arm", False)])
-def test_what_is_in_the_way_is_named_and_nothing_written(
+def test_obstacles_are_named_and_nothing_is_written(
     tmp_path: Path, obstacle: str, is_folder: bool, force: bool
 ) -> None:
     folder = tmp_path / "arm"
@@ -279,7 +279,7 @@ def test_what_is_in_the_way_is_named_and_nothing_written(
     assert [path.name for path in tmp_path.iterdir()] == ["arm"]
 
 
-def test_a_failure_names_the_file_that_was_meant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failure_names_the_intended_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(path: str, text: str) -> None:
         raise OSError(28, "No space left on device", path)
 
@@ -294,7 +294,7 @@ def test_a_failure_names_the_file_that_was_meant(tmp_path: Path, monkeypatch: py
     assert not list(tmp_path.iterdir())
 
 
-def test_a_pipe_that_nobody_reads_is_refused(tmp_path: Path) -> None:
+def test_a_pipe_without_a_reader_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "out.csv")
     with pytest.raises(OSError, match="nobody reads from it") as refused:
         replace_text(str(tmp_path / "out.csv"), "time\n")

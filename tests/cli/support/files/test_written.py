@@ -99,7 +99,7 @@ def test_an_output_is_refused_by_its_own_name(
         ("bench", "--json", "out.json"),
     ],
 )
-def test_a_folder_is_no_place_for_a_file(
+def test_a_folder_is_not_accepted_as_a_file(
     cspdiag: Command, program: Path, command: str, option: str, name: str, ending: str
 ) -> None:
     """A path is read without a slash at its end, so the file would have been written."""
@@ -120,7 +120,7 @@ class _Refusing:
         return getattr(os, name)
 
 
-def test_what_is_no_place_for_a_file_is_refused(tmp_path: Path) -> None:
+def test_an_impossible_place_for_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "folder.csv").mkdir()
     (tmp_path / "file").write_text("")
     for path, reason in (
@@ -139,7 +139,7 @@ def test_what_is_no_place_for_a_file_is_refused(tmp_path: Path) -> None:
     assert sorted(os.listdir(tmp_path)) == ["file", "folder.csv"]
 
 
-def test_a_file_that_cannot_be_written_later_is_told_by_its_name(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_later_is_reported_by_its_name(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError) as raised:
         write_whole(tmp_path / "gone" / "out.csv", b"")
     assert raised.value.filename == str(tmp_path / "gone" / "out.csv")

@@ -74,7 +74,7 @@ def test_a_signal_ends_the_writing_of_a_run_that_ended_by_itself(
     assert signal.getsignal(signal.SIGHUP) == before
 
 
-def test_a_further_signal_takes_nothing_from_a_run_that_was_stopped(
+def test_a_further_signal_does_not_affect_a_stopped_run(
     run: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([*run, "--set", "stops=5"]) == 128 + signal.SIGTERM

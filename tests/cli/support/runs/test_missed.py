@@ -55,7 +55,7 @@ def told(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], *options
 
 
 @pytest.mark.parametrize("options", [(), ("-O0",), ("--target", "c")])
-def test_what_the_reader_did_is_said(
+def test_what_the_reader_did_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...]
 ) -> None:
     assert told(PROGRAM, tmp_path, capsys, *options) == [
@@ -68,7 +68,7 @@ def test_what_the_reader_did_is_said(
 
 
 @pytest.mark.parametrize("options", [(), ("-O0",), ("--target", "c")])
-def test_the_place_is_told_of_a_file_with_parentheses_in_its_name(
+def test_the_place_is_reported_for_a_file_with_parentheses_in_its_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...]
 ) -> None:
     path = tmp_path / "barrier(new).csp"
@@ -77,9 +77,7 @@ def test_the_place_is_told_of_a_file_with_parentheses_in_its_name(
     assert "  between two reads of `a` it waits 1500 us (barrier(new).csp:6, W0707)\n" in capsys.readouterr().err
 
 
-def test_where_nothing_is_certain_beforehand_the_rule_is_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_a_certain_cause_the_rule_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     _, rule, remedy = told(PARTNERS, tmp_path, capsys)
     assert "Main.fast takes each sample before the next one comes" in rule
     assert "cspdiag explain W0707" in remedy

@@ -24,7 +24,7 @@ class Somewhere:
     now = 1_500_000_000
 
 
-def test_progress_goes_on_in_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_is_written_in_lines_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     with Progress(Recorder(communications=False), [], interval=0.02) as progress:
         progress.attach(Somewhere())
         while progress.written < 2:
@@ -34,7 +34,7 @@ def test_progress_goes_on_in_lines_where_there_is_no_terminal(capsys: pytest.Cap
     assert "\x1b" not in shown
 
 
-def test_what_has_not_begun_is_told_from_what_has_ended() -> None:
+def test_modes_not_begun_are_distinguished_from_ended_ones() -> None:
     recorder = Recorder(communications=False)
     groups = [ModeGroup(name, {f"Main.{name}": name}, ()) for name in ("align", "servo", "home")]
     progress = Progress(recorder, groups)
@@ -52,7 +52,7 @@ STUCK = "process Main {\n  composition { stop }\n}\nenvironment E for Main {}\n"
 
 
 @pytest.mark.parametrize(("text", "is_said"), [(ENDLESS, True), (STUCK, True), (ENDLESS.replace("mu ", ""), False)])
-def test_a_run_that_goes_on_and_has_no_end_says_so(
+def test_a_run_that_never_ends_says_so_after_a_while(
     text: str, is_said: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     network = pipeline.build(SourceFile(name="main.csp", text=text), read_source).network
@@ -93,7 +93,7 @@ def test_a_run_that_ends_soon_does_not_say_that_it_never_ends(
         ("while x < 3 do inner", False),
     ],
 )
-def test_what_never_ends_by_itself(composition: str, is_endless: bool) -> None:
+def test_programs_that_never_end_by_themselves(composition: str, is_endless: bool) -> None:
     text = f"""
     exception Enough
     process Inner {{ composition {{ mu wait 1 ms }} }}

@@ -44,7 +44,7 @@ def _recorder(*names: str) -> Recorder:
     return recorder
 
 
-def test_it_is_said_once_that_time_stands_still_and_what_runs(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_standstill_is_reported_once_with_what_runs(capsys: pytest.CaptureFixture[str]) -> None:
     with Standstill(_recorder("c[0]", "c[1]", "c[2]", "c[3]", "c[4]"), "Top", patience=0.001) as standstill:
         standstill.attach(_Clock(step=0, looks=2))
         standstill.thread.join()
@@ -56,7 +56,7 @@ def test_it_is_said_once_that_time_stands_still_and_what_runs(capsys: pytest.Cap
     assert said.count("\n") == 1
 
 
-def test_nothing_is_said_while_time_goes_on(capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_is_reported_while_time_advances(capsys: pytest.CaptureFixture[str]) -> None:
     clock = _Clock(step=1, looks=5)
     with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
         standstill.attach(clock)
@@ -126,7 +126,7 @@ def test_process_and_line_are_named_of_a_loop_in_which_time_stands_still(
     assert re.search(r"simulated 0 s in [1-9][0-9.]* s", ended)
 
 
-def test_instant_and_partners_are_named_where_a_native_program_communicates_for_ever(tmp_path: Path) -> None:
+def test_instant_and_partners_of_an_endless_native_program_are_named(tmp_path: Path) -> None:
     said, ended = _stopped_when_it_stands(SPINS, tmp_path, "--target", "c", "-O0")
     assert "stands still at 0.007 s, with ping, pong running; at work: " in said
     assert re.search(r"Main\.(ping \(last waited at stands.csp:1\)|pong \(last waited at stands.csp:5\))", said)

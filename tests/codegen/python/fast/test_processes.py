@@ -101,7 +101,7 @@ process Top {
         ("mu ((writer || reader) catch Late -> skip)", {"Writer", "Reader"}),
     ],
 )
-def test_only_who_can_be_seen_after_a_cancellation_asks_for_it(composition: str, checked: set[str]) -> None:
+def test_only_processes_visible_after_a_cancellation_check_for_it(composition: str, checked: set[str]) -> None:
     assert checked_classes(network(RACE % composition)) == checked
 
 

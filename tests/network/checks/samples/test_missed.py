@@ -85,7 +85,7 @@ def hunt(seeds: range) -> tuple[int, int, list[int]]:
     return sum(said for said, _ in answers.values()), sum(so for _, so in answers.values()), wrong
 
 
-def test_samples_that_are_said_to_be_missed_are() -> None:
+def test_samples_reported_as_missed_are_missed() -> None:
     said, so, wrong = hunt(range(60))
     assert wrong == []
     assert said > 0.8 * so > 20
@@ -206,13 +206,13 @@ def test_what_ends_within_a_period_or_cannot_be_reached_is_no_delay(part: str) -
 
 
 @pytest.mark.parametrize(("part", "message"), TOO_LATE)
-def test_what_takes_a_period_on_some_way_is_one(part: str, message: str) -> None:
+def test_a_step_that_takes_a_period_on_some_path_is_a_delay(part: str, message: str) -> None:
     (found,) = said(IN_AN_ALTERNATIVE.format(part=part))
     assert message in found
 
 
 @pytest.mark.parametrize(("composition", "message"), LOOPS)
-def test_delays_are_added_up_along_a_way(composition: str, message: str | None) -> None:
+def test_delays_are_added_up_along_a_path(composition: str, message: str | None) -> None:
     found = said(composition)
     assert len(found) == (message is not None)
     assert all(str(message) in each for each in found)

@@ -80,7 +80,7 @@ def test_numbers_are_written_as_their_range() -> None:
     assert cells(DOUBLE, {3}) == ()
 
 
-def test_input_is_told_apart_as_far_as_conditions_do() -> None:
+def test_an_input_is_split_as_far_as_conditions_distinguish() -> None:
     text = """process Main {
       in a : int
       out b : bool
@@ -93,7 +93,7 @@ def test_input_is_told_apart_as_far_as_conditions_do() -> None:
     assert listing(system, "Main").count("state") == 2
 
 
-def test_input_that_is_handed_on_is_told_apart_by_who_compares_it() -> None:
+def test_an_input_passed_on_is_split_where_it_is_compared() -> None:
     text = """process Hands {
       in a : time
       out c : time
@@ -122,7 +122,7 @@ def test_input_that_is_handed_on_is_told_apart_by_who_compares_it() -> None:
     assert not system.abstractions
 
 
-def test_input_with_many_ranges_is_given_up_where_there_are_too_many_states() -> None:
+def test_an_input_with_many_ranges_is_left_open_if_there_are_too_many_states() -> None:
     """Three inputs of 17 ranges each: 4913 combinations, of which none is distinguished."""
     conditions = " ; ".join(f"(if {name} == {number} then b ! true)" for name in "xyz" for number in range(0, 16, 2))
     text = f"""process Main {{
@@ -195,7 +195,7 @@ assert Has refines Demands in failures
 
 
 @pytest.mark.parametrize(("least", "outcome"), [(3, "proved"), (2, "refuted"), (4, "refuted")])
-def test_specification_cuts_its_inputs_elsewhere(least: int, outcome: str) -> None:
+def test_a_specification_splits_its_inputs_elsewhere(least: int, outcome: str) -> None:
     in_traces, in_failures = answers_to({"case.csp": REFINES.replace("LEAST", str(least))})
     assert (in_traces.outcome, in_traces.replayed) == (outcome, outcome == "refuted")
     assert (in_failures.outcome == "proved") == (outcome == "proved")
@@ -237,7 +237,7 @@ assert Counts refines Demands
 
 
 @pytest.mark.parametrize(("most", "outcome"), [(1, "refuted"), (2, "proved"), (3, "refuted")])
-def test_numbers_that_a_specification_writes_are_told_apart(most: int, outcome: str) -> None:
+def test_numbers_that_a_specification_writes_are_distinguished(most: int, outcome: str) -> None:
     (answer,) = answers_to({"case.csp": COUNTS.replace("MOST", str(most))})
     assert (answer.outcome, answer.replayed) == (outcome, outcome == "refuted"), answer.reason
 

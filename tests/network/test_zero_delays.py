@@ -62,7 +62,7 @@ def codes(part: str = "o ! n", arguments: str = "1 ms", body: str = "skip") -> l
         "while w > 0 do wait 0 ms",
     ],
 )
-def test_a_loop_of_delays_of_no_time_is_refused(body: str) -> None:
+def test_a_loop_of_zero_delays_is_refused(body: str) -> None:
     assert "E0612" in codes(body=body)
 
 
@@ -142,7 +142,7 @@ def test_a_setting_decides_as_the_text_does() -> None:
         ("mu (e ? w -> skip []> after 0 ms -> wait 1 ms)", []),
     ],
 )
-def test_behind_a_time_out_of_no_time_nothing_has_a_turn(body: str, expected: list[str]) -> None:
+def test_after_a_zero_time_out_no_guard_is_chosen(body: str, expected: list[str]) -> None:
     assert codes(body=body) == expected
 
 
@@ -171,7 +171,7 @@ def test_a_body_that_is_cancelled_at_once_misses_no_samples(body: str, misses: b
     assert any(code.startswith("W07") for code in found) is misses, found
 
 
-def test_a_ready_guard_may_be_followed_by_a_delay_of_no_time() -> None:
+def test_a_ready_guard_may_be_followed_by_a_zero_delay() -> None:
     def found(delay: str) -> list[str]:
         text = f"""
 process Main {{

@@ -52,13 +52,13 @@ PARTNERS = {
 
 @pytest.mark.parametrize("turns", [MOST_UNROLLED, MOST_UNROLLED + 1])
 @pytest.mark.parametrize("name", PARTNERS)
-def test_turns_with_a_partner(name: str, turns: int) -> None:
+def test_iterations_with_a_partner(name: str, turns: int) -> None:
     left, right, expected = (part.format(turns=turns) for part in PARTNERS[name])
     assert answer_to(PROGRAM.format(left=left, right=right, claim="deadlock free")).outcome == expected
 
 
 @pytest.mark.parametrize("turns", [MOST_UNROLLED, 200])
-def test_turns_come_to_their_end(turns: int) -> None:
+def test_iterations_end(turns: int) -> None:
     left = f"(seq i < {turns} : (n := n + i ; c ! i)) ; beat ! n"
     text = PROGRAM.format(left=left, right=READS.format(turns=turns), claim="terminates")
     assert answer_to(text).outcome == "proved"
@@ -85,5 +85,5 @@ assert Main schedulable
         (66, "wait i % 4 * 500 us", {"refuted", "unknown"}),
     ],
 )
-def test_turns_that_keep_a_period(turns: int, step: str, allowed: set[str]) -> None:
+def test_iterations_that_keep_a_period(turns: int, step: str, allowed: set[str]) -> None:
     assert answer_to(SAMPLED.format(turns=turns, step=step)).outcome in allowed

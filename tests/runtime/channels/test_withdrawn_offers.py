@@ -71,7 +71,7 @@ def test_an_output_guard_on_a_buffer_is_ready_while_there_is_room() -> None:
 
 
 @pytest.mark.parametrize("kind", [Channel, AnyChannel])
-def test_nobody_reads_what_an_interrupted_writer_offered(kind: type[Channel[int]]) -> None:
+def test_an_offer_of_an_interrupted_writer_is_not_read(kind: type[Channel[int]]) -> None:
     channel = kind("c")
     chosen: list[int] = []
 
@@ -86,7 +86,7 @@ def test_nobody_reads_what_an_interrupted_writer_offered(kind: type[Channel[int]
 
 @pytest.mark.parametrize("kind", [Channel, AnyChannel])
 @pytest.mark.parametrize("side", ["reads", "writes"])
-def test_an_alternative_that_chose_something_else_is_no_partner(kind: type[Channel[int]], side: str) -> None:
+def test_an_alternative_that_chose_another_guard_is_not_a_partner(kind: type[Channel[int]], side: str) -> None:
     channel = kind("c")
     left, right = (Input(channel), Output(channel, 1)) if side == "reads" else (Output(channel, 1), Input(channel))
     chosen: list[int] = []
@@ -106,7 +106,7 @@ def test_an_alternative_that_chose_something_else_is_no_partner(kind: type[Chann
     assert chosen == [1, 1]
 
 
-def test_a_writer_stays_when_an_alternative_beside_it_leaves() -> None:
+def test_a_writer_stays_when_an_alternative_next_to_it_withdraws() -> None:
     """The guard of the reader is ready as long as one of two that write waits."""
     channel = AnyChannel[int]("c")
     chosen: list[int] = []
@@ -145,7 +145,7 @@ def test_an_alternative_made_after_a_broadcast_was_offered_can_take_it() -> None
     assert chosen == [0]
 
 
-def test_an_output_guard_is_ready_for_who_reads_several_inputs_at_once() -> None:
+def test_an_output_guard_is_ready_for_a_process_that_reads_several_inputs_at_once() -> None:
     first, second = Channel[int]("first"), Channel[int]("second")
 
     async def reads() -> None:

@@ -1,6 +1,6 @@
 """What W0707 says of the turns of a loop is so of all ways through it, told one by one.
 
-``python -m tests.network.checks.samples.test_turns NUMBER`` tries more loops.
+``python -m tests.network.checks.samples.test_iterations NUMBER`` tries more loops.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def hunt(seeds: range) -> tuple[Counter[str], list[int]]:
     return counts, wrong
 
 
-def test_what_is_said_of_turns_is_so_of_all_ways_through_them() -> None:
+def test_facts_about_iterations_hold_on_all_paths() -> None:
     counts, wrong = hunt(range(600))
     assert wrong == []
     assert min(counts[extent] for extent in ("every turn", "some turn", "two turns")) >= 3

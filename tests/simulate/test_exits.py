@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.simulate.ways_out import WAYS, log_of, prepare, started, try_way, wait_until
+from tests.simulate.exits import WAYS, log_of, prepare, started, try_way, wait_until
 
 TRIED = [
     ("SIGINT", "run -O1", "real time", True),
@@ -98,7 +98,7 @@ def test_outputs_are_released(folder: Path, name: str, start: str, clock: str, b
     assert seen.complaints(way) == [], seen
 
 
-def test_every_way_out_is_tried() -> None:
+def test_every_exit_is_tried() -> None:
     assert {way.name for way in WAYS} == {name for name, *_ in TRIED} | ONLY_HUNTED
 
 
@@ -108,7 +108,7 @@ def released_once(own: Path) -> bool:
     return ends == ["valve -1", "light 7", "Card close", "Lamp close"] and calls[-4:] == ends
 
 
-def test_a_full_disk_takes_the_recording_and_not_the_outputs(folder: Path, tmp_path: Path) -> None:
+def test_a_full_disk_costs_the_recording_and_not_the_release(folder: Path, tmp_path: Path) -> None:
     own = folder / "full"
     trace, record = tmp_path / "trace.jsonl", tmp_path / "record.npz"
     files = ["--for", "10s", "--trace", str(trace), "--record", str(record)]
@@ -128,7 +128,7 @@ def test_a_full_disk_takes_the_recording_and_not_the_outputs(folder: Path, tmp_p
 
 
 @pytest.mark.parametrize(("fault", "code"), [("", 1), ("read raises", 1)])
-def test_an_account_that_cannot_be_written_is_given_elsewhere(folder: Path, fault: str, code: int) -> None:
+def test_a_summary_that_cannot_be_written_is_printed_elsewhere(folder: Path, fault: str, code: int) -> None:
     own = folder / f"account {fault}"
     with open("/dev/full", "w") as full:
         process = started(
@@ -141,7 +141,7 @@ def test_an_account_that_cannot_be_written_is_given_elsewhere(folder: Path, faul
     assert released_once(own)
 
 
-def test_a_reader_of_the_account_that_has_gone_is_no_traceback(folder: Path) -> None:
+def test_a_closed_pipe_for_the_summary_causes_no_traceback(folder: Path) -> None:
     own = folder / "reader"
     process = started(own, "package -O0", "virtual time", files=["--for", "1s"], stderr=subprocess.PIPE)
     assert process.stdout is not None
@@ -190,9 +190,7 @@ def test_a_signal_that_was_to_be_ignored_is_ignored(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("fault", "start"), [("body leaves a thread", "run -O1"), ("body waits at exit", "package -O0")]
 )
-def test_what_a_program_leaves_behind_keeps_no_output_and_is_ended_by_a_signal(
-    folder: Path, fault: str, start: str
-) -> None:
+def test_threads_left_behind_keep_no_output_and_are_ended_by_a_signal(folder: Path, fault: str, start: str) -> None:
     own = folder / fault
     process = started(own, start, "virtual time", files=["--for", "1s"], fault=fault)
     wait_until(lambda: released_once(own), process)

@@ -1,7 +1,7 @@
 """Every way out of a program, for every way to start it, with devices whose calls block or not: one process each, and
 what it did with its devices.
 
-``python -m tests.simulate.ways_out`` tries all combinations and lists those that do not hold; it takes some minutes.
+``python -m tests.simulate.exits`` tries all combinations and lists those that do not hold; it takes some minutes.
 The tests try a selection.
 """
 
