@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from cspdiag.base.record import EMPTY, node, replaced
 from cspdiag.base.report import Report
 from cspdiag.base.span import SourceFile
-from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
 if TYPE_CHECKING:
     from cspdiag.base.diagnostic import Label
@@ -85,7 +85,7 @@ class ProofObligations:
         return self.networks[process]
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None = None) -> Checked:
     """Find all errors in a program and the files it imports.
 
@@ -95,7 +95,7 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     from cspdiag.model.diagnostics.imports import ImportFailure
     from cspdiag.model.names.imports import load
     from cspdiag.model.names.resolve import resolve
-    from cspdiag.syntax.parse.soundness import sound_part
+    from cspdiag.syntax.parse.soundness import part_without_errors
 
     report = Report()
     trees = load(main, read, report)
@@ -104,14 +104,14 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     broken = [found for found in report.diagnostics if not isinstance(found, ImportFailure)]
     if broken:
         # Definitions are missing, so the network cannot be judged, but those that were read whole can.
-        trees = [sound_part(tree, broken) for tree in trees]
+        trees = [part_without_errors(tree, broken) for tree in trees]
         readable = resolve(trees, overrides or {}, report)
         check_model(readable, report)
         return Checked(program=None, report=report, readable=readable)
     return _checked(trees, overrides or {}, report)
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[Label, ...] = ()) -> Checked:
     """A program without errors, checked with other values of its constants; its text is not read again.
 
@@ -139,7 +139,7 @@ def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report
     return Checked(program=program, report=report, readable=program, analysis=analysis, network=network)
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def compile_network(
     checked: Checked,
     *,
@@ -263,7 +263,7 @@ def proof_obligations(
     return replaced(obligations, questions=questions)
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def generate(
     network: CoreNetwork,
     read: Reader,

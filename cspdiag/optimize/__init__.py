@@ -18,7 +18,7 @@ from cspdiag.optimize.fuse.program import explain_fusion, fuse
 from cspdiag.optimize.inline_laws import inline_laws
 from cspdiag.optimize.specialize import specialize
 from cspdiag.optimize.variables import variables
-from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
 __all__ = ["PASSES", "Pass", "explain_fusion", "lower_for_targets", "optimize", "pass_named"]
 
@@ -93,7 +93,7 @@ def pass_named(name: str) -> Pass:
     raise KeyError(name)
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def optimize(network: Network, passes: Sequence[Pass] = PASSES, *, debug: bool = False) -> Network:
     """The network after the passes, in the order given.
 

@@ -1,1 +1,1 @@
-"""From text to syntax tree, and back in the one style."""
+"""From text to syntax tree, and back to text in the standard format."""

@@ -1,8 +1,8 @@
 """Text to syntax tree.
 
-An LALR(1) automaton over the tables that Lark made of the grammar. It is a loop over explicit stacks, so Python's
-recursion limit does not matter for the text; the tree it makes is at most ``DEEPEST`` levels deep, so that later passes
-may recurse.
+An LALR(1) automaton with the tables that Lark has made from the grammar. It is a loop over explicit stacks, so the text
+may be nested deeper than Python's recursion limit; the tree is at most ``MAX_DEPTH`` levels deep, so later passes may
+recurse.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from cspdiag.syntax.build.definitions import DefinitionBuilder
 from cspdiag.syntax.diagnostics.structure import KeywordAsName, NestedTooDeeply
 from cspdiag.syntax.parse.automaton import automaton
 from cspdiag.syntax.parse.lexer import Lexer, Token, is_doc
-from cspdiag.syntax.parse.nesting import DEEPEST
+from cspdiag.syntax.parse.nesting import MAX_DEPTH
 from cspdiag.syntax.parse.tables import END
 
 if TYPE_CHECKING:
     from cspdiag.syntax.unexpected.situation import Repair
 
-_MOST_STATES = 25 * DEEPEST
-"""More than the levels of a legal text can put on the stack."""
+_MAX_STATES = 25 * MAX_DEPTH
+"""The largest stack, which is more than a text of legal depth needs."""
 
 
 def parse(source: SourceFile, report: Report) -> ast.SourceTree:
     """The tree of a file.
 
-    Where the text is broken, this is reported and reading continues at the next declaration or definition; the tree
-    then lacks the broken ones and is not a program.
+    After a syntax error, reading continues at the next declaration or definition; the tree then lacks the erroneous
+    ones and is not a complete program.
     """
     return Parser(source, report).run()
 
@@ -39,8 +39,8 @@ def parse(source: SourceFile, report: Report) -> ast.SourceTree:
 class Parser:
     """One run over one file.
 
-    The stacks grow together, ``states`` being one longer: ``values`` has what was built, ``starts`` the offset at which
-    it begins, ``depths`` its levels.
+    The stacks grow together, but ``states`` has one more element: ``values`` are the nodes and tokens, ``starts`` the
+    offsets at which they begin, ``depths`` their levels of nesting.
     """
 
     def __init__(self, source: SourceFile, report: Report) -> None:
@@ -52,12 +52,12 @@ class Parser:
         self.values: list[Any] = []
         self.starts: list[int] = []
         self.depths: list[int] = []
-        self._taken_to = 0
-        """Where the last token ended."""
-        self._mended = (-1, 0)
-        """Where the last mistake was, and how often it was repaired there."""
+        self._end_of_last_token = 0
+        """The offset of the end of the last token."""
+        self._last_repair = (-1, 0)
+        """The offset of the last mistake, and the number of repairs there."""
         self._last_reported = ("", "", 0)
-        """Code, message and line of the last mistake: the same mistake all along a line is reported once."""
+        """Code, message and line of the last mistake: a mistake that is repeated on a line is reported once."""
         builder = DefinitionBuilder(source, report, self.lexer.docs)
         self._builders: list[Callable[..., Any] | None] = [
             getattr(builder, rule.build) if rule.build else None for rule in self.automaton.tables.rules
@@ -73,7 +73,7 @@ class Parser:
             if action is None:
                 if lexer.kind == END and self.automaton.tables.symbols[states[-1]] == "start":
                     return self._tree(self.values[0])
-                self._mend()
+                self._repair()
             elif action >= 0:
                 self._shift(action)
             else:
@@ -91,12 +91,12 @@ class Parser:
         self.starts.append(lexer.start)
         self.depths.append(0)
         self.states.append(state)
-        self._taken_to = lexer.end
+        self._end_of_last_token = lexer.end
         lexer.advance(self.automaton.tables.actions[state])
-        if lexer.kind in self.automaton.words_of_their_place and not self.automaton.accepts(self.states, lexer.kind):
-            # The row of a state also has terminals that only follow elsewhere.
+        if lexer.kind in self.automaton.contextual_keywords and not self.automaton.accepts(self.states, lexer.kind):
+            # The row of a state also has terminals that are allowed only in other contexts.
             lexer.kind = "NAME"
-        if len(self.states) > _MOST_STATES:
+        if len(self.states) > _MAX_STATES:
             self._refuse_depth()
 
     def _reduce(self, number: int) -> None:
@@ -104,7 +104,7 @@ class Parser:
         origin, length, build, kept = table.rules[number]
         states = self.states
         if build is None:
-            # The rule hands on its only child: nothing but the state changes.
+            # The rule passes its only child on, so only the state changes.
             states[-1] = table.gotos[states[-2]][origin]
             return
         children: list[Any] = []
@@ -116,9 +116,9 @@ class Parser:
             del self.values[-length:], self.starts[-length:], self.depths[-length:], states[-length:]
         builder = self._builders[number]
         if builder is None:
-            value: Any = _grown(children, kept)
+            value: Any = _extended_list(children, kept)
         else:
-            span = Span(self.source, start, max(start, self._taken_to))
+            span = Span(self.source, start, max(start, self._end_of_last_token))
             if build in {"parenthesized", "group"} and (depth == 0 or children[1].parenthesized):
                 depth += 1
             value = builder(span, *_arguments(children, kept))
@@ -126,29 +126,29 @@ class Parser:
         self.starts.append(start)
         self.depths.append(depth)
         states.append(table.gotos[states[-1]][origin])
-        if depth > DEEPEST:
+        if depth > MAX_DEPTH:
             self._refuse_depth()
 
     def _refuse_depth(self) -> None:
         lexer = self.lexer
         end = max(lexer.end, lexer.start + 1)
-        self._skip_after(NestedTooDeeply(Span(self.source, lexer.start, end), DEEPEST))
+        self._skip_after(NestedTooDeeply(Span(self.source, lexer.start, end), MAX_DEPTH))
 
-    def _mend(self) -> None:
-        """The present token cannot be taken: report why, and repair it."""
-        # A text without mistakes does not pay for this.
+    def _repair(self) -> None:
+        """Report why the present token is not allowed, and repair it."""
+        # Imported only here, because a text without mistakes does not need it.
         from cspdiag.syntax.unexpected.situation import Situation
         from cspdiag.syntax.unexpected.token import explain
 
-        at, times = self._mended
-        self._mended = (self.lexer.start, times + 1 if at == self.lexer.start else 1)
-        if self._mended[1] > _MOST_STATES:
-            # Every mending takes or leaves a token; should one ever do neither, reading goes on behind it.
+        at, times = self._last_repair
+        self._last_repair = (self.lexer.start, times + 1 if at == self.lexer.start else 1)
+        if self._last_repair[1] > _MAX_STATES:
+            # Every repair consumes a token or leaves one; should a repair ever do neither, reading continues after it.
             self.lexer.advance({})
         situation = Situation(self.source, self.automaton, self.states, self.starts, self.lexer)
         diagnostic, repair = explain(situation)
         if isinstance(diagnostic, KeywordAsName):
-            self._tell_misuse(diagnostic)
+            self._report_keyword(diagnostic)
             if repair is None:
                 self._skip()
             else:
@@ -157,7 +157,7 @@ class Parser:
         if repair is None:
             self._skip_after(diagnostic)
             return
-        self._tell(diagnostic)
+        self._report_once(diagnostic)
         self._apply(repair)
 
     def _apply(self, repair: Repair) -> None:
@@ -172,16 +172,16 @@ class Parser:
             case "insert":
                 lexer.insert(repair.terminal)
 
-    def _tell_misuse(self, diagnostic: KeywordAsName) -> None:
-        """Once for each word: where it occurs again the mistake is the same."""
+    def _report_keyword(self, diagnostic: KeywordAsName) -> None:
+        """Report a keyword that is used as a name, once for each word."""
         if diagnostic.word not in self.lexer.misused:
-            self._tell(diagnostic)
+            self._report_once(diagnostic)
             self.lexer.misused.add(diagnostic.word)
 
-    def _tell(self, diagnostic: Diagnostic) -> None:
+    def _report_once(self, diagnostic: Diagnostic) -> None:
         misused = self.lexer.misused
         if misused and (self.lexer.text in misused or self.lexer.before.text in misused):
-            # A name that is a word of the language was taken for that word.
+            # A name that is also a keyword was taken for the keyword.
             return
         same = (diagnostic.code, diagnostic.message, diagnostic.span.line)
         if same != self._last_reported and not self.lexer.reported_on_line(diagnostic.span.start):
@@ -189,8 +189,8 @@ class Parser:
         self._last_reported = same
 
     def _skip_after(self, diagnostic: Diagnostic) -> None:
-        """Report, then forget the declaration or definition being read and go to the next one."""
-        self._tell(diagnostic)
+        """Report a mistake, discard the present declaration or definition, and continue at the next one."""
+        self._report_once(diagnostic)
         self._skip()
 
     def _skip(self) -> None:
@@ -207,7 +207,7 @@ class Parser:
 
 
 def _arguments(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
-    """The children of a rule as a builder gets them: lists spliced in, None for what is absent."""
+    """The children of a rule as arguments of a builder: with lists spliced in, and None for absent parts."""
     arguments: list[Any] = []
     for position in kept:
         if position is None:
@@ -219,8 +219,8 @@ def _arguments(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
     return arguments
 
 
-def _grown(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
-    """The list of a repetition: the list so far is the first child and grows in place, so that long ones stay cheap."""
+def _extended_list(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
+    """The list of a repetition: the list so far, which is the first child, is extended in place, to be fast if long."""
     if kept[0] is None or kept[0] >= 0:
         return _arguments(children, kept)
     grown: list[Any] = children[~kept[0]]

@@ -1,4 +1,4 @@
-"""Walks over the tree, without recursion on operator chains."""
+"""Traversals of the tree, without recursion on operator chains."""
 
 from __future__ import annotations
 

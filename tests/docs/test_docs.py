@@ -56,12 +56,12 @@ def test_reserved_words_are_listed() -> None:
     text = LANGUAGE.read_text(encoding="utf-8")
     reserved, _, rest = text.partition("These words are reserved")[2].partition("These are words where")
     of_their_place = rest.partition("So a port may be called")[0]
-    from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE
+    from cspdiag.syntax.parse.lexer import CONTEXTUAL_KEYWORDS
     from cspdiag.syntax.parse.tables import load
 
     words = {word for word in load().words if word[0].isalpha()}
-    assert set(re.findall(r"`(\w+)`", of_their_place)) == WORDS_OF_THEIR_PLACE
-    assert set(re.findall(r"`(\w+)`", reserved)) == words - WORDS_OF_THEIR_PLACE
+    assert set(re.findall(r"`(\w+)`", of_their_place)) == CONTEXTUAL_KEYWORDS
+    assert set(re.findall(r"`(\w+)`", reserved)) == words - CONTEXTUAL_KEYWORDS
 
 
 @needs_compiler

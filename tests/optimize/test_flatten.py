@@ -9,7 +9,7 @@ from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize import optimize, pass_named
 from cspdiag.optimize.flatten.processes import LARGEST, LONGEST
-from cspdiag.syntax.parse.nesting import DEEPEST
+from cspdiag.syntax.parse.nesting import MAX_DEPTH
 from tests.network import programs
 
 
@@ -152,7 +152,7 @@ def test_compositions_get_no_deeper_than_those_of_a_text() -> None:
     )
     network = flattened(text + f"process P{levels} {{ out y : int  composition {{ y ! 1 }} }}\n")
     deepest = max(len(path) for entry in network.classes for path in scopes_below(entry))
-    assert DEEPEST // 10 < deepest <= DEEPEST // 4
+    assert MAX_DEPTH // 10 < deepest <= MAX_DEPTH // 4
     assert len(network.classes) < 10
 
 

@@ -8,10 +8,10 @@ from cspdiag import pipeline
 from cspdiag.base import Report, SourceFile
 from cspdiag.syntax import ast
 from cspdiag.syntax.format.formatter import format_tree
-from cspdiag.syntax.parse.nesting import DEEPEST
+from cspdiag.syntax.parse.nesting import MAX_DEPTH
 from cspdiag.syntax.parser import parse
 
-LEVELS = DEEPEST - 1
+LEVELS = MAX_DEPTH - 1
 EXPRESSIONS = {
     "parentheses": "(" * LEVELS + "x" + ")" * LEVELS,
     "operators": "(x + " * LEVELS + "x" + ")" * LEVELS,

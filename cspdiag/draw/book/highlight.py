@@ -8,7 +8,7 @@ from re import Match
 
 from cspdiag.base.record import record
 from cspdiag.model.symbols import TYPE_NAMES
-from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE, Scanner
+from cspdiag.syntax.parse.lexer import CONTEXTUAL_KEYWORDS, Scanner
 from cspdiag.syntax.parse.tables import load
 
 _KINDS = {"QUANTITY": "number", "DURATION": "number", "NUMBER": "number", "STRING": "string"}
@@ -68,7 +68,7 @@ def _piece(match: Match[str], group: str, links: Mapping[str, str]) -> Piece:
         return Piece(text, "", links[text])
     if text in TYPE_NAMES:
         return Piece(text, "type")
-    is_keyword = text in _scanner().words and text not in WORDS_OF_THEIR_PLACE
+    is_keyword = text in _scanner().words and text not in CONTEXTUAL_KEYWORDS
     return Piece(text, "keyword" if is_keyword else "")
 
 

@@ -43,7 +43,7 @@ from cspdiag.draw.scene.geometry import Point
 from cspdiag.draw.scene.scene_geometry import below_each_other, bounds, fitted
 from cspdiag.draw.scene.shapes import Face, Group, Head, Ink, Item, Line, Scene, Text, TextRun
 from cspdiag.draw.scene.text_metrics import runs_width
-from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
 WIDEST = 1000.0
 """A sequence continues in a new row beyond this, in pixels."""
@@ -52,7 +52,7 @@ GAP = 26.0
 """Between heading, drawing and messages."""
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def draw_composition(
     diagram: CompositionDiagram,
     *,

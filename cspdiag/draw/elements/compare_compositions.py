@@ -37,7 +37,7 @@ from cspdiag.draw.elements.composition import (
 )
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.elements.texts import same_text, squeezed, written_span
-from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
 Action: TypeAlias = Literal["added", "removed", "changed"]
 _Content: TypeAlias = tuple[object, ...]
@@ -83,7 +83,7 @@ class Compared:
     changes: tuple[StepChange, ...]
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def compared(before: CompositionDiagram, after: CompositionDiagram, names: Mapping[str, str] = _NO_NAMES) -> Compared:
     """What differs between two versions of a composition; ``names`` maps former names to present ones."""
     comparison = _Comparison(names)

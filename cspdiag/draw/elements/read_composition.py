@@ -28,13 +28,13 @@ from cspdiag.draw.elements.composition import (
 from cspdiag.draw.elements.diagram import BoxKind
 from cspdiag.draw.elements.texts import optional, replicator, written
 from cspdiag.syntax import ast
-from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
 from cspdiag.syntax.walk import instances_in
 
 Definitions: TypeAlias = Mapping[str, ast.Definition]
 
 
-@room_to_recurse()
+@raised_recursion_limit()
 def composition_diagram(definitions: Definitions, process: ast.ProcessDefinition, depth: int = 1) -> CompositionDiagram:
     """The composition diagram of a process, given the definitions of its program by name.
 

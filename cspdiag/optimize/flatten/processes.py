@@ -16,7 +16,7 @@ from cspdiag.optimize.changes import with_inner_actions
 from cspdiag.optimize.flatten.inlined import EndNumbers, InlinedProcess
 from cspdiag.optimize.reachable import reachable
 from cspdiag.optimize.variables import with_assignments
-from cspdiag.syntax.parse.nesting import DEEPEST
+from cspdiag.syntax.parse.nesting import MAX_DEPTH
 
 LARGEST = 20_000
 """The largest number of records of a class with inlined instances; without a limit, classes that two others run, each
@@ -98,7 +98,7 @@ class _Flattening:
                 part = InlinedProcess(instance, inner, entry, numbers, self.classes)
                 size = self._sizes[entry.name] + self._sizes[inner.name] + part.size
                 depth = own_depth + self._depths[inner.name] + 1
-                if size <= LARGEST and depth <= DEEPEST:
+                if size <= LARGEST and depth <= MAX_DEPTH:
                     inlined[instance.name] = part
                     self._sizes[entry.name] = size
                     self._depths[entry.name] = max(self._depths[entry.name], depth)

@@ -28,8 +28,8 @@ def transition_system(
     from cspdiag.proofs.transitions.classes.program import Program
     from cspdiag.proofs.transitions.occurrences import World
     from cspdiag.proofs.transitions.threads.threads import ThreadTree
-    from cspdiag.syntax.parse.nesting import room_to_recurse
+    from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
-    with room_to_recurse():
+    with raised_recursion_limit():
         program = Program(network)
         return Assembly(ThreadTree(World(program, Facts(program, distinguished or {}, specification)))).system()

@@ -1,7 +1,7 @@
 """The syntax tree: one node per construct of the language.
 
-Nodes compare and hash by identity, so that later phases keep types and bindings in tables keyed by node. The tree stays
-as parsed. ``same_tree`` compares two trees without regard to their places.
+Nodes compare and hash by identity, so later phases keep types and bindings in tables keyed by node. The tree stays as
+parsed. ``same_tree`` compares two trees, ignoring the places of nodes.
 """
 
 from cspdiag.syntax.ast.communication import (

@@ -10,14 +10,14 @@ from cspdiag.syntax.ast.expressions import Expression, Identifier, Node, Referen
 
 @node
 class Step(Node):
-    """A part of a composition; ``parenthesized`` as it was written."""
+    """A part of a composition; ``parenthesized``: it is in parentheses in the text."""
 
     parenthesized: bool = False
 
 
 @node
 class Run(Step):
-    """The name of an instance: run it."""
+    """The name of an instance, which is run."""
 
     instance: Reference
 
@@ -48,12 +48,12 @@ class Assign(Step):
 
 @node
 class Skip(Step):
-    """Ends at once."""
+    """``skip``, which ends immediately."""
 
 
 @node
 class Stop(Step):
-    """Never ends."""
+    """``stop``, which never ends."""
 
 
 @node
@@ -66,7 +66,7 @@ class Wait(Step):
 
 @node
 class Reset(Step):
-    """``reset name``: the states of a submodel instance go back to their initial values."""
+    """``reset name``: resets the states of an instance of a submodel to their initial values."""
 
     instance: Reference
 
@@ -128,7 +128,7 @@ class OutputGuard(Node):
 
 @node
 class TimeGuard(Node):
-    """``after 5 ms -> P``: a time-out; ``at t -> P``, where ``time`` is the instant from which on it is ready."""
+    """``after 5 ms -> P``: a time-out; ``at t -> P``, where ``time`` is the instant from which it is ready."""
 
     time: Expression
     at: bool

@@ -145,7 +145,7 @@ SubmodelItem: TypeAlias = Let | State | Next | Derivative | Equation | Instance
 
 @node
 class SubmodelDefinition(Node):
-    """A control law or a piece of plant: equations, or an external body."""
+    """A control law or a part of a plant: equations, or an external body."""
 
     doc: str | None
     name: Identifier
@@ -228,7 +228,7 @@ class SourceTree(Node):
 
 
 def same_tree(left: object, right: object) -> bool:
-    """Whether two trees are equal but for the places of their nodes and their comments."""
+    """Whether two trees are equal, apart from the places of their nodes and comments."""
     pending: list[tuple[object, object]] = [(left, right)]
     while pending:
         a, b = pending.pop()

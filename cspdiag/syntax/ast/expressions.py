@@ -1,4 +1,4 @@
-"""What expressions, types and names are made of."""
+"""Expressions, types and names."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.base.record import node
 
 @node
 class Node:
-    """Anything that has a place in a text."""
+    """A node of the syntax tree, which has a place in the source text."""
 
     span: Span
 
@@ -38,7 +38,7 @@ class Number(Node):
 class Duration(Node):
     """``1 ms``: a ``time`` in integer nanoseconds. ``1 kHz``: a frequency in hertz.
 
-    A frequency is a ``double<Hz>`` in expressions and means its period where a ``time`` is wanted (``@ 1 kHz``).
+    A frequency is a ``double<Hz>`` in expressions and means its period where a ``time`` is expected (``@ 1 kHz``).
     """
 
     magnitude: float
@@ -159,7 +159,7 @@ Expression: TypeAlias = (
 
 @node
 class Discard(Node):
-    """``_``, the sink that takes everything."""
+    """``_``, the sink that discards values."""
 
 
 @node
@@ -192,7 +192,7 @@ class TypeName(Node):
 
 @node
 class Parameter(Node):
-    """A compile-time constant that instances are given."""
+    """A parameter of a definition: a compile-time constant for which instances give a value."""
 
     doc: str | None
     name: Identifier

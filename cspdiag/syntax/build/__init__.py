@@ -1,1 +1,1 @@
-"""From what the parser has found to the syntax tree."""
+"""Construction of the nodes of the syntax tree from the rules that the parser recognizes."""

@@ -1,4 +1,4 @@
-"""What the builders of the tree have in common."""
+"""The common part of the builders of the tree."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cspdiag.syntax import ast
 
 
 class Construction:
-    """Builds the nodes of one file; the methods are named as the rules of the grammar (or their aliases)."""
+    """Builds the nodes of one file; the methods have the names of the rules of the grammar, or of their aliases."""
 
     def __init__(self, source: SourceFile, report: Report, docs: dict[int, list[ast.Comment]]) -> None:
         self.source = source
@@ -19,7 +19,7 @@ class Construction:
         self._docs = docs
 
     def doc(self, start: int) -> str | None:
-        """The doc comment of what begins at an offset: its lines without their marks."""
+        """The doc comment of the node that begins at an offset: its lines without the comment markers."""
         comments = self._docs.pop(start, None)
         if comments is None:
             return None
@@ -27,12 +27,12 @@ class Construction:
 
 
 Built = Callable[..., Any]
-"""A method of a builder, which gets the place of a rule and its children."""
+"""A method of a builder, whose arguments are the place of a rule and its children."""
 
 
 def node(kind: Callable[..., ast.Node], *fields: str, **fixed: object) -> Built:
-    """Builds a node whose ``fields`` are the children of the rule, in their order; the ``fixed`` ones are the same
-    wherever the rule stands.
+    """A method that builds a node whose ``fields`` are the children of the rule, in order; ``fixed`` fields always have
+    the same value.
     """
 
     def build(_: Construction, span: Span, *children: object) -> ast.Node:
@@ -42,7 +42,7 @@ def node(kind: Callable[..., ast.Node], *fields: str, **fixed: object) -> Built:
 
 
 def declared(kind: Callable[..., ast.Node], *fields: str) -> Built:
-    """The same of what may have a doc comment."""
+    """The same for a node that may have a doc comment."""
 
     def build(builder: Construction, span: Span, *children: object) -> ast.Node:
         return kind(span=span, doc=builder.doc(span.start), **dict(zip(fields, children, strict=True)))
@@ -51,7 +51,7 @@ def declared(kind: Callable[..., ast.Node], *fields: str) -> Built:
 
 
 def chain(kind: Callable[..., ast.Node], field: str, **fixed: object) -> Built:
-    """Builds a node with all children in one field."""
+    """A method that builds a node with all children in one field."""
 
     def build(_: Construction, span: Span, *children: object) -> ast.Node:
         return kind(span=span, **{field: children}, **fixed)
@@ -59,6 +59,6 @@ def chain(kind: Callable[..., ast.Node], field: str, **fixed: object) -> Built:
     return build
 
 
-def gathered(_: Construction, __: Span, *children: object) -> tuple[object, ...]:
-    """What a list of the grammar becomes."""
+def as_tuple(_: Construction, __: Span, *children: object) -> tuple[object, ...]:
+    """The children of a list rule, as a tuple."""
     return children

@@ -7,7 +7,7 @@ from typing import Any, cast
 from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
-from cspdiag.syntax.build.common import declared, gathered, node
+from cspdiag.syntax.build.common import as_tuple, declared, node
 from cspdiag.syntax.build.expressions import ExpressionBuilder
 from cspdiag.syntax.diagnostics.tokens import LabelNotAName, NotAnInstanceName, SourceDiscarded
 from cspdiag.syntax.parse.lexer import Token
@@ -15,7 +15,7 @@ from cspdiag.syntax.parse.lexer import Token
 
 @record
 class ArrowMiddle:
-    """What stands between the arrow heads of a communication relationship."""
+    """The middle of a communication relationship: label, type and kind, between its two arrows."""
 
     label: ast.Identifier | None
     type: ast.TypeName | None
@@ -33,7 +33,7 @@ class Timing:
 class CommunicationBuilder(ExpressionBuilder):
     """The rules of ports and of the communication diagram."""
 
-    port_list = gathered  # All port declarations of a definition
+    port_list = as_tuple  # All port declarations of a definition
 
     def ports(self, span: Span, direction: Token, first: ast.PortName, *rest: Any) -> ast.Ports:
         """A port declaration."""
@@ -71,7 +71,7 @@ class CommunicationBuilder(ExpressionBuilder):
         return ast.Sampling(span=span, period=period, offset=offset)
 
     communication_block = node(ast.Communication, "declarations")  # communication { ... }
-    declarations = gathered  # What is in a communication block
+    declarations = as_tuple  # The contents of a communication block
 
     def instance(
         self,
@@ -145,7 +145,7 @@ class CommunicationBuilder(ExpressionBuilder):
             sinks=sinks,
         )
 
-    references = gathered  # Ends of an arrow
+    references = as_tuple  # Ends of an arrow
     discard = node(ast.Discard)  # _
 
     def medium(self, span: Span, label: ast.Reference, kind: ast.Kind | None) -> ArrowMiddle:

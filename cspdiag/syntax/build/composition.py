@@ -16,7 +16,7 @@ class CompositionBuilder(ExpressionBuilder):
     """The rules of the composition diagram."""
 
     def composition_block(self, span: Span, composition: ast.Composition) -> tuple[Span, ast.Composition]:
-        """``composition { ... }``: its place and what is in it."""
+        """``composition { ... }``: its place and its contents."""
         return span, composition
 
     sequence = chain(ast.Sequence, "processes")  # P ; Q

@@ -7,10 +7,10 @@ from typing import Any, TypeAlias, cast
 from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
-from cspdiag.syntax.build.common import declared, gathered, node
+from cspdiag.syntax.build.common import as_tuple, declared, node
 from cspdiag.syntax.build.communication import CommunicationBuilder
 from cspdiag.syntax.build.composition import CompositionBuilder
-from cspdiag.syntax.diagnostics.tokens import OptionNotHere, OptionTwice
+from cspdiag.syntax.diagnostics.tokens import MisplacedClause, RepeatedClause
 from cspdiag.syntax.parse.lexer import Token
 
 
@@ -38,7 +38,7 @@ Names: TypeAlias = tuple[ast.Identifier, ...]
 class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
     """The rules of definitions and of the equations of submodels."""
 
-    start = gathered  # A file
+    start = as_tuple  # A file
 
     def import_file(self, span: Span, path: Token) -> ast.Import:
         """``import "laws.csp"``."""
@@ -61,7 +61,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
 
     field = declared(ast.Field, "name", "type")  # A field of a struct
     exception = declared(ast.ExceptionDefinition, "name")  # exception Overheated
-    parameters = gathered  # Parameters in parentheses
+    parameters = as_tuple  # Parameters in parentheses
     parameter = declared(ast.Parameter, "name", "type", "default")  # speed: double<rad/s> = 0.5<rad/s>
 
     def external(self, span: Span, language: ast.Identifier, target: Token) -> Option:
@@ -85,19 +85,19 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``on miss count``."""
         return Option(span, "on_miss", reaction)
 
-    options = gathered  # The clauses of a head
-    environment_options = gathered  # The clauses of the head of an environment
+    options = as_tuple  # The clauses of a head
+    environment_options = as_tuple  # The clauses of the head of an environment
 
     def _clauses(self, definition: str, options: tuple[Option, ...], *allowed: str) -> dict[str, Any]:
-        """The clauses by name, None where absent; reports those that are given twice or that have no meaning here."""
+        """The clauses by name, None if absent; repeated clauses and clauses that are not allowed here are reported."""
         clauses: dict[str, Any] = dict.fromkeys(allowed)
         for option in options:
             if option.name not in clauses:
-                self.report.add(OptionNotHere(option.span, _CLAUSES[option.name], definition))
+                self.report.add(MisplacedClause(option.span, _CLAUSES[option.name], definition))
             elif clauses[option.name] is not None:
                 first = next(other.span.text for other in options if other.name == option.name)
                 same = first == option.span.text
-                self.report.add(OptionTwice(option.span, _CLAUSES[option.name], definition, same))
+                self.report.add(RepeatedClause(option.span, _CLAUSES[option.name], definition, same))
             else:
                 clauses[option.name] = option.value
         return clauses
@@ -221,8 +221,8 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``refines Q in failures``."""
         return "refines", specification, "failures", hidden
 
-    hidden = gathered  # hide a, b, or nothing
-    equations = gathered  # What is in a submodel after its ports
+    hidden = as_tuple  # hide a, b, or nothing
+    equations = as_tuple  # The contents of a submodel after its ports
     let = declared(ast.Let, "name", "value")  # let name = value
     state = declared(ast.State, "name", "type", "initial")  # state name : type = initial
     next = node(ast.Next, "name", "value")  # next name = value

@@ -7,7 +7,7 @@ from typing import Any, cast
 from cspdiag.base.record import replaced
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
-from cspdiag.syntax.build.common import Construction, chain, gathered, node
+from cspdiag.syntax.build.common import Construction, as_tuple, chain, node
 from cspdiag.syntax.diagnostics.tokens import NumberOutOfRange, ZeroFrequency
 from cspdiag.syntax.parse.lexer import Token
 from cspdiag.syntax.parse.numbers import nanoseconds, number_value
@@ -73,7 +73,7 @@ class ExpressionBuilder(Construction):
 
     array = chain(ast.ArrayValue, "elements")  # [1, 2]
     call = node(ast.Call, "function", "arguments")  # function(arguments)
-    arguments = gathered  # Arguments in parentheses
+    arguments = as_tuple  # Arguments in parentheses
     positional = node(ast.Argument, "value", name=None)  # An argument without a name
     named = node(ast.Argument, "name", "value")  # name = value
 

@@ -1,1 +1,1 @@
-"""What can be wrong with a text."""
+"""Diagnostics of the text."""

@@ -1,4 +1,4 @@
-"""What can be wrong with the structure of a text."""
+"""Diagnostics of the structure of a text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class UnexpectedText(Diagnostic):
     expected: str
     advice: str | None = None
     keyword: str | None = None
-    """The keyword that the word is surely a slip of."""
+    """The keyword that was certainly meant."""
 
     @property
     def message(self) -> str:
@@ -34,7 +34,7 @@ class NestedTooDeeply(Diagnostic):
 
     limit: int
     process: str | None = None
-    """The first that is too deep inside others."""
+    """The first process that is nested too deeply in others."""
 
     @property
     def message(self) -> str:
@@ -46,7 +46,7 @@ class NestedTooDeeply(Diagnostic):
     def help(self) -> str | None:
         if self.process is None:
             return "give parts of it names: `let` or `const` for expressions, processes for compositions"
-        return "let processes contain several others, not one another"
+        return "let one process contain several others instead of nesting each in the next"
 
 
 @record
@@ -90,22 +90,22 @@ class WrongOperator(Diagnostic):
     title = "wrong operator"
 
     found: str
-    wanted: str
+    expected: str
     purpose: str
     replaced: Span | None = None
-    """What ``wanted`` can replace as it is; None where more has to be written."""
+    """The text that can simply be replaced by ``expected``; None if more has to be changed."""
 
     @property
     def message(self) -> str:
-        return f"{self.purpose} is written `{self.wanted}`, not `{self.found}`"
+        return f"{self.purpose} is written `{self.expected}`, not `{self.found}`"
 
     @property
     def help(self) -> str | None:
-        return f"write `{self.wanted}`"
+        return f"write `{self.expected}`"
 
     @property
     def edits(self) -> tuple[Edit, ...]:
-        return (replacing(self.replaced, self.wanted),) if self.replaced else ()
+        return (replacing(self.replaced, self.expected),) if self.replaced else ()
 
 
 @record

@@ -1,4 +1,4 @@
-"""What can be wrong with single tokens, and with declarations whose text is well formed."""
+"""Diagnostics of single tokens, and of declarations that are well formed but not allowed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LONG_TIMES = {"h": 60, "hr": 60, "hrs": 60, "hour": 60, "hours": 60, "d": 1440,
 """Units of time that the language does not have, in minutes."""
 
 _SYMBOLS = ("Hz", "kHz", "MHz", "ms", "us", "ns", "min")
-"""The units of durations and frequencies, those first that are meant more often."""
+"""The units of durations and frequencies, the more common ones first."""
 
 
 @record
@@ -55,9 +55,9 @@ class UnknownCharacter(Diagnostic):
     @property
     def edits(self) -> tuple[Edit, ...]:
         if self.instead == "us":
-            # The rest of the unit stands behind the letter.
+            # The rest of the unit follows the letter.
             return (Edit(self.span, "u"),) if self.span.source.text.startswith("s", self.span.end) else ()
-        # A name in other letters would have to change wherever it stands.
+        # A name in other letters would have to be changed everywhere.
         if self.instead is None or (self.character.isidentifier() and self.instead != "pi"):
             return ()
         return (replacing(self.span, self.instead.replace(" ", "")),)
@@ -115,7 +115,7 @@ class LabelNotAName(Diagnostic):
 
 
 @record
-class OptionNotHere(Diagnostic):
+class MisplacedClause(Diagnostic):
     code = "E0115"
     title = "clause not allowed here"
     help = "remove it"
@@ -129,7 +129,7 @@ class OptionNotHere(Diagnostic):
 
 
 @record
-class OptionTwice(Diagnostic):
+class RepeatedClause(Diagnostic):
     code = "E0116"
     title = "clause given twice"
     help = "keep one of them"
@@ -137,11 +137,11 @@ class OptionTwice(Diagnostic):
     clause: str
     definition: str
     is_same: bool
-    """Whether it repeats the first one."""
+    """Whether it is equal to the first one."""
 
     @property
     def message(self) -> str:
-        return f"the head of this {self.definition} has {self.clause} already"
+        return f"the head of this {self.definition} already has {self.clause}"
 
     @property
     def edits(self) -> tuple[Edit, ...]:

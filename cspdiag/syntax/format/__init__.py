@@ -1,1 +1,1 @@
-"""The one style of programs."""
+"""The standard format of programs."""

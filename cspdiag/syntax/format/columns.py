@@ -9,7 +9,7 @@ from cspdiag.base.record import record
 from cspdiag.syntax.format.layout import Padding, flat_width
 from cspdiag.syntax.format.writer import Writer
 
-WIDEST_ALIGNED = 40
+_MAX_ALIGNED_WIDTH = 40
 """Cells wider than this are left out of the alignment of their column."""
 
 
@@ -22,7 +22,7 @@ class Cell:
 
 
 class Columns:
-    """The rows of a block. Rows of one kind that follow each other directly are aligned."""
+    """The rows of a block. Consecutive rows of the same kind are aligned."""
 
     def __init__(self, writer: Writer) -> None:
         self._writer = writer
@@ -30,7 +30,7 @@ class Columns:
         self._rows: list[list[Cell]] = []
 
     def begin_row(self, kind: str, *, blank: bool | None = None) -> None:
-        """Begin the line of a row; ``blank`` as for ``Writer.begin_line``. Rows of no kind are not aligned."""
+        """Begin the line of a row; ``blank`` as for ``Writer.begin_line``. Rows without a kind are not aligned."""
         directly = self._writer.begin_line(blank=blank)
         if not directly or kind != self._kind or not kind:
             self.end()
@@ -39,18 +39,20 @@ class Columns:
 
     @contextmanager
     def cell(self) -> Iterator[None]:
-        """What is written within is padded to the width of its column."""
+        """Pad what is written in this context to the width of its column."""
         row = self._rows[-1]
         begin = len(self._writer.pieces)
         yield
         row.append(Cell(flat_width(self._writer.pieces[begin:]), self._writer.padding()))
 
     def end(self) -> None:
-        """Widen the cells of the rows so far."""
+        """Set the widths of the cells of the rows so far."""
         rows, self._rows = self._rows, []
         for column in range(max(map(len, rows), default=0)):
             cells = [row[column] for row in rows if column < len(row)]
-            narrow = [(cell.width, cell) for cell in cells if cell.width is not None and cell.width <= WIDEST_ALIGNED]
+            narrow = [
+                (cell.width, cell) for cell in cells if cell.width is not None and cell.width <= _MAX_ALIGNED_WIDTH
+            ]
             widest = max((width for width, _ in narrow), default=0)
             for width, cell in narrow:
                 cell.padding.width = widest - width

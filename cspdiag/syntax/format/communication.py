@@ -12,7 +12,7 @@ from cspdiag.syntax.format.layout import SPACE, Separator
 
 
 class CommunicationFormatter(ExpressionFormatter):
-    """Writes ports and declarations, a line each, in columns where they follow each other directly."""
+    """Writes ports and declarations, one per line; consecutive ones are aligned in columns."""
 
     def ports(self, ports: Sequence[ast.Ports]) -> None:
         """Port declarations."""
@@ -28,7 +28,7 @@ class CommunicationFormatter(ExpressionFormatter):
         with columns.cell(), self.writer.group(" "), self.writer.indented():
             self.listed(node.names, self._port_name)
         if node.default is None and node.sampling is None and node.safe is None:
-            # Nothing follows in the row that would have to be aligned.
+            # Nothing follows in the row, so there is nothing to align.
             self._port_type(node.type)
             return
         with columns.cell():
@@ -60,7 +60,7 @@ class CommunicationFormatter(ExpressionFormatter):
         self.indexes(node.dimensions)
 
     def declarations(self, declarations: Sequence[ast.Declaration]) -> None:
-        """What is in a communication block or an environment."""
+        """The contents of a communication block or an environment."""
         columns = Columns(self.writer)
         for declaration in declarations:
             self._declaration(declaration, columns)
@@ -91,7 +91,7 @@ class CommunicationFormatter(ExpressionFormatter):
                 assert_never(node)
 
     def typed_name(self, declared: ast.TypeName, initial: ast.Expression | None, columns: Columns) -> None:
-        """``var name : type = initial`` and its like."""
+        """``var name : type = initial`` and similar declarations."""
         self.token()
         with columns.cell():
             self.token(" ")

@@ -13,8 +13,8 @@ from cspdiag.syntax.format.layout import SPACE, Mark, Separator
 class CompositionFormatter(ExpressionFormatter):
     """Writes compositions.
 
-    A chain of operators stays broken where its author broke it. Broken, ``;`` ends its line and every other operator
-    has a line of its own.
+    A chain of operators stays broken where its author broke it. In a broken chain, ``;`` is at the end of a line and
+    every other operator has a line of its own.
     """
 
     def composition(self, node: ast.Composition, before: Separator = "") -> None:
@@ -148,7 +148,7 @@ class CompositionFormatter(ExpressionFormatter):
                 self._body(node.otherwise)
 
     def _body(self, node: ast.Composition) -> None:
-        """What a form governs: after its parenthesis on the same line, otherwise moved in where the form is broken."""
+        """The body of a form: in parentheses it begins on the same line, otherwise a broken form indents it."""
         if node.parenthesized:
             self.composition(node, " ")
             return

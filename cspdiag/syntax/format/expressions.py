@@ -16,16 +16,16 @@ _PRECEDENCE = {operator: level for level, operators in enumerate(_LEVELS) for op
 
 
 class ExpressionFormatter:
-    """Writes expressions; every method takes exactly the tokens of its node.
+    """Writes expressions; every method consumes exactly the tokens of its node.
 
-    ``before`` is what separates a node from the token before it.
+    ``before`` is the separator between a node and the previous token.
     """
 
     def __init__(self, writer: Writer) -> None:
         self.writer = writer
 
     def token(self, before: Separator = "") -> None:
-        """The next token as it is."""
+        """The next token, unchanged."""
         self.writer.take(before)
 
     def expression(self, node: ast.Expression, before: Separator = "") -> None:
@@ -46,7 +46,7 @@ class ExpressionFormatter:
         self.enclosed(pairs, lambda separator: self._bare(node, separator), before)
 
     def enclosed(self, pairs: int, write: Callable[[Separator], None], before: Separator) -> None:
-        """What is inside this number of pairs of parentheses."""
+        """Write something inside this number of pairs of parentheses."""
         if pairs == 0:
             write(before)
             return
@@ -88,7 +88,7 @@ class ExpressionFormatter:
                 assert_never(node)
 
     def _binary(self, node: ast.Binary, before: Separator) -> None:
-        """A chain of operators of one precedence, which break together."""
+        """A chain of operators with the same precedence, which are broken together."""
         precedence = _PRECEDENCE[node.operator]
         chain = [node]
         first: ast.Expression = node.left
@@ -108,7 +108,7 @@ class ExpressionFormatter:
                     self.expression(link.right, " ")
 
     def _conditional(self, node: ast.Conditional) -> None:
-        """``if a then b`` and, where it is broken, each ``else`` on a line of its own; ``else if`` continues in the
+        """A conditional expression; if it is broken, each ``else`` is on a line of its own, and ``else if`` is in the
         same column.
         """
         with self.writer.group():
@@ -125,7 +125,7 @@ class ExpressionFormatter:
             self.expression(node.otherwise, " ")
 
     def value(self, node: ast.Expression) -> None:
-        """What follows ``=`` in an equation: a choice that is broken begins on a line of its own."""
+        """The right-hand side of an equation; a broken conditional expression begins on a line of its own."""
         if not isinstance(node, ast.Conditional) or node.parenthesized:
             self.expression(node, " ")
             return
@@ -151,8 +151,8 @@ class ExpressionFormatter:
     def _bracketed(self, items: Sequence[T], write: Callable[[T, Separator], None]) -> None:
         """A list up to its closing bracket.
 
-        It is broken if it does not fit, or if its author broke it after the bracket; then the author's other new lines
-        stay, too.
+        It is broken if it does not fit, or if its author broke it after the bracket; then the author's other line
+        breaks are kept, too.
         """
         with self.writer.group():
             broken = bool(items) and self.writer.keep_broken()

@@ -1,6 +1,6 @@
-"""The one style of programs: two spaces, lines of 120 characters.
+"""The standard format of programs: indentation by two spaces, lines of up to 120 characters.
 
-The formatter changes the space between tokens and nothing else; parentheses, order and comments stay as they are.
+The formatter changes only the space between tokens; parentheses, order and comments stay as they are.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from cspdiag.syntax.format.communication import CommunicationFormatter
 from cspdiag.syntax.format.composition import CompositionFormatter
 from cspdiag.syntax.format.layout import SPACE, TWO_SPACES, render
 from cspdiag.syntax.format.writer import Writer
-from cspdiag.syntax.parse.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import raised_recursion_limit
 
 
 def format_tree(tree: ast.SourceTree) -> str:
-    """The text of a file in the one style; the file must be without syntax errors."""
+    """The text of a file in the standard format; the file must not have syntax errors."""
     writer = Writer(tree.source.text)
-    with room_to_recurse():
+    with raised_recursion_limit():
         _Formatter(writer).file(tree)
     return render(writer.pieces)
 
@@ -124,7 +124,7 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
             self._hidden(len(node.hidden))
 
     def _hidden(self, number: int) -> None:
-        """``hide`` with this number of ports, on a line of its own where the assertion is too long."""
+        """``hide`` with this number of ports, on a line of its own if the assertion is too long."""
         with self.writer.group(), self.writer.indented():
             self.token(SPACE)
             with self.writer.group(), self.writer.indented():
@@ -135,7 +135,7 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
                 self.writer.comments()
 
     def _head(self, parameters: Sequence[ast.Parameter]) -> None:
-        """Up to the opening brace."""
+        """The head of a definition, up to the opening brace."""
         self.token()
         self.token(" ")
         if self.writer.next == "(":

@@ -1,7 +1,7 @@
-"""Text with places where lines may break, and the choice of where they do.
+"""Text with possible line breaks, and the choice of which ones are used.
 
-The pieces form a flat list. A group is kept on one line if it fits and holds no ``NewLine``; otherwise each ``Break``
-that is directly in it becomes a new line (Oppen, "Prettyprinting", 1980; Wadler, "A prettier printer", 1998).
+The pieces are a flat list. A group is kept on one line if it fits and contains no ``NEW_LINE``; otherwise each
+``Break`` directly in it becomes a new line (Oppen, "Prettyprinting", 1980; Wadler, "A prettier printer", 1998).
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ class Mark(Enum):
     INDENT = auto()
     DEDENT = auto()
     BROKEN = auto()
-    """The group is broken, whatever fits."""
+    """The group is broken even if it fits."""
     NEW_LINE = auto()
-    """A new line, whatever fits; nothing at the beginning of a line."""
+    """An unconditional new line; nothing at the beginning of a line."""
     BLANK_LINE = auto()
-    """A new line with an empty line before."""
+    """A new line, with an empty line before it."""
 
 
 class Break:
-    """A new line in a group that is broken, ``flat`` in one that is not.
+    """A new line in a broken group, ``flat`` in others.
 
-    A break that ``fills`` is a new line only where what follows it up to the next break of its group does not fit.
+    A break that ``fills`` is a new line only if the text up to the next break of its group does not fit.
     """
 
     def __init__(self, flat: str, *, fills: bool = False) -> None:
@@ -41,7 +41,7 @@ class Break:
 
 
 class Padding:
-    """Spaces that align columns; their number is known only when all rows were written."""
+    """Spaces that align columns; their number is known only after all rows have been written."""
 
     def __init__(self) -> None:
         self.width = 0
@@ -49,7 +49,7 @@ class Padding:
 
 Piece: TypeAlias = str | Mark | Break | Padding
 Separator: TypeAlias = str | Mark | Break
-"""What precedes a token."""
+"""The separator before a token."""
 
 _BREAKING = (Mark.BROKEN, Mark.NEW_LINE, Mark.BLANK_LINE)
 
@@ -60,7 +60,7 @@ NOTHING = Break("")
 
 
 def flat_width(pieces: list[Piece]) -> int | None:
-    """How wide the pieces are on one line; None if they cannot be on one line."""
+    """The width of the pieces on one line; None if they cannot be on one line."""
     width = 0
     for piece in pieces:
         if piece in _BREAKING or (isinstance(piece, str) and "\n" in piece):
@@ -84,7 +84,7 @@ def _width(piece: Piece) -> int:
 
 
 def render(pieces: list[Piece]) -> str:
-    """The text, with one new line at its end."""
+    """The text, which ends in one line break."""
     return _Renderer(pieces).run()
 
 
@@ -156,18 +156,18 @@ class _Renderer:
 
 
 def _widths(pieces: list[Piece]) -> dict[int, int | None]:
-    """What has to fit on the line, for each piece that has to choose.
+    """The width that has to fit on the line, for each piece that may be broken.
 
     For the opening of a group: the group on one line, with the text that follows up to the next possible break; None if
-    it cannot be on one line. For a break that fills: what follows up to the next break of its group, or up to the first
-    new line before that.
+    it cannot be on one line. For a break that fills: the text up to the next break of its group, or up to the first new
+    line before that.
     """
     ends, unbreakable = _extents(pieces)
     totals = [0]
     for piece in pieces:
         totals.append(totals[-1] + _width(piece))
     widths: dict[int, int | None] = {}
-    # Going backwards: the next break of any kind, and the next certain new line.
+    # Going backwards: the next break of any kind, and the next unconditional new line.
     break_after: dict[int, int] = {}
     next_break = next_line = len(pieces)
     for position in range(len(pieces) - 1, -1, -1):
@@ -189,7 +189,7 @@ def _widths(pieces: list[Piece]) -> dict[int, int | None]:
 
 
 def _extents(pieces: list[Piece]) -> tuple[dict[int, int], set[int]]:
-    """Where each group and what follows each filling break ends, and which groups cannot be on one line."""
+    """The end of each group and of the text after each filling break, and the groups that cannot be on one line."""
     ends: dict[int, int] = {}
     unbreakable: set[int] = set()
     opened: list[int] = []

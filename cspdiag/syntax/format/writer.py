@@ -1,8 +1,7 @@
-"""The tokens of a file in their order, with the comments between them, on their way into a layout.
+"""The tokens of a file in order, with the comments between them, as pieces of a layout.
 
-The formatter changes nothing but the space between tokens, so it can neither lose a comment nor change a meaning. What
-space a comment has around it depends only on whether there is a new line before and after it, and the layout keeps
-that.
+The formatter changes only the space between tokens, so it can neither lose a comment nor change the meaning. The space
+around a comment depends only on whether there is a line break before and after it, and the layout keeps these.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ _DURATION = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*([A-Za-z]+)")
 
 @record
 class Comment:
-    """A comment; the new lines between it and what is before and after it."""
+    """A comment, with the numbers of line breaks before and after it."""
 
     text: str
     lines_before: int
@@ -37,7 +36,7 @@ class Writer:
         self._scan = scanner.token.match
         self._scan_unit = scanner.unit.match
         self._end = 0
-        """Where the last token taken ended."""
+        """The offset of the end of the last token that was taken."""
         self._separator: Separator = ""
         self._comments: list[Comment] = []
         self._next = ""
@@ -81,7 +80,7 @@ class Writer:
         return self._next
 
     def parentheses_before(self, offset: int) -> int:
-        """The number of opening parentheses between the last token and an offset, comments aside."""
+        """The number of opening parentheses between the last token and an offset, without those in comments."""
         count, at = 0, self._next_start
         while at < offset and self._source[at] == "(":
             count += 1
@@ -94,7 +93,7 @@ class Writer:
         return count
 
     def new_line_before_next(self) -> bool:
-        """Whether there is a new line between the last token and the next one."""
+        """Whether there is a line break between the last token and the next one."""
         if self._comments:
             return any(comment.lines_before or comment.lines_after for comment in self._comments)
         return self._new_lines(self._end, self._next_start) > 0
@@ -106,16 +105,14 @@ class Writer:
         self._put_separator()
 
     def keep_broken(self) -> bool:
-        """Break the group that just began if its author broke it here; returns whether that is so."""
+        """Break the group that has just begun if its author broke it here; returns whether it was broken."""
         broken = self.new_line_before_next()
         if broken:
             self.pieces.append(Mark.BROKEN)
         return broken
 
     def take(self, separator: Separator = "") -> None:
-        """Write the next token after ``separator``, or after the comments before it where they give it a line of its
-        own.
-        """
+        """Write the next token after ``separator``, or after the comments before it if these put it on a new line."""
         self._separator = separator
         self.comments()
         self._put_separator()
@@ -166,9 +163,8 @@ class Writer:
     def begin_line(self, *, blank: bool | None = None) -> bool:
         """Begin the line of the next item, after the comments before it.
 
-        ``blank`` forces (True) or suppresses (False) an empty line between the last item and what follows; otherwise
-        the text decides. Returns whether the item follows the last one directly: without an empty line or a comment
-        line.
+        ``blank`` forces (True) or suppresses (False) an empty line between the last item and the next; with None, the
+        text decides. Returns whether the item directly follows the last one, without an empty line or a comment line.
         """
         directly = True
         decided = blank
@@ -195,7 +191,7 @@ class Writer:
         return directly
 
     def _line(self, new_lines: int, blank: bool | None) -> bool:
-        """A new line; returns whether it has no empty line before it. A block does not begin with an empty line."""
+        """Write a new line; returns whether it has no empty line before it. A block never begins with an empty line."""
         is_blank = (new_lines > 1 if blank is None else blank) and not self._at_block_start
         self._at_block_start = False
         if self.pieces:
@@ -204,7 +200,7 @@ class Writer:
 
     @contextmanager
     def block(self) -> Iterator[None]:
-        """From an opening brace to its closing one; what is between begins its own lines."""
+        """A block, from its opening to its closing brace; its items begin their own lines."""
         self.take(" ")
         self._at_block_start = True
         self.pieces.append(Mark.INDENT)
@@ -226,10 +222,10 @@ class Writer:
 
     @contextmanager
     def group(self, before: Separator | None = None) -> Iterator[None]:
-        """What is kept on one line if it fits.
+        """A group, which is kept on one line if it fits.
 
-        With ``before`` the separator and the comments before the next token come before the group, so that they do not
-        break it.
+        With ``before``, the separator and the comments before the next token are written before the group, so they do
+        not break it.
         """
         if before is not None:
             self.separate(before)
@@ -239,13 +235,13 @@ class Writer:
 
     @contextmanager
     def indented(self) -> Iterator[None]:
-        """What is moved to the right where lines break."""
+        """A part whose broken lines are indented."""
         self.pieces.append(Mark.INDENT)
         yield
         self.pieces.append(Mark.DEDENT)
 
     def padding(self) -> Padding:
-        """A place that can be widened later."""
+        """Padding, whose width is set later."""
         pad = Padding()
         self.pieces.append(pad)
         return pad

@@ -1,1 +1,1 @@
-"""Text to tokens, and the tables of the parser."""
+"""The lexer, the parse tables, and recovery from errors."""

@@ -1,4 +1,4 @@
-"""Names in letters that everybody can type, for those of other alphabets."""
+"""ASCII names for names in other alphabets."""
 
 from __future__ import annotations
 
@@ -10,9 +10,7 @@ _SPELLED_OUT = dict(
 
 
 def ascii_name(word: str) -> str | None:
-    """A name of letters that everybody can type, for one of others: ``groesse``, ``omega``; None where none comes to
-    mind.
-    """
+    """An ASCII name for a name with other letters: ``groesse``, ``omega``; None if there is no obvious one."""
     from unicodedata import name, normalize
 
     letters = []

@@ -1,11 +1,11 @@
-"""The automaton of the language: the parse tables with what a run makes of them once."""
+"""The automaton of the language: the parse tables, and tables that are computed from them once."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
 from cspdiag.syntax.parse import tables
-from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE, Scanner
+from cspdiag.syntax.parse.lexer import CONTEXTUAL_KEYWORDS, Scanner
 
 _REPEATABLE = frozenset(
     ["item", "ports", "declaration", "equation", "field", "communication_block", "composition_block"]
@@ -23,14 +23,14 @@ _NESTING = frozenset(
 
 
 class Automaton:
-    """The parse tables and the scanner; never changed after it was made."""
+    """The parse tables and the scanner; immutable."""
 
     def __init__(self, loaded: tables.Tables) -> None:
         self.tables = loaded
         self.scanner = Scanner(loaded)
         self.valued = frozenset(loaded.valued)
         self.levels = [1 if rule.build in _NESTING else 0 for rule in loaded.rules]
-        self.words_of_their_place = frozenset(loaded.words[word] for word in WORDS_OF_THEIR_PLACE)
+        self.contextual_keywords = frozenset(loaded.words[word] for word in CONTEXTUAL_KEYWORDS)
         self.terminal_texts = {terminal: text for text, terminal in loaded.words.items()}
 
     def restartable(self, state: int) -> bool:
@@ -38,9 +38,9 @@ class Automaton:
         return not _REPEATABLE.isdisjoint(self.tables.gotos[state])
 
     def accepts(self, states: list[int], terminal: str) -> bool:
-        """Whether the parser with these states would take a terminal, after the reductions it calls for."""
+        """Whether the parser with these states accepts a terminal, after the reductions that precede it."""
         actions, gotos, rules = self.tables.actions, self.tables.gotos, self.tables.rules
-        # What lies below `base` is not touched; `top` has what the reductions put above it.
+        # The states below `base` are not changed; `top` has the states that the reductions push above it.
         base, top = len(states), [states[-1]]
         base -= 1
         while True:

@@ -1,4 +1,4 @@
-"""Text to tokens, one at a time, because the keywords of a place depend on what the parser can take there."""
+"""Text to tokens, one at a time, because contextual keywords depend on what the parser accepts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cspdiag.syntax.ast import Comment
 from cspdiag.syntax.diagnostics.tokens import UnknownCharacter, UnterminatedComment, UnterminatedString
 from cspdiag.syntax.parse.tables import END, Tables
 
-WORDS_OF_THEIR_PLACE = frozenset(
+CONTEXTUAL_KEYWORDS = frozenset(
     [
         *("step", "method", "wcet", "on", "miss", "stop", "at", "offset"),
         *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures", "hide"),
@@ -22,8 +22,8 @@ WORDS_OF_THEIR_PLACE = frozenset(
 _AFTER_A_NAME = re.compile(
     r"(?:\s|//[^\n]*|/\*[\s\S]*?\*/)*(?:[?!:;.=\[\])}|&]|->|(?:catch|interrupt|until|else)\b|\Z)"
 )
-"""What stands behind ``at`` in a composition, and behind ``offset`` after the ports of a submodel, where these are the
-names of a port, a variable or an instance.
+"""What follows ``at`` in a composition, and ``offset`` after the ports of a submodel, if these are the names of a port,
+a variable or an instance.
 """
 _MAY_BE_NAMES = frozenset({"at", "offset"})
 
@@ -36,20 +36,20 @@ _LOOKALIKES = dict(
 )
 _EXPONENTS = {"\N{SUPERSCRIPT TWO}": "^ 2", "\N{SUPERSCRIPT THREE}": "^ 3"}
 _LOOKALIKES["&&"] = "and"
-"""Characters of papers, word processors and other languages, with what they mean."""
+"""Characters of papers, word processors and other languages, with their equivalents in this one."""
 
 
 _LETTER = r"[^\W\u00b2\u00b3\u00b9\u2070-\u207f]"
-"""Letters and digits of all scripts but exponents: what a name of another alphabet is taken to consist of."""
+"""Letters and digits of all scripts except exponents, for names in other alphabets."""
 
-_OTHER_NUMBERS = r"0(?:[xX][0-9A-Fa-f]{1,64}|[bB][01]{1,64}|[oO][0-7]{1,64})\b|[0-9]+(?:_[0-9]+)+(?:\.[0-9]+)?\b"
-"""Numbers in another base, or with their digits in groups."""
+_FOREIGN_NUMBERS = r"0(?:[xX][0-9A-Fa-f]{1,64}|[bB][01]{1,64}|[oO][0-7]{1,64})\b|[0-9]+(?:_[0-9]+)+(?:\.[0-9]+)?\b"
+"""Numbers with another base, or with groups of digits."""
 
 _NEXT_CHARACTER = re.compile(r"\s*(\S)")
 
 
 class Token(NamedTuple):
-    """A token that the tree builder is given."""
+    """A token for the builders of the tree."""
 
     span: Span
     text: str
@@ -69,7 +69,7 @@ class Scanner:
             (text for text in tables.words if not text[0].isalpha() and text != "_"), key=lambda t: -len(t)
         )
         alternatives = [f"(?P<NAME>{name}(?!{_LETTER}))", f"(?P<COMMENT>{comment})"]
-        alternatives.append(f"(?P<MISWRITTEN>{_OTHER_NUMBERS})")
+        alternatives.append(f"(?P<MISWRITTEN>{_FOREIGN_NUMBERS})")
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
         alternatives += [r'(?P<OPEN_STRING>"[^"\n]*?(?=[ \t]*\{?[ \t\r]*(?:\n|\Z)))', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
         alternatives.append(f"(?P<LOOKALIKE>{'|'.join(_LOOKALIKES)})")
@@ -89,12 +89,11 @@ class Previous(NamedTuple):
 
 
 class Lexer:
-    """Walks through a file.
+    """Reads a file token by token.
 
     After ``advance`` the attributes ``kind`` (a terminal), ``text``, ``start`` and ``end`` describe the present token,
-    ``before`` the one before. ``comments`` has all comments passed so far, ``docs`` those of them that are doc
-    comments, by the offset of the token that follows. What is wrong with single characters, strings and comments is
-    reported on the way.
+    and ``before`` the previous one. ``comments`` has all comments so far, ``docs`` the doc comments among them, by the
+    offset of the token that follows. Mistakes in single characters, strings and comments are reported here.
     """
 
     def __init__(self, source: SourceFile, scanner: Scanner, report: Report) -> None:
@@ -117,11 +116,11 @@ class Lexer:
         self.docs: dict[int, list[Comment]] = {}
 
     def advance(self, accepted: dict[str, int]) -> None:
-        """Go to the next token, where the parser can take the terminals ``accepted``."""
+        """Go to the next token; the parser accepts the terminals ``accepted``."""
         if self.end > self.start:
             self.before = Previous(self.kind, self.text, self.start, self.end)
         else:
-            # An inserted token has no place of its own.
+            # An inserted token has no place in the text.
             self.before = self.before._replace(kind=self.kind, text="")
         match = self._match(self._text, self.end)
         while match is not None and (match.lastgroup == "COMMENT" or match.lastgroup == "UNKNOWN"):
@@ -137,7 +136,7 @@ class Lexer:
         if kind == "NAME":
             word = self._words.get(text, "NAME")
             is_name = word not in accepted or (text in _MAY_BE_NAMES and self._is_used_as_name())
-            if text in WORDS_OF_THEIR_PLACE and is_name:
+            if text in CONTEXTUAL_KEYWORDS and is_name:
                 word = "NAME"
             self.kind = word
         elif kind == "PUNCTUATION":
@@ -149,26 +148,26 @@ class Lexer:
         elif kind == "FOREIGN":
             self._take_foreign()
         elif kind == "MISWRITTEN":
-            self._take_miswritten()
+            self._take_malformed_number()
         elif kind == "OPEN_STRING":
-            self._tell(UnterminatedString(Span(self._source, self.start, self.end)))
+            self._report_character(UnterminatedString(Span(self._source, self.start, self.end)))
             self.kind, self.text = "STRING", text + '"'
         elif kind == "OPEN_COMMENT":
-            self._tell(UnterminatedComment(Span(self._source, self.start, self.start + 2)))
+            self._report_character(UnterminatedComment(Span(self._source, self.start, self.start + 2)))
             self.kind, self.text, self.start, self.end = END, "", len(self._text), len(self._text)
         else:
             self.kind = kind
 
     def replace(self, terminal: str, end: int) -> None:
-        """Take the text up to ``end`` for another terminal."""
+        """Treat the text up to ``end`` as another terminal."""
         self.kind, self.text, self.end = terminal, self._text[self.start : end], end
 
     def insert(self, terminal: str) -> None:
-        """Put a token without text before the present one."""
+        """Insert a token without text before the present one."""
         self.kind, self.text, self.end = terminal, "", self.start
 
     def first_on_line(self) -> bool:
-        """Whether only space is before the present token on its line."""
+        """Whether the present token is the first on its line."""
         at = self.start - 1
         while at >= 0 and self._text[at] in " \t\r\f":
             at -= 1
@@ -180,14 +179,14 @@ class Lexer:
         return match[1] if match else ""
 
     def _is_used_as_name(self) -> bool:
-        """Whether the present word stands where both a name and it can, and goes on as a name does."""
+        """Whether the present contextual keyword is used as a name, where both are allowed."""
         return _AFTER_A_NAME.match(self._text, self.end) is not None
 
     def reported_on_line(self, offset: int) -> bool:
-        """Whether something was reported here about a character, string or comment of this line."""
+        """Whether the lexer has reported a mistake in a character, string or comment of this line."""
         return bool(self._reported_lines) and self._source.position(offset)[0] in self._reported_lines
 
-    def _tell(self, diagnostic: Diagnostic) -> None:
+    def _report_character(self, diagnostic: Diagnostic) -> None:
         self._reported_lines.add(diagnostic.span.line)
         self._report.add(diagnostic)
 
@@ -198,34 +197,36 @@ class Lexer:
 
     def _take_lookalike(self) -> None:
         meant = _LOOKALIKES[self.text]
-        self._tell(UnknownCharacter(Span(self._source, self.start, self.end), self.text, meant))
+        self._report_character(UnknownCharacter(Span(self._source, self.start, self.end), self.text, meant))
         self.kind, self.text = self._words[meant], meant
 
     def _take_foreign(self) -> None:
-        """A name in letters that the language does not have; each is reported once."""
+        """Report a name with letters that the language does not have, once for each name."""
         from cspdiag.syntax.parse.ascii_names import ascii_name
 
         self.kind = "NAME"
         if self.text not in self._foreign:
             self._foreign.add(self.text)
             instead = "pi" if self.text == "\N{GREEK SMALL LETTER PI}" else ascii_name(self.text)
-            self._tell(UnknownCharacter(Span(self._source, self.start, self.end), self.text, instead))
+            self._report_character(UnknownCharacter(Span(self._source, self.start, self.end), self.text, instead))
 
-    def _take_miswritten(self) -> None:
-        """Taken whole here: the parser would see a number and, after it, the name that begins the next declaration."""
+    def _take_malformed_number(self) -> None:
+        """Take a malformed number as one token: the parser would see a number followed by a name, which could begin the
+        next declaration.
+        """
         from cspdiag.syntax.diagnostics.structure import WrongOperator
 
         found = self.text
         meant = str(int(found, 0)) if found[1].isalpha() else found.replace("_", "")
         span = Span(self._source, self.start, self.end)
-        self._tell(WrongOperator(span, found, meant, "a number", replaced=span))
+        self._report_character(WrongOperator(span, found, meant, "a number", replaced=span))
         self.kind, self.text = "NUMBER", meant
 
     def _pass_unknown(self, match: re.Match[str]) -> re.Match[str] | None:
         start, end = match.span("UNKNOWN")
         character = self._text[start]
         instead = "us" if character in "\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}" else _EXPONENTS.get(character)
-        self._tell(UnknownCharacter(Span(self._source, start, end), character, instead))
+        self._report_character(UnknownCharacter(Span(self._source, start, end), character, instead))
         return self._match(self._text, end)
 
     def _pass_comments(self, match: re.Match[str]) -> re.Match[str] | None:

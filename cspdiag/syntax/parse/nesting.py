@@ -1,4 +1,4 @@
-"""How deep a program may be nested, and room for passes that recurse over it."""
+"""The maximum depth of nesting, and a recursion limit for passes over trees of that depth."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-DEEPEST = 200
+MAX_DEPTH = 200
 """Levels of nesting that a syntax tree may have."""
 
 _FRAMES = 5000
-"""Of Python, for passes that take several calls a level; since 3.11 such calls take no room on the stack of C."""
+"""Python's recursion limit for passes with several calls per level; since 3.11 such calls do not use the C stack."""
 
 
 @contextmanager
-def room_to_recurse() -> Iterator[None]:
-    """Raises Python's recursion limit for a pass over a tree of ``DEEPEST`` levels."""
+def raised_recursion_limit() -> Iterator[None]:
+    """Raises Python's recursion limit during a pass over a tree of up to ``MAX_DEPTH`` levels."""
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:

@@ -1,4 +1,4 @@
-"""The values of number and duration tokens, exactly."""
+"""The exact values of number and duration tokens."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import math
 
 _NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
 _HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
-_LONGEST_NUMBER = 64
-"""In characters; also keeps powers of ten small."""
-_LARGEST_EXPONENT = 40
+_MAX_DIGITS = 64
+"""The longest number, in characters; this also limits powers of ten."""
+_MAX_EXPONENT = 40
 
 
 def number_value(digits: str) -> int | float | None:
-    """An ``int`` for digits alone, otherwise a ``float``; None if it is not representable."""
+    """The value: an ``int`` if there are only digits, otherwise a ``float``; None if it is not representable."""
     if digits.isdigit():
-        return int(digits) if len(digits) <= _LONGEST_NUMBER else None
+        return int(digits) if len(digits) <= _MAX_DIGITS else None
     value = float(digits)
     return value if math.isfinite(value) else None
 
@@ -22,11 +22,11 @@ def number_value(digits: str) -> int | float | None:
 def nanoseconds(digits: str, unit: str) -> int | None:
     """A duration, or the period of a frequency, rounded to whole nanoseconds.
 
-    None for a frequency of zero and for what is too large or too long a number.
+    None for a frequency of zero, and for a number that is too large or too long.
     """
     mantissa, _, exponent_text = digits.lower().partition("e")
     whole, _, fraction = mantissa.partition(".")
-    if len(digits) > _LONGEST_NUMBER or abs(int(exponent_text or "0")) > _LARGEST_EXPONENT:
+    if len(digits) > _MAX_DIGITS or abs(int(exponent_text or "0")) > _MAX_EXPONENT:
         return None
     exponent = int(exponent_text or "0") - len(fraction)
     numerator = int(f"{whole}{fraction}{'0' * max(exponent, 0)}")

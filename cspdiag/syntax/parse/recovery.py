@@ -1,4 +1,4 @@
-"""Where to continue reading after an error."""
+"""Recovery from syntax errors: where reading continues."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ _AFTER_FIRST_NAME = frozenset([":", "=", "-", ",", ".", "["])
 
 
 def skip(automaton: Automaton, states: list[int], lexer: Lexer) -> int:
-    """Advances to a token at which reading can continue; returns how many of the states to keep. That is a definition,
-    a declaration or equation that begins on a line of its own, the end of the block, or the end of the text.
+    """Advances to a token at which reading can continue, and returns the number of states to keep. This token begins a
+    definition, or a declaration or equation on a line of its own, or it is the end of the block or of the text.
     """
     depth = 0
     while lexer.kind != END:
         if begins_definition(lexer):
-            return _bottom(automaton, states)
+            return _complete_states(automaton, states)
         if lexer.kind == "LBRACE":
             depth += 1
         elif lexer.kind == "RBRACE" and depth > 0:
@@ -46,11 +46,11 @@ def skip(automaton: Automaton, states: list[int], lexer: Lexer) -> int:
             if height is not None:
                 return height
         lexer.advance({})
-    return _bottom(automaton, states)
+    return _complete_states(automaton, states)
 
 
 def begins_definition(lexer: Lexer) -> bool:
-    """Whether a definition begins with the present token, judged by its keyword, its line and the name that follows."""
+    """Whether the present token begins a definition: a keyword at the beginning of a line, followed by a name."""
     if lexer.kind not in _DEFINITIONS or not lexer.first_on_line():
         return False
     following = lexer.next_character()
@@ -58,8 +58,8 @@ def begins_definition(lexer: Lexer) -> bool:
 
 
 def begins_part(lexer: Lexer) -> bool:
-    """Whether the keyword of a port, a block, a declaration or an equation comes first on its line, with what must
-    follow.
+    """Whether the present token begins a port, a block, a declaration or an equation: a keyword at the beginning of a
+    line, followed by what is required after it.
     """
     if lexer.kind not in _PARTS or not lexer.first_on_line():
         return False
@@ -67,8 +67,8 @@ def begins_part(lexer: Lexer) -> bool:
     return following.isalpha() or following in {"_", "{"}
 
 
-def _bottom(automaton: Automaton, states: list[int]) -> int:
-    """Everything but the definitions that are complete."""
+def _complete_states(automaton: Automaton, states: list[int]) -> int:
+    """The number of states that belong to complete definitions."""
     return 2 if len(states) > 1 and automaton.restartable(states[1]) else 1
 
 
@@ -79,7 +79,7 @@ def _begins_declaration(lexer: Lexer) -> bool:
 
 
 def _open(automaton: Automaton, states: list[int]) -> Iterator[tuple[int, int, str]]:
-    """Heights of the stack, innermost first, with their states and symbols; blocks that are closed are left out."""
+    """The heights of the stack, innermost first, with their states and symbols; closed blocks are omitted."""
     closed = 0
     for height in range(len(states), 0, -1):
         symbol = automaton.tables.symbols[states[height - 1]]
@@ -92,10 +92,10 @@ def _open(automaton: Automaton, states: list[int]) -> Iterator[tuple[int, int, s
 
 
 def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | None:
-    """How many states to keep so that ``terminal`` begins something; None if it cannot."""
+    """The number of states to keep so that ``terminal`` can begin something; None if it cannot."""
     for height, state, symbol in _open(automaton, states):
         if symbol == "COMPOSITION" or symbol == "ENUM":
-            # A name begins no declaration inside of these; a keyword does, in the block around them.
+            # Inside of these a name does not begin a declaration; a keyword does, in the block around them.
             if terminal == "NAME":
                 return None
         elif automaton.restartable(state) and automaton.accepts(states[:height], terminal):
@@ -108,7 +108,7 @@ def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | No
 
 
 def _after_block(automaton: Automaton, states: list[int], lexer: Lexer) -> int | None:
-    """What to keep when the innermost block ends here; a block that is not a list is forgotten with its end."""
+    """The number of states to keep if the innermost block ends here; a block that is not a list is discarded."""
     for height, state, symbol in _open(automaton, states):
         if symbol in {"COMPOSITION", "ENUM"}:
             lexer.advance({})

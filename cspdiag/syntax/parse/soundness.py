@@ -1,4 +1,4 @@
-"""What of a file can be relied on after syntax errors, so that one run also shows what else is wrong."""
+"""The part of a file without syntax errors, in which further mistakes can be reported."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from cspdiag.base.record import replaced
 from cspdiag.syntax import ast
 
 
-def sound_part(tree: ast.SourceTree, errors: Iterable[Diagnostic]) -> ast.SourceTree:
-    """The tree without the definitions in which an error was found.
+def part_without_errors(tree: ast.SourceTree, errors: Iterable[Diagnostic]) -> ast.SourceTree:
+    """The tree without the definitions that have errors.
 
-    Where it was found at the very start of a definition, such as after a missing brace, the one before goes as well.
+    If an error is at the very beginning of a definition, such as after a missing brace, the previous one is removed
+    as well.
     """
     places = [error.span.start for error in errors if error.span.source is tree.source]
     if not places:

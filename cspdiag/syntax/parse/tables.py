@@ -1,7 +1,7 @@
-"""The parse tables: made by Lark from the grammar once, kept in the cache of the user, used without Lark after that.
+"""The parse tables: made from the grammar by Lark once, stored in the cache of the user, and then used without Lark.
 
-Importing Lark and loading its own cached tables takes half of the time in which ``cspdiag check`` has to start and
-answer. The tables are therefore kept as plain lists and dictionaries, which ``marshal`` reads in a millisecond.
+Importing Lark and loading its own cached tables takes half of the time that ``cspdiag check`` may take. So the tables
+are stored as plain lists and dictionaries, which ``marshal`` reads in a millisecond.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ END = "$END"
 """The terminal after the last token."""
 
 _FORMAT = 1
-"""Goes up when the layout of ``Tables`` or its meaning changes."""
+"""The version of the cache, to be increased when the layout of ``Tables`` or its meaning changes."""
 
 
 class Rule(NamedTuple):
-    """How a reduction makes one value of the values of its right-hand side.
+    """How a reduction combines the values of its right-hand side.
 
-    ``build`` names the method of the tree builder. It is None for a rule that hands on its only child, and empty for
-    the helper rules of repetitions, whose values are lists. ``kept`` has the positions of the children that are handed
-    over: None for an optional part that is absent, a negative number ``~i`` for a list at position ``i`` that is
-    spliced in.
+    ``build`` is the name of the method of the tree builder. It is None for a rule that passes its only child on, and
+    empty for the helper rules of repetitions, whose values are lists. ``kept`` are the positions of the children that
+    are passed to the method: None for an absent optional part, ``~i``, which is negative, for a list at position ``i``
+    that is spliced in.
     """
 
     origin: str
@@ -38,10 +38,10 @@ class Rule(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """An LALR(1) automaton and what the lexer needs.
+    """An LALR(1) automaton, and the tables of the lexer.
 
     ``actions[state]`` maps a terminal to the next state, or to ``~rule`` for a reduction; ``gotos[state]`` maps the
-    origin of a reduced rule to the next state; ``symbols[state]`` is the symbol over which a state is entered.
+    origin of a reduced rule to the next state; ``symbols[state]`` is the symbol that leads to a state.
     """
 
     actions: list[dict[str, int]]
@@ -54,7 +54,7 @@ class Tables(NamedTuple):
     patterns: list[tuple[str, str]]
     """The other terminals and their regular expressions, the more specific ones first."""
     valued: list[str]
-    """The terminals that the tree is built of; the others only hold it together."""
+    """The terminals with values in the tree; the others only separate them."""
 
 
 def load() -> Tables:
@@ -89,7 +89,9 @@ def _read(path: str, grammar: str) -> Tables | None:
 
 
 def _write(path: str, grammar: str, tables: Tables) -> None:
-    """Writes to another file first: a reader never sees half of it. A cache that cannot be written is ignored."""
+    """Writes to a temporary file first, so other processes never see half of it. A cache that cannot be written is
+    ignored.
+    """
     import tempfile
 
     rules: Any = [tuple(rule) for rule in tables.rules]
@@ -136,7 +138,7 @@ def build(grammar: str) -> Tables:
         actions=actions,
         gotos=gotos,
         symbols=symbols,
-        rules=[_recipe(rule) for rule in rules],
+        rules=[_rule_of(rule) for rule in rules],
         start=numbers[table.start_states["start"]],
         words=literals,
         patterns=[(str(t.name), t.pattern.value) for t in expressions],
@@ -151,8 +153,8 @@ def build(grammar: str) -> Tables:
     )
 
 
-def _recipe(rule: Any) -> Rule:
-    """What Lark's own tree builder would do for a rule, as data."""
+def _rule_of(rule: Any) -> Rule:
+    """The rule with what Lark's own tree builder would do for it, as data."""
     origin = str(rule.origin.name)
     absent_before = [0] * (len(rule.expansion) + 1)
     position = 0

@@ -1,1 +1,1 @@
-"""Why a token is not allowed in its place."""
+"""Explanations why a token is not allowed in its place."""

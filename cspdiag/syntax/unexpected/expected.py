@@ -1,4 +1,4 @@
-"""What is allowed at a place, in words."""
+"""The wording of what is allowed at a place."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _NAMED_AFTER = {
 }
 
 _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
-    # what all must be acceptable, what then need not be listed, how it is said
+    # terminals that must all be acceptable, terminals that are then not listed, wording
     (
         {"CONST", "PROCESS"},
         {
@@ -71,12 +71,12 @@ _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
 
 
 def expected_words(situation: Situation) -> str:
-    """What is allowed here, as "a port, `communication` or `composition`"."""
+    """What is allowed here: "a port, `communication` or `composition`"."""
     texts = situation.automaton.terminal_texts
     rest = situation.acceptable()
     words: list[str] = []
-    for wanted, covered, word in _GROUPS:
-        if wanted <= rest:
+    for expected, covered, word in _GROUPS:
+        if expected <= rest:
             words.append(word)
             rest -= covered
     if "NAME" in rest:
@@ -111,7 +111,7 @@ def _listed(words: list[str]) -> str:
 
 
 def found_words(situation: Situation) -> str:
-    """The present token as a message names it."""
+    """The present token, as it is called in messages."""
     match situation.kind:
         case "$END":
             return "the end of the file"

@@ -1,4 +1,4 @@
-"""Habits of other languages: what they write for something that this language has, too, in another form."""
+"""Habits from other languages: forms that this language writes differently."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OPERATOR_OF_PROCESSES = re.compile(r";|\|\||\[\]")
 
 
 def conditional_equation(situation: Situation) -> Finding | None:
-    """``if x > 0 then y = 1 else y = 2`` for an equation."""
+    """``if x > 0 then y = 1 else y = 2`` instead of an equation."""
     if situation.kind != "IF" or situation.block() != "SUBMODEL" or not situation.can("LET"):
         return None
     text, start = situation.source.text, situation.lexer.start
@@ -86,7 +86,7 @@ def counting(situation: Situation) -> Finding | None:
 
 
 def _before(situation: Situation) -> re.Match[str] | None:
-    """The reference that ends with the token before the present one."""
+    """The reference that ends with the previous token."""
     end = situation.lexer.before.end
     return _REFERENCE.search(situation.source.text, max(0, end - 80), end)
 
@@ -113,7 +113,7 @@ def choice(situation: Situation) -> Finding | None:
 
 
 def ports_in_a_list(situation: Situation) -> Finding | None:
-    """Ports with types of their own, with commas between them."""
+    """Ports with a type each, separated by commas."""
     if situation.text != "," or situation.block() not in {"PROCESS", "SUBMODEL", "DRIVER"} or not situation.can("IN"):
         return None
     bracket = situation.open_bracket()
@@ -122,7 +122,7 @@ def ports_in_a_list(situation: Situation) -> Finding | None:
     text = situation.source.text
     direction = next((at for symbol, at in situation.since_bracket() if symbol == "direction"), None)
     if direction is None:
-        # Declarations that are whole are one list; the last of them began with the last direction before the comma.
+        # Complete declarations are one list; the last of them began with the last direction before the comma.
         words = list(re.finditer(r"\b(?:in|out)\b", text[bracket[1].end : situation.lexer.start]))
         direction = bracket[1].end + words[-1].start() if words else None
     if direction is None:
@@ -132,7 +132,7 @@ def ports_in_a_list(situation: Situation) -> Finding | None:
     assert following is not None
     rule = (
         f"every declaration begins with its direction: write `{word} {following[0].strip()}`; "
-        "only names that share type and period stand in a list, before the colon"
+        "only names with the same type and period are listed before one colon"
     )
     line = text[text.rfind("\n", 0, direction) + 1 : direction]
     space = re.compile(r"\s*").match(text, situation.lexer.end)
@@ -159,7 +159,7 @@ def call_of_a_library(situation: Situation) -> Finding | None:
 
 
 def call_in_a_composition(situation: Situation) -> Finding | None:
-    """``print("x")``: a composition runs processes, and calls nothing."""
+    """``print("x")``: a composition runs processes, and does not call functions."""
     before = situation.lexer.before
     adjacent = before.kind == "NAME" and before.end == situation.lexer.start
     if situation.text != "(" or situation.block() != "COMPOSITION" or not adjacent or situation.can("+"):
@@ -168,20 +168,18 @@ def call_in_a_composition(situation: Situation) -> Finding | None:
         return None
     end = _after_parenthesis(situation.source.text, situation.lexer.start)
     if before.text.lower() in _PRINTING:
-        advice = (
-            "nothing is printed by a program: `cspdiag run --trace` shows what is communicated, `--plot` the values"
-        )
+        advice = "a program does not print: `cspdiag run --trace` shows its communications, `--plot` the values"
     else:
         advice = (
-            f"an instance runs by its name alone, `{before.text}`; its parameters stand where it is declared in "
-            "`communication`, and functions only in expressions"
+            f"an instance runs by its name alone, `{before.text}`; its arguments belong to its declaration in "
+            "`communication`, and functions to expressions"
         )
     wrong = UnexpectedText(Span(situation.source, before.start, end or before.end), "a call", "a process", advice)
     return wrong, Repair("remove", end=end) if end else None
 
 
 def _after_parenthesis(text: str, start: int) -> int | None:
-    """The offset behind the parenthesis that closes the one at ``start``; None unless it is on the same line."""
+    """The offset after the parenthesis that closes the one at ``start``; None unless it is on the same line."""
     depth = 0
     for match in re.compile(r"[()\n]").finditer(text, start):
         if match[0] == "\n":
@@ -193,14 +191,14 @@ def _after_parenthesis(text: str, start: int) -> int | None:
 
 
 def operator_as_label(situation: Situation) -> Finding | None:
-    """``seq : skip``: the word of a replicated operator for a label."""
+    """``seq : skip``: the keyword of a replicated operator as a label."""
     if situation.text != ":" or situation.lexer.before.kind not in _REPLICATED:
         return None
     return KeywordAsName(situation.previous, situation.lexer.before.text), None
 
 
 def until_without_mu(situation: Situation) -> Finding | None:
-    """``until`` where no ``mu`` is open: behind the parentheses around one, most often."""
+    """``until`` where no ``mu`` is open, most often after the parentheses around one."""
     if situation.kind != "UNTIL" or situation.block() != "COMPOSITION" or not situation.can(";"):
         return None
     match = _CONDITION.match(situation.source.text, situation.lexer.start)
@@ -220,7 +218,7 @@ def until_without_mu(situation: Situation) -> Finding | None:
 
 
 def _in_parentheses_before(situation: Situation) -> str | None:
-    """What is in the parentheses that end before the present token, if it is on one line."""
+    """The text in the parentheses that end before the present token, if it is on one line."""
     text, end = situation.source.text, situation.lexer.before.end
     depth = 0
     for at in range(end - 1, max(-1, end - 200), -1):

@@ -1,4 +1,4 @@
-"""A token that the parser cannot take, and what is around it."""
+"""A token that the parser does not accept, and its context."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.syntax.parse.automaton import Automaton
 from cspdiag.syntax.parse.lexer import Lexer
 
 CLOSING = {"LPAR": ")", "LSQB": "]", "LBRACE": "}"}
-"""Opening brackets and the text of their closing ones."""
+"""Opening brackets, with the text of their closing brackets."""
 _CLOSING_TERMINALS = frozenset(["RPAR", "RSQB", "RBRACE"])
 
 _BLOCKS = frozenset(
@@ -24,7 +24,7 @@ _BLOCKS = frozenset(
 
 @record
 class Repair:
-    """How to continue: take the token (up to ``end``) for another one, leave it out, or put another one before it."""
+    """How to continue: replace the token (up to ``end``) by another one, remove it, or insert another one before it."""
 
     action: Literal["replace", "remove", "insert"]
     terminal: str = ""
@@ -32,12 +32,14 @@ class Repair:
 
 
 Finding = tuple[Diagnostic, Repair | None]
-"""An explanation; without a repair reading continues at the next declaration or definition."""
+"""A diagnostic and a repair; without a repair, reading continues at the next declaration or definition."""
 
 
 @record
 class Situation:
-    """Where the parser is stuck; ``starts[i]`` is the offset of what led to ``states[i + 1]``."""
+    """The state of the parser at a token that it does not accept; ``starts[i]`` is the offset of the symbol that led to
+    ``states[i + 1]``.
+    """
 
     source: SourceFile
     automaton: Automaton
@@ -47,13 +49,13 @@ class Situation:
 
     @property
     def span(self) -> Span:
-        """The present token; at the end of the text its last character."""
+        """The place of the present token; at the end of the text, of the last character."""
         start, end = self.lexer.start, self.lexer.end
         return Span(self.source, start, end) if end > start else self.previous
 
     @property
     def previous(self) -> Span:
-        """The token before the present one."""
+        """The place of the previous token."""
         return Span(self.source, self.lexer.before.start, self.lexer.before.end)
 
     @property
@@ -67,11 +69,11 @@ class Situation:
         return self.lexer.text
 
     def can(self, text_or_terminal: str) -> bool:
-        """Whether a terminal, or the keyword or punctuation of a text, is allowed here."""
+        """Whether a terminal is allowed here, given by its name or by the text of its keyword or punctuation."""
         return self.automaton.accepts(self.states, self.terminal(text_or_terminal))
 
     def terminal(self, text: str) -> str:
-        """The terminal of a keyword or punctuation; anything else is a terminal already."""
+        """The terminal of a keyword or punctuation; anything else is already a terminal."""
         return self.automaton.tables.words.get(text, text)
 
     def acceptable(self) -> set[str]:
@@ -84,9 +86,7 @@ class Situation:
         return self.automaton.terminal_texts.get(symbol, "")
 
     def open_symbols(self) -> Iterator[tuple[str, int]]:
-        """What is begun and not finished, innermost first: symbols and their offsets, without what is within closed
-        brackets.
-        """
+        """The symbols of unfinished parts and their offsets, innermost first, without those in closed brackets."""
         symbols = self.automaton.tables.symbols
         closed = 0
         for height in range(len(self.starts) - 1, -1, -1):

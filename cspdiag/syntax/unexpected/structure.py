@@ -18,7 +18,7 @@ from cspdiag.syntax.unexpected.expected import found_words
 from cspdiag.syntax.unexpected.situation import CLOSING, Finding, Repair, Situation
 
 _OPERATORS = ("||>", "[]>", "||", "[]", ";")
-"""Of compositions, none before one that it begins."""
+"""Operators of compositions; none is a prefix of a later one."""
 
 _PREFIXES = frozenset(["MU", "WHILE", "IF", "SEQ", "PAR", "PRIPAR", "ALT", "PRIALT", "WHEN"])
 _POSTFIXES = frozenset(["CATCH", "INTERRUPT"])
@@ -62,7 +62,7 @@ def separator(situation: Situation) -> Finding | None:
 
 
 def missing_process(situation: Situation) -> Finding | None:
-    """Nothing between braces, parentheses or after an operator of a composition."""
+    """A missing process between braces or parentheses, or after an operator of a composition."""
     if situation.kind not in {"RBRACE", "RPAR", END} or not situation.can("SKIP"):
         return None
     before = situation.lexer.before
@@ -89,7 +89,7 @@ def missing_arrow_end(situation: Situation) -> Finding | None:
 
 
 def part_out_of_place(situation: Situation) -> Finding | None:
-    """A declaration, an equation or a block where none of its kind is allowed."""
+    """A declaration, an equation or a block in a place where it is not allowed."""
     if situation.kind == "NAME" and situation.block() == "PROCESS" and situation.lexer.first_on_line():
         begins = situation.automaton.restartable(situation.states[-1]) or situation.can("}")
         if begins and situation.lexer.next_character() in {":", "-", ",", ".", "["}:
@@ -103,7 +103,7 @@ def part_out_of_place(situation: Situation) -> Finding | None:
 
 
 def unclosed(situation: Situation) -> Finding | None:
-    """A bracket that is still open where something begins that cannot be within it."""
+    """A bracket that is still open at the beginning of something that cannot be inside it."""
     bracket = situation.open_bracket()
     if bracket is None:
         return None
@@ -112,8 +112,8 @@ def unclosed(situation: Situation) -> Finding | None:
     if not situation.can(closing):
         return None
     if kind == "LBRACE":
-        goes_on = situation.kind == "COMPOSITION" and situation.block() == "COMMUNICATION"
-        if situation.kind != END and not begins_definition(situation.lexer) and not goes_on:
+        is_composition_of_process = situation.kind == "COMPOSITION" and situation.block() == "COMMUNICATION"
+        if situation.kind != END and not begins_definition(situation.lexer) and not is_composition_of_process:
             return None
     elif situation.kind not in {END, "RBRACE", "LBRACE", "RPAR", "RSQB"} and not situation.lexer.first_on_line():
         return None
@@ -130,7 +130,7 @@ def closes_nothing(situation: Situation) -> Finding | None:
 
 
 def operators_without_parentheses(situation: Situation) -> Finding | None:
-    """Two operators in one chain, or a form that takes a single operand next to one that is more."""
+    """Two operators in one chain, or a form with a single operand next to an operator."""
     if situation.text in _OPERATORS:
         return _mixed_operators(situation)
     before = situation.lexer.before
@@ -154,7 +154,7 @@ def _mixed_operators(situation: Situation) -> Finding | None:
     for position, (symbol, start) in enumerate(symbols):
         if not symbol.startswith("__composition") and situation.text_of(symbol) not in _OPERATORS:
             continue
-        # The list of a chain begins with its first operator.
+        # The list of a chain starts at its first operator.
         operator = next((text for text in _OPERATORS if situation.source.text.startswith(text, start)), "")
         if not operator or operator == situation.text or position + 1 >= len(symbols):
             return None

@@ -1,8 +1,8 @@
-"""Why a token is not allowed in its place, in words of the language, and how to continue reading.
+"""Explains why a token is not allowed in its place, in terms of the language, and how to continue reading.
 
-Each function recognizes one kind of mistake, here those of single tokens, in ``unexpected_structure.py`` those of
-blocks, brackets and operator chains, in ``unexpected_habits.py`` forms of other languages. The first one that
-recognizes a situation explains it.
+Each function recognizes one kind of mistake: here those of single tokens, in ``structure.py`` those of blocks,
+brackets and operator chains, in ``words.py`` those of single words, in ``habits.py`` forms of other languages. The
+first function that recognizes a situation explains it.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ _DIRECTIONS = {"input": "in", "inport": "in", "output": "out", "outport": "out"}
 
 
 def explain(situation: Situation) -> Finding:
-    """What is wrong, and how to continue."""
+    """The diagnostic for a situation, and how to continue."""
     if situation.text in situation.lexer.misused:
-        # Where a word of the language is a name once, it is one everywhere.
+        # A keyword that was used as a name once is probably used as one everywhere.
         finding = _keyword_as_name(situation)
         if finding is not None:
             return finding
@@ -45,7 +45,7 @@ def explain(situation: Situation) -> Finding:
 
 
 def _advice(situation: Situation) -> str | None:
-    """What was probably meant where nothing more certain can be said."""
+    """What was probably meant, if no function recognizes the mistake."""
     block = situation.block()
     if block == "COMPOSITION":
         return _advice_in_composition(situation)
@@ -105,7 +105,7 @@ def _keyword_as_name(situation: Situation) -> Finding | None:
 
 def _wrong_operator(situation: Situation) -> Finding | None:
     following = situation.source.text[situation.lexer.end : situation.lexer.end + 1]
-    for found, wanted, purpose in (
+    for found, expected, purpose in (
         ("=>", "->", "an arrow"),
         ("=", ":=", "an assignment in a composition"),
         ("=", "==", "a comparison"),
@@ -117,25 +117,25 @@ def _wrong_operator(situation: Situation) -> Finding | None:
         ("!", "not", "the logical operator"),
     ):
         whole = situation.text == found or (len(found) == 2 and situation.text + following == found)
-        if whole and situation.can(wanted):
+        if whole and situation.can(expected):
             end = situation.lexer.start + len(found)
             span = Span(situation.source, situation.lexer.start, end)
-            wrong = WrongOperator(span, found, wanted, purpose, replaced=span)
-            return wrong, Repair("replace", situation.terminal(wanted), end)
+            wrong = WrongOperator(span, found, expected, purpose, replaced=span)
+            return wrong, Repair("replace", situation.terminal(expected), end)
     return None
 
 
 def _direction(situation: Situation) -> Finding | None:
-    wanted = _DIRECTIONS.get(situation.text)
-    if wanted is not None and situation.lexer.next_character().isalpha():
+    expected = _DIRECTIONS.get(situation.text)
+    if expected is not None and situation.lexer.next_character().isalpha():
         span = situation.span
-        repair = Repair("replace", situation.terminal(wanted)) if situation.can(wanted) else None
-        return WrongOperator(span, situation.text, wanted, "the direction of a port", replaced=span), repair
+        repair = Repair("replace", situation.terminal(expected)) if situation.can(expected) else None
+        return WrongOperator(span, situation.text, expected, "the direction of a port", replaced=span), repair
     before = situation.lexer.before
-    wanted = _DIRECTIONS.get(before.text)
-    if wanted is not None and situation.kind == "NAME" and situation.block() in {"SUBMODEL", "PROCESS", "DRIVER"}:
+    expected = _DIRECTIONS.get(before.text)
+    if expected is not None and situation.kind == "NAME" and situation.block() in {"SUBMODEL", "PROCESS", "DRIVER"}:
         span = situation.previous
-        return WrongOperator(span, before.text, wanted, "the direction of a port", replaced=span), None
+        return WrongOperator(span, before.text, expected, "the direction of a port", replaced=span), None
     return None
 
 

@@ -18,7 +18,7 @@ _SYNONYMS = {
     "module": "process", "component": "process", "block": "submodel", "model": "submodel", "function": "submodel",
     "include": "import", "using": "import", "throw": "raise", "delay": "wait", "sleep": "wait", "elif": "else",
 }  # fmt: skip
-"""Words of other languages for those of this one."""
+"""Keywords of other languages, for those of this one."""
 
 _BEFORE_A_NAME = {
     "COMMUNICATION": ("var", "channel", "for"),
@@ -29,12 +29,12 @@ _BEFORE_A_NAME = {
     "DRIVER": ("in", "out"),
     "COMPOSITION": ("reset", "raise", "while", "when", "interrupt", "wait", "after", "at"),
 }
-"""By block, the keywords in it that a name follows."""
+"""The keywords that are followed by a name, by block."""
 
-_BEHIND_A_PERIOD = {
-    "offset": "an offset stands behind the period from which it counts: `@ 10 ms offset 2 ms`",
-    "immediate": "`immediate` stands behind the period of an output: `@ 10 ms immediate`; "
-    "without a period each value is written at once",
+_AFTER_A_PERIOD = {
+    "offset": "an offset follows the period to which it belongs: `@ 10 ms offset 2 ms`",
+    "immediate": "`immediate` follows the period of an output: `@ 10 ms immediate`; "
+    "without a period each value is written immediately",
 }
 
 _AFTER_A_KEYWORD = frozenset(["NAME", "NUMBER", "QUANTITY", "DURATION", "TRUE", "FALSE", "NOT", "LPAR"])
@@ -53,14 +53,14 @@ _SPACED_UNIT = re.compile(
 
 def without_period(situation: Situation) -> Finding | None:
     """``in x : int offset 2 ms`` and ``out y : int immediate``: words that belong to a period."""
-    rule = _BEHIND_A_PERIOD.get(situation.text)
+    rule = _AFTER_A_PERIOD.get(situation.text)
     if rule is None or situation.block() not in {"PROCESS", "DRIVER"}:
         return None
     return WrongPlace(situation.span, f"`{situation.text}`", rule), None
 
 
 def misspelled(situation: Situation) -> Finding | None:
-    """A word that is nearly a keyword which is allowed here, or in the place of the word before."""
+    """A word that resembles a keyword which is allowed here, or in the place of the previous word."""
     keywords = {text for terminal in situation.acceptable() if (text := situation.text_of(terminal)).isalpha()}
     meant = _keyword(situation.text, keywords) if situation.kind == "NAME" else None
     if meant is not None:
@@ -107,7 +107,7 @@ def _one_word(situation: Situation, span: Span, meant: str) -> UnexpectedText:
 
 
 def _is_surely(word: str, keyword: str) -> bool:
-    """Whether nothing but the keyword can be meant; with a word of another language may come more of that language."""
+    """Whether only the keyword can be meant; a word of another language may be followed by more of that language."""
     is_shuffled = sorted(word.lower()) == sorted(keyword)
     return is_shuffled or is_slip(word, keyword) or (len(keyword) > 4 and edits(word.lower(), keyword) == 1)
 
@@ -120,7 +120,7 @@ def _keyword(word: str, keywords: set[str] | tuple[str, ...]) -> str | None:
 
 
 def number(situation: Situation) -> Finding | None:
-    """A number without digits on one side of its point, or with a comma for it."""
+    """A number without digits on one side of its decimal point, or with a decimal comma."""
     before, lexer, text = situation.lexer.before, situation.lexer, situation.source.text
     if before.text == "." and (match := _NO_FRACTION.search(text, max(0, before.start - 40), before.end)) is not None:
         span = Span(situation.source, match.start(), match.end())
@@ -136,14 +136,14 @@ def number(situation: Situation) -> Finding | None:
     whole, _, fraction = found.replace(",", ".").partition(".")
     if "," in found and not (whole and fraction):
         return None
-    wanted = f"{whole or 0}.{fraction or 0}"
+    expected = f"{whole or 0}.{fraction or 0}"
     repair = Repair("remove", end=match.end())
     if start == lexer.start:
         if not situation.can("NUMBER"):
             return None
         repair = Repair("replace", "NUMBER", match.end())
     span = Span(situation.source, start, match.end())
-    return WrongOperator(span, found, wanted, "a number", replaced=span), repair
+    return WrongOperator(span, found, expected, "a number", replaced=span), repair
 
 
 def unit(situation: Situation) -> Finding | None:
