@@ -111,7 +111,7 @@ class _Draft:
     variables: list[Variable] = field(default_factory=list)
 
     def fresh(self) -> str:
-        self.variables.append(Variable(f"v{len(self.variables)}", INT, 0, self.owner))
+        self.variables.append(Variable(f"n{len(self.variables)}", INT, 0, self.owner))
         return self.variables[-1].name
 
     def branch(self, owner: int) -> Comp:
