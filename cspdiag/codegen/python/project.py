@@ -49,7 +49,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
     """The values for the package of a network."""
     top = network.class_named(network.top)
     doc = sentence(top.doc or network.doc or f"The process {network.top}, generated from its CSP diagram.")
-    summary = doc.split("\n\n")[0].replace("\n", " ")
+    summary = doc.split("\n\n")[0]
     source = network.source.rpartition("/")[2]
     return Project(
         package=names.package,
@@ -59,7 +59,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
         source_code=markdown_code(source),
         doc=markdown(doc),
         docstring="\n".join(docstring(summary, "")),
-        description=toml_string(summary),
+        description=toml_string(summary.replace("\n", " ")),
         ports=[port_row(port) for port in network.external_ports],
         environments=[entry.name for entry in network.environments],
         copied=bool(modules.copies(network)),
