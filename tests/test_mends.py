@@ -111,7 +111,7 @@ def mended(text: str) -> tuple[str, list[Diagnostic]]:
 
 
 @pytest.mark.parametrize(("code", "before", "after"), MENDS, ids=[code for code, _, _ in MENDS])
-def test_a_mended_program_is_clean_and_in_the_one_style(code: str, before: str, after: str) -> None:
+def test_a_mended_program_is_clean_and_in_the_standard_format(code: str, before: str, after: str) -> None:
     assert code in {found.code for found in check_files({MAIN: before}).report.diagnostics}
     text, left = mended(before)
     assert left == [], describe(left)

@@ -33,7 +33,7 @@ from .outside.sampled_inputs import SampledInput
 from .process import Process
 
 _REAL_TIME_STEPS = 16
-"""How many steps of processes may pass in real time before the clock is looked at."""
+"""The number of steps of processes in real time between checks of the clock."""
 
 
 class Network:

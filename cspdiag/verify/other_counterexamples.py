@@ -20,7 +20,7 @@ from cspdiag.proofs.transitions.systems.system import Event, System
 Narrowing: TypeAlias = Callable[[System], System]
 
 MOST = 5
-"""The number of other counterexamples that are looked for."""
+"""The maximum number of other counterexamples that are searched for."""
 
 
 def narrower(found: Counterexample) -> Iterator[Narrowing]:

@@ -44,7 +44,7 @@ def test_programs_compile(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", blocks("csp") + blocks("csp-fragment"))
-def test_examples_are_in_the_one_style(text: str) -> None:
+def test_examples_are_in_the_standard_format(text: str) -> None:
     report = Report()
     tree = parse(SourceFile(name="language.md", text=text), report)
     assert [f"{d.span.line}: {d.code} {d.message}" for d in report.diagnostics] == []

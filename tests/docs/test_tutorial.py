@@ -46,7 +46,7 @@ def test_the_compiler_reports_what_the_text_shows(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
-def test_program_is_in_the_one_style(name: str) -> None:
+def test_program_is_in_the_standard_format(name: str) -> None:
     tree = parse(SourceFile(name="axis.csp", text=program(name)), Report())
     assert tree is not None
     assert format_tree(tree) == program(name)

@@ -33,7 +33,7 @@ def test_program_has_the_trace_below_it(program: str, trace: list[str], target: 
 
 
 @pytest.mark.parametrize(("program", "trace"), WORKED)
-def test_program_is_in_the_one_style(program: str, trace: list[str]) -> None:
+def test_program_is_in_the_standard_format(program: str, trace: list[str]) -> None:
     assert format_tree(parse(SourceFile(name="semantics.md", text=program), Report())) == program
 
 

@@ -56,7 +56,7 @@ def run(arguments: Namespace) -> int:
 
 
 def formatted(source: SourceFile, report: Report) -> str | None:
-    """The text of a file in the one style; None, with the reason in ``report``, if it has syntax errors."""
+    """The text of a file in the standard format; None, with the reason in ``report``, if it has syntax errors."""
     own = Report()
     tree = parse(source, own)
     for diagnostic in own.diagnostics:

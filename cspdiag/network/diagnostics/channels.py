@@ -1,4 +1,4 @@
-"""Channels that lack a side, and channels that are looked at as if they kept a value."""
+"""Diagnostics of channels without a side, and of channels that are used as if they kept a value."""
 
 from __future__ import annotations
 

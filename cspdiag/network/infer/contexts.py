@@ -1,7 +1,7 @@
 """The contexts of shapes: the kind and the sample instants of the net behind each port, from the outermost process
 inwards.
 
-Analyses look at shapes in contexts; equal contexts of a shape are looked at once.
+Analyses consider shapes in contexts; equal contexts of a shape are considered only once.
 """
 
 from __future__ import annotations

@@ -84,7 +84,7 @@ typedef struct csp_wait_entry {
     const csp_medium *medium; /* the channel or port, if `named` */
 } csp_wait_entry;
 
-/* One of the things that the process waits for, numbered from 0; false: there are no more. */
+/* One of the things that the process waits for, numbered from 0; false: there is none with this index. */
 bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_entry *entry);
 
 /* A line: "Ring.cell[3] waits to read Ring.link[2] (ring.csp:12)". */

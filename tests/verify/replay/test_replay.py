@@ -158,7 +158,7 @@ def test_a_counting_loop_is_not_endless() -> None:
     assert (answer.outcome, answer.replayed) == ("refuted", True)
 
 
-def test_values_that_the_trace_leaves_open_are_looked_for() -> None:
+def test_values_that_the_trace_leaves_open_are_searched_for() -> None:
     """Only the value 17 leads to where nothing happens any more; the text mentions it."""
     text = """process Picky {
   in key : int

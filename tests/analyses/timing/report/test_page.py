@@ -30,5 +30,5 @@ def test_the_picture_is_that_of_the_program() -> None:
     assert (DOCS / "images" / "gantt.svg").read_text(encoding="utf-8") == gantt_svg(report_of(block("csp")))
 
 
-def test_the_program_is_in_the_one_style() -> None:
+def test_the_program_is_in_the_standard_format() -> None:
     assert format_tree(parse(SourceFile(name="timing.md", text=block("csp")), Report())) == block("csp")
