@@ -11,14 +11,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn
 
-import cspdiag.runtime.network
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime import SampledInput, Submodel
 from cspdiag.simulate.run.execute import simulate
 from cspdiag.simulate.run.probes import parts_of
-from tests.analyses.timing.processor import Processor, read, wcets
+from tests.analyses.timing.processor import Processor, on_processor, read, wcets
 from tests.support.alarm import alarm_after
 
 HORIZON = 150_000_000
@@ -92,7 +91,7 @@ def _run(network: Network, files: Any, times: Callable[[str], int], reseed: int 
                 computed += 1
                 if computed > 200_000:
                     raise HungError
-                Processor.present += times(path)
+                Processor.compute(times(path))
                 return calculate(*inputs)
 
             return calculated
@@ -103,12 +102,8 @@ def _run(network: Network, files: Any, times: Callable[[str], int], reseed: int 
         begun.extend(port for port in running.ports if isinstance(port, SampledInput))
 
     begun: list[Any] = []
-    clock = cspdiag.runtime.network.RealClock
-    cspdiag.runtime.network.RealClock = Processor  # type: ignore[misc, assignment]
-    try:
+    with on_processor():
         found = simulate(network, files, until=until, real_time=True, on_start=slow)
-    finally:
-        cspdiag.runtime.network.RealClock = clock  # type: ignore[misc]
     outcome = found.outcome
     if any(outcome.missed.values()):
         return f"missed {outcome.missed}, {outcome.ended} at {outcome.time}: {outcome.error}"

@@ -5,19 +5,21 @@ as long.
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
 
 import pytest
 
-import cspdiag.runtime.network
+import cspdiag
 from cspdiag.analyses.timing.report.timing import timing_report
-from tests.analyses.timing.processor import Processor, longest, wcets, with_bench
+from tests.analyses.timing.processor import longest, on_processor, wcets, with_bench
 from tests.analyses.timing.programs import US, by_name, law, loops_of
 from tests.analyses.timing.random.compositions import composed
 
 
 @pytest.fixture(autouse=True)
-def processor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cspdiag.runtime.network, "RealClock", Processor)
+def processor() -> Iterator[None]:
+    with on_processor():
+        yield
 
 
 @pytest.mark.parametrize("order", ["||", "||>"])

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
-import cspdiag.runtime.network
 from cspdiag.analyses.timing.report.timing import timing_report
-from tests.analyses.timing.processor import Processor, longest, wcets, with_bench
+from tests.analyses.timing.processor import longest, on_processor, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, by_name, law, report_of
 
 
 @pytest.fixture(autouse=True)
-def processor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cspdiag.runtime.network, "RealClock", Processor)
+def processor() -> Iterator[None]:
+    with on_processor():
+        yield
 
 
 SERVED = (

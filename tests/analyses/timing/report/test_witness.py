@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
 from contextlib import suppress
 
 import pytest
 
-import cspdiag.runtime.network
 from cspdiag.analyses.timing.report.diagnostics import diagnostic_of
 from cspdiag.analyses.timing.report.render_text import table
 from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.network.ir.network import Network
-from tests.analyses.timing.processor import Processor, run, wcets, with_bench
+from tests.analyses.timing.processor import Processor, on_processor, run, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, law, loops_of, network_of, report_of
 
 
 @pytest.fixture(autouse=True)
-def processor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cspdiag.runtime.network, "RealClock", Processor)
+def processor() -> Iterator[None]:
+    with on_processor():
+        yield
 
 
 def ends_of(network: Network, times: dict[str, int]) -> dict[str, list[int]]:
