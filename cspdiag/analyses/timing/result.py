@@ -47,13 +47,13 @@ class LoopTiming:
 
     @property
     def slack(self) -> int | None:
-        """What remains of the period in the worst case; negative if the period is too short."""
+        """What remains of the period in the worst case; not positive if the period is too short."""
         return None if self.response is None else self.period - self.response
 
     @property
     def is_met(self) -> bool:
-        """Whether every output is computed within the period of its sample."""
-        return self.response is not None and self.response <= self.period
+        """Whether every output is computed before the next sample comes."""
+        return self.response is not None and self.response <= self.task.deadline
 
     @property
     def jitter(self) -> int | None:
@@ -81,11 +81,13 @@ class Witness:
     """A sample of a thread that is late when every law takes its longest time; instants are in nanoseconds from the
     start of the program.
 
-    ``end`` is the end of its work, None where it has not been taken before the next one arrives.
+    ``end`` is the end of its work, None where it has not been taken before the next one arrives. ``next_release`` is
+    the instant of that one.
     """
 
     thread: str
     release: int
+    next_release: int
     end: int | None
 
 
@@ -138,6 +140,7 @@ class TimingReport:
             name = self.witness.thread.partition(".")[2] or self.witness.thread
             end = self.witness.end
             what = "not taken before the next one comes" if end is None else f"ready at t = {rounded(end)}"
+            what += ", when the next one comes" if end == self.witness.next_release else ""
             when = f"the sample of t = {rounded(self.witness.release)}"
             return f"`{name}` is late: when every law takes its longest time, {when} is {what}"
         if late and self.is_overloaded:

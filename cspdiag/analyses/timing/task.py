@@ -8,6 +8,14 @@ ONCE = 2**60
 """The period, in nanoseconds, of what happens at most once: longer than any program runs."""
 
 
+def last_in_time(period: int) -> int:
+    """The deadline of a sample, from its tick on: the last instant before the next sample comes.
+
+    What happens in the instant of a tick happens after the tick, which takes the sample and hands outputs over.
+    """
+    return period - 1
+
+
 @record
 class Task:
     """Recurring work; all times are integer nanoseconds (any integer unit does).
@@ -15,9 +23,9 @@ class Task:
     A job is released at most once every ``period``, nominally at k·period, and arrives up to ``jitter`` later. Its
     worst-case execution time is ``work``, in steps: a step runs without preemption until the process waits. ``step`` is
     the longest step, ``final`` a lower bound of the last one; for a job of one step both are equal to ``work``.
-    ``priority`` orders levels, the smallest being the most urgent; within a level jobs are served first come, first
-    served. ``suspensions`` is the number of times that a job lets time pass within ``work`` without using the
-    processor.
+    ``deadline`` is the latest end that is in time, from the nominal release on. ``priority`` orders levels, the
+    smallest being the most urgent; within a level jobs are served first come, first served. ``suspensions`` is the
+    number of times that a job lets time pass within ``work`` without using the processor.
     """
 
     name: str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.analyses.diagnostics.timing import NoTimingBound, NotSchedulable
 from cspdiag.analyses.timing.report.render_text import time
-from cspdiag.analyses.timing.result import TimingReport
+from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 from cspdiag.base import Diagnostic, Span
 
 
@@ -35,9 +35,12 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
             if not loop.is_met
         )
         return NoTimingBound(span, report.process, report.reason, bounds, advice)
-    late = tuple(
-        (loop.name, time(loop.period), "forever longer" if loop.response is None else time(loop.response), loop.span)
-        for loop in report.loops
-        if not loop.is_met
-    )
+    late = tuple((loop.name, time(loop.period), _longest(loop), loop.span) for loop in report.loops if not loop.is_met)
     return NotSchedulable(span, report.process, report.reason, late, advice)
+
+
+def _longest(loop: LoopTiming) -> str:
+    """How long a loop may take, in words."""
+    if loop.response is None:
+        return "forever longer"
+    return "as long" if loop.response == loop.period else time(loop.response)

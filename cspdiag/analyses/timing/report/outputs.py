@@ -34,7 +34,7 @@ class Outputs:
         if not ports or response is None:
             return None
         latches = [_latch(port) for port in ports]
-        shortest = min(0 if ticks is None else _first(ticks, gcd(period, ticks.period), 1) for ticks in latches)
+        shortest = min(0 if ticks is None else _shortest(ticks, gcd(period, ticks.period)) for ticks in latches)
         return shortest, max(_latency(port, period, response)[0] for port in ports)
 
     def latency(self, net: str, period: int, response: int) -> tuple[int, int] | None:
@@ -48,25 +48,33 @@ class Outputs:
 
 
 def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
-    """The age and the delay of an output: a latched one changes at its next tick, to the last value written, an
-    immediate one when it is written.
+    """The age and the delay of an output: a latched one changes at the first tick after it was written, to the last
+    value written before that tick; an immediate one when it is written.
+
+    What is written in the instant of a tick is written after it, and handed over at the next one.
     """
     ticks = _latch(port)
     if ticks is None:
         return response, response
     grid = gcd(period, ticks.period)
-    delay = _first(ticks, grid, max(response, 1)) + ticks.period - grid
-    # The last sample that is certain to be written came a response time and almost a period before the tick.
-    age = max(_first(ticks, grid, 1), _first(ticks, grid, response + period) - grid)
+    # Handed over at the first tick after it was written, a value comes at most a period of the output after its write.
+    delay = _last(ticks, grid, response) + ticks.period
+    # The value of the next sample, which replaces it, is written at most a period and a response time after this one.
+    age = _last(ticks, grid, response + period)
     return min(age, delay), delay
 
 
-def _first(ticks: Sampling, grid: int, least: int) -> int:
-    """The first time from a sample to a tick that is at least ``least`` nanoseconds.
+def _shortest(ticks: Sampling, grid: int) -> int:
+    """The shortest time from a sample to a tick after it."""
+    return _last(ticks, grid, 0) + grid
+
+
+def _last(ticks: Sampling, grid: int, most: int) -> int:
+    """The longest time from a sample to a tick that is at most ``most`` nanoseconds; negative for a tick before it.
 
     All times from samples to ticks differ by multiples of the grid, because samples come at multiples of their period.
     """
-    return least + (ticks.offset - least) % grid
+    return most - (most - ticks.offset) % grid
 
 
 def _latch(port: ExternalPort) -> Sampling | None:

@@ -18,7 +18,7 @@ from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
 from cspdiag.analyses.timing.report.outputs import Outputs, port_names
 from cspdiag.analyses.timing.result import Chain, LoopTiming, TimingReport
-from cspdiag.analyses.timing.task import ONCE, Task
+from cspdiag.analyses.timing.task import ONCE, Task, last_in_time
 from cspdiag.analyses.timing.tasks import edf
 from cspdiag.analyses.timing.tasks.assignment import feasible_order
 from cspdiag.analyses.timing.tasks.response import Response, response_time, response_times
@@ -75,6 +75,8 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
     recurring = [task for task in tasks if task.period < ONCE]
+    # A loop that computes nothing demands no time, but is late behind a long step all the same.
+    deadlines = [*recurring, *(row.task for row in rows if not row.work)]
     inputs = {f"{network.top}.{name}": k for k, name in enumerate(port_names(network.external_ports))}
     found_chains, are_all_chains = ([], True) if missing or refusals else analysis.chains(network, rows)
     is_late = not all(row.is_met for row in rows)
@@ -88,7 +90,7 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
         tasks,
         sum(task.utilization for task in recurring),
         lcm(*(row.period for row in rows), *(task.period for task in recurring)) if rows else 0,
-        False if overloaded else (True if analysis.is_independent and edf.meets_deadlines(recurring) else None),
+        False if overloaded else (True if analysis.is_independent and edf.meets_deadlines(deadlines) else None),
         _advice(network, all_threads, behaviours, recurring) if is_late and not refusals else None,
         used,
         are_all_chains,
@@ -347,7 +349,7 @@ class _Analysis:
         final = joint_work.work if loop.has_one_step else 0
         # To the loop itself the time that it lets pass is work, though others may use the processor.
         return Task(
-            loop.name, loop.period, joint_work.work + loop.delay_time, loop.period, joint_work.level,
+            loop.name, loop.period, joint_work.work + loop.delay_time, last_in_time(loop.period), joint_work.level,
             step=min(joint_work.step, joint_work.work),
             final=final, suspensions=loop.delays,
         )  # fmt: skip
@@ -369,7 +371,7 @@ class _Analysis:
         jitter += part.jitter
         thread = self.behaviours[part.thread].thread
         return Task(
-            thread.path, part.period, part.work, part.period, part.level, jitter=jitter, step=part.step,
+            thread.path, part.period, part.work, last_in_time(part.period), part.level, jitter=jitter, step=part.step,
             final=part.work if part.step == part.work else 0, suspensions=part.delays,
         )  # fmt: skip
 

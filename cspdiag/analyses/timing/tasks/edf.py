@@ -23,7 +23,6 @@ def demand_bound(tasks: Sequence[Task], interval: int) -> int:
 
 def meets_deadlines(tasks: Sequence[Task]) -> bool:
     """Whether earliest deadline first meets every deadline; deadlines are relative to the nominal release."""
-    tasks = [task for task in tasks if task.work]
     load = sum((Fraction(task.work, task.period) for task in tasks), Fraction())
     if load > 1 or any(task.deadline <= task.jitter for task in tasks):
         return False
@@ -44,7 +43,7 @@ def meets_deadlines(tasks: Sequence[Task]) -> bool:
 
 
 def _blocking(tasks: Sequence[Task], interval: int) -> int:
-    return max((task.step - 1 for task in tasks if task.deadline - task.jitter > interval), default=0)
+    return max((max(0, task.step - 1) for task in tasks if task.deadline - task.jitter > interval), default=0)
 
 
 def _change(tasks: Sequence[Task], interval: int) -> int:

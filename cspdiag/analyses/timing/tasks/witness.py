@@ -11,7 +11,7 @@ from fractions import Fraction
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.result import Witness
-from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.task import Task, last_in_time
 from cspdiag.analyses.timing.tasks.schedule import simulate
 from cspdiag.analyses.timing.threads.graph import Thread
 
@@ -35,7 +35,7 @@ def find_witness(
         if len(jobs) > 1 or job.offer is None or not _is_one_step_loop(one, job) or not _begins_at(one, job.wait):
             return None
         period, work = job.offer.period, job.path.work
-        tasks.append((Task(one.thread.path, period, work, period, one.level), one, job))
+        tasks.append((Task(one.thread.path, period, work, last_in_time(period), one.level), one, job))
     found = [_first_late([task for task, _, _ in sorted(tasks, key=key)]) for key in _orders(order)]
     # The order of threads that are ready at the same instant is known, except if one waits for several inputs.
     return found[0] if tasks and None not in found else None
@@ -139,8 +139,10 @@ def _first_late(tasks: Sequence[Task]) -> Witness | None:
     late: list[tuple[int, Witness]] = []
     for part in simulate(tasks, hyperperiods=2, first=1).slices:
         begun.setdefault((part.task, part.release), part.start)
-        due = part.release + tasks[part.task].period
+        due = part.release + tasks[part.task].deadline
         if part.is_last and part.end > due:
-            is_missed = begun[part.task, part.release] >= due
-            late.append((due, Witness(tasks[part.task].name, part.release, None if is_missed else part.end)))
+            is_missed = begun[part.task, part.release] > due
+            task = tasks[part.task]
+            next_release = part.release + task.period
+            late.append((due, Witness(task.name, part.release, next_release, None if is_missed else part.end)))
     return min(late, key=lambda found: found[0])[1] if late else None

@@ -5,22 +5,24 @@ tell how old their outputs are.
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import gcd
 
 import pytest
 
-import cspdiag.runtime.network
 from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.analyses.timing.result import TimingReport
 from cspdiag.network.ir.network import Network
-from tests.analyses.timing.processor import Processor, run, wcets, with_bench
+from tests.analyses.timing.processor import on_processor, run, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, network_of
+from tests.analyses.timing.seen import seen_in
 
 
 @pytest.fixture(autouse=True)
-def processor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cspdiag.runtime.network, "RealClock", Processor)
+def processor() -> Iterator[None]:
+    with on_processor():
+        yield
 
 
 @dataclass
@@ -119,14 +121,7 @@ def seen(network: Network, times: dict[str, int], source: random.Random | None, 
     an output.
     """
     found = run(network, lambda path: times[path] if source is None else source.randint(1, times[path]), until)
-    reaction = age = last = 0
-    for passed in found.communications:
-        sample = round(passed.value * 1e9) if passed.channel == "Main.y" else 0  # type: ignore[operator,arg-type]
-        if sample:
-            age = max(age, passed.time - sample)
-            if sample > last:
-                reaction = max(reaction, passed.time - last if last else 0)
-                last = sample
+    age, reaction, _ = seen_in(found, "Main.y")
     return reaction, age
 
 

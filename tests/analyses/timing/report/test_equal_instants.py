@@ -1,0 +1,133 @@
+"""What happens in the instant of a tick happens after it: a value that is written there is handed over a period later,
+and work that ends there does not end before the next sample.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.analyses.timing.report.diagnostics import diagnostic_of
+from cspdiag.analyses.timing.report.timing import timing_report
+from cspdiag.simulate.run.execute import simulate
+from tests.analyses.timing.processor import on_processor, read, run, wcets, with_bench
+from tests.analyses.timing.programs import MS, US, by_name, law, loops_of, report_of
+from tests.analyses.timing.seen import Seen, seen_in
+
+
+def program(loop: str, output: str, steps: str) -> str:
+    """A loop without laws, with those periods."""
+    return f"""
+        process Main {{
+          in  x : double @ {loop}
+          out y : double @ {output}
+          communication {{ var v : double = 0  var w : double = 0 }}
+          composition {{ mu ({steps}) }}
+        }}
+        """
+
+
+def simulated(text: str) -> Seen:
+    """What is seen in a run in which nothing takes time but delays."""
+    network = with_bench(text, ["x"], ["y"], "500 us")
+    return seen_in(simulate(network, pipeline.generate(network, read), until=200 * MS), "Main.y")
+
+
+@pytest.mark.parametrize(
+    ("loop", "output", "steps", "latency", "reaction"),
+    [
+        # The sample of 36 ms is written at 36 ms and handed over at 40 ms, where that of 40 ms is not yet written.
+        ("4 ms", "5 ms", "x ? v ; y ! v", (1, 4), 9),
+        ("2 ms", "3 ms", "x ? v ; y ! v", (1, 2), 5),
+        ("3 ms", "2 ms", "x ? v ; y ! v", (1, 2), 5),
+        ("5 ms", "5 ms", "x ? v ; y ! v", (5, 5), 10),
+        ("6 ms", "4 ms", "x ? v ; wait 2 ms ; y ! v", (2, 6), 12),
+        # What is written at the tick of 5.5 ms waits for that of 10.5 ms; a nanosecond earlier it would not.
+        ("5 ms", "5 ms offset 500 us", "x ? v ; wait 500 us ; y ! v", (".5", "5.5"), "10.5"),
+        ("5 ms", "5 ms offset 500 us", "x ? v ; wait 499999 ns ; y ! v", (".5", ".5"), "5.5"),
+        ("5 ms", "5 ms offset 500 us", "x ? v ; y ! v", (".5", ".5"), "5.5"),
+        ("4 ms", "2 ms offset 1 ms", "x ? v ; wait 3 ms ; y ! v", (1, 5), 9),
+        ("2 ms", "4 ms offset 1 ms", "x ? v ; wait 1 ms ; y ! v", (1, 3), 7),
+    ],
+)
+def test_a_value_written_at_a_tick_is_handed_over_at_the_next(
+    loop: str, output: str, steps: str, latency: tuple[str, str], reaction: str
+) -> None:
+    """The largest age and reaction of a run are the bounds; no output is younger than the shortest latency."""
+    text = program(loop, output, steps)
+    report = report_of(text)
+    (row,) = report.loops
+    (chain,) = report.chains
+    shortest, longest = (int(Fraction(bound) * MS) for bound in latency)
+    assert row.latency == (shortest, longest)
+    assert (chain.age, chain.reaction) == (longest, Fraction(reaction) * MS)
+    seen = simulated(text)
+    assert (seen.age, seen.reaction) == (chain.age, chain.reaction)
+    assert seen.youngest >= shortest
+
+
+def test_an_immediate_output_does_not_wait_for_a_tick() -> None:
+    text = program("5 ms", "5 ms immediate", "x ? v ; wait 500 us ; y ! v")
+    (chain,) = report_of(text).chains
+    assert (chain.age, chain.reaction) == (500 * US, 5500 * US)
+    assert simulated(text)[:2] == (chain.age, chain.reaction)
+
+
+def test_a_value_that_is_written_a_sample_later_at_a_tick_is_two_periods_old() -> None:
+    text = program("5 ms", "5 ms offset 500 us", "x ? v ; wait 500 us ; y ! w ; w := v")
+    (chain,) = report_of(text).chains
+    seen = simulated(text)
+    assert (seen.age, seen.reaction) == (10500 * US, 15500 * US)
+    assert seen.age <= chain.age
+    assert seen.reaction <= chain.reaction
+
+
+@pytest.mark.parametrize(("micros", "age"), [(499, 500), (500, 5500), (501, 5500)])
+def test_a_law_that_ends_at_the_tick_of_its_output_is_handed_over_a_period_later(micros: int, age: int) -> None:
+    text = law("Law", f"{micros} us") + program("5 ms", "5 ms offset 500 us", "law").replace(
+        "{ var v", "{ law : Law  x -> law.x  law.y -> y  var v"
+    )
+    report = report_of(text)
+    assert report.is_schedulable
+    assert [chain.age for chain in report.chains] == [age * US]
+    network = with_bench(text.replace("y = 2 * x", "y = x"), ["x"], ["y"], "1 ms")
+    with on_processor():
+        assert seen_in(run(network, wcets(network).__getitem__, 60 * MS), "Main.y").age == age * US
+
+
+def test_a_law_that_takes_its_whole_period_is_late() -> None:
+    """What it computes from the sample of 5 ms is there at 10 ms, after the tick, and handed over at 15 ms."""
+    text = loops_of(("a", "5 ms", "5 ms")).replace("y = 2 * x", "y = x")
+    report = report_of(text)
+    assert report.is_schedulable is False
+    assert report.reason == (
+        "`Main` is late: when every law takes its longest time, the sample of t = 5 ms is ready at t = 10 ms, when "
+        "the next one comes"
+    )
+    assert by_name(report)["a"].slack == 0
+    network = with_bench(text, ["x_a"], ["y_a"], "1 ms")
+    found = diagnostic_of(timing_report(network), network.class_named(network.top).span)
+    assert found is not None
+    assert [label.message for label in found.labels] == ["`a` has 5 ms and may take as long"]
+    with on_processor():
+        assert seen_in(run(network, wcets(network).__getitem__, 60 * MS), "Main.y_a").age == 10 * MS
+    assert report_of(loops_of(("a", "5 ms", "4999999 ns"))).is_schedulable
+
+
+def test_a_sample_that_is_reached_when_the_next_one_comes_is_missed() -> None:
+    """The loop that computes nothing comes after the slow one, which ends when its next sample overwrites the first."""
+    text = loops_of(("slow", "10 ms", "1 ms"), ("quick", "1 ms", "0 us"))
+    assert report_of(text).is_schedulable is None
+    network = with_bench(text, ["x_slow", "x_quick"], ["y_slow", "y_quick"], "1 ms")
+    with on_processor(), pytest.raises(AssertionError, match=r"a sample of Main\.x_quick was overwritten"):
+        run(network, wcets(network).__getitem__, 60 * MS)
+    assert report_of(text.replace("wcet 1 ms", "wcet 999999 ns")).is_schedulable
+
+
+def test_no_order_keeps_a_loop_that_computes_nothing_in_time_behind_a_long_step() -> None:
+    report = report_of(loops_of(("slow", "10 ms", "3 ms"), ("quick", "1 ms", "0 us")))
+    assert report.is_schedulable is None
+    assert report.advice is None
+    assert report.is_edf_feasible is None
