@@ -199,7 +199,7 @@ class LoadedProgram:
         from cspdiag.verify.deadlock_picture import deadlock_of
 
         if not isinstance(run, Run):
-            raise TypeError(f"what is drawn is a Run, not {type(run).__name__}")
+            raise TypeError(f"expected a Run, not {type(run).__name__}")
         if run.outcome.deadlock is None:
             raise ArgumentError(f"the run did not end in a deadlock: {run.outcome.ended}")
         return Drawing(draw_deadlock(deadlock_of(run.outcome.deadlock, run.network), self._checked.program))
@@ -274,7 +274,7 @@ class LoadedProgram:
             return self._run_on_reference(environment, process, until, set, target, real_time=real_time)
         _require_level(level)
         if target not in ("python", "c"):
-            raise ArgumentError(f"nothing runs the target {shown(target)}: it is 'python' or 'c'")
+            raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python' or 'c'")
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, set, alone=True)
         with file_errors():
@@ -300,7 +300,7 @@ class LoadedProgram:
 
         if target != "python" or real_time:
             raise ArgumentError(
-                "the reference is not a target, and has virtual time only: leave out `target` and `real_time`"
+                "the reference semantics is not a target, and has virtual time only: omit `target` and `real_time`"
             )
         limit = None if until is None else time_limit(until)
         network = self._build(process, environment, settings, alone=True)
@@ -333,7 +333,7 @@ class LoadedProgram:
 
 def _require_level(level: object) -> None:
     if level not in (0, 1):
-        raise ArgumentError(f"there is no level {shown(level)} of optimization: it is 0 or 1")
+        raise ArgumentError(f"there is no optimization level {shown(level)}: choose 0 or 1")
 
 
 class Drawing:

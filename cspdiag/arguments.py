@@ -31,7 +31,7 @@ def source_of(text: str, name: str) -> SourceFile:
     file can hold.
     """
     if not isinstance(text, str):
-        raise TypeError(f"a program is text, a str, and not {type(text).__name__}: `load` reads a file")
+        raise TypeError(f"the text of a program is a str, not {type(text).__name__}: `load` reads a file")
     require_text("the name of a program", name)
     zero = text.find("\0")
     if zero >= 0:

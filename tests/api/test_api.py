@@ -136,17 +136,19 @@ def test_the_reference_runs_the_same() -> None:
 def test_the_reference_refuses_what_it_says_nothing_of() -> None:
     program = cspdiag.load(JIWY)
     for other in ({"target": "c"}, {"real_time": True}):
-        with pytest.raises(cspdiag.ArgumentError, match="the reference is not a target, and has virtual time only"):
+        with pytest.raises(
+            cspdiag.ArgumentError, match="the reference semantics is not a target, and has virtual time only"
+        ):
             program.run(level="reference", **other)
     text = 'process P python "p.py:P" {}\nprocess Top { communication { p : P } composition { p } }\n'
-    with pytest.raises(cspdiag.NoMeaningError, match=r"which is nothing of `p\.py:P`"):
+    with pytest.raises(cspdiag.NoMeaningError, match=r"cannot run `p\.py:P`"):
         cspdiag.parse(text).run(level="reference")
 
 
 def test_what_cannot_run_is_named() -> None:
-    with pytest.raises(ValueError, match="no level 2"):
+    with pytest.raises(ValueError, match="no optimization level 2"):
         cspdiag.load(JIWY).run(level=2)
-    with pytest.raises(ValueError, match="nothing runs the target 'rust'"):
+    with pytest.raises(ValueError, match="the target 'rust' cannot be run"):
         cspdiag.load(JIWY).run(target="rust")
 
 

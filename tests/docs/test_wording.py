@@ -36,6 +36,10 @@ REFUSED = {
     "is called after": r"(?:is|are)[ _]called[ _]after",
     "the one style": r"the[ _]one[ _]style",
     "the house": r"the[ _]house",
+    "for what is no text": r"(?:for|of|from) what is no(?! longer)",
+    "a path that there is not": r"that there (?:is|are) not",
+    "no environment can be had": r"(?:can|cannot) be had",
+    "one a line": r"(?:one|dots|row) a (?:line|pixel|process|page|code|state|file)",
 }
 """By the words as the glossary lists them, what is looked for; ``_`` is no letter, so names are searched too."""
 
@@ -103,6 +107,10 @@ def test_names_of_tests_have_no_refused_words() -> None:
         "what its functions are called after",
         "a file in the one style",
         "rules of the house",
+        "Raises TypeError for what is no text.",
+        "ArgumentError for a path that there is not",
+        "if no environment can be had",
+        "in dots a pixel",
         "senders_not_come = 0",
         "What the name stands for.",
         "The order in which they come to be.",

@@ -26,7 +26,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--fix", action="store_true", help="fix what has exactly one sensible correction, in imported files, too"
     )
     parser.add_argument(
-        "--diff", action="store_true", help="print what --fix would change, and change nothing; exit 1 if there is any"
+        "--diff", action="store_true", help="print what --fix would change, and change nothing; exit 1 if it would"
     )
     parser.add_argument("--format", choices=FORMATS, default="text", help="output format (default: text)")
 

@@ -43,7 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--templates",
         metavar="DIR",
-        help="lay files out by the templates in DIR (docs/targets.md), each instead of that of its name",
+        help="use the templates in DIR (docs/targets.md), each instead of the bundled one of that name",
     )
     parser.add_argument("--emit", choices=("ast", "model", "network", "lts"), help="print a representation instead")
     parser.add_argument("--debug-passes", action="store_true", help=SUPPRESS)

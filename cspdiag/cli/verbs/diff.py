@@ -52,7 +52,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--scheme", choices=("light", "dark", "auto"), default="auto", help="colours of the picture (default: auto)"
     )
-    parser.add_argument("--exit-zero", action="store_true", help="exit with 0 also where there are differences")
+    parser.add_argument("--exit-zero", action="store_true", help="exit with 0 even if there are differences")
 
 
 def run(arguments: Namespace) -> int:

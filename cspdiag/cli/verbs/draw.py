@@ -51,7 +51,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--format",
         choices=(*FORMATS, *exchange.FORMATS),
         help=(
-            "the format where the name of the output does not show it; dot, mermaid and graphml are the network as text"
+            "the format, if the name of the output does not show it; dot, mermaid and graphml are the network as text"
         ),
     )
     what = parser.add_mutually_exclusive_group()
@@ -65,7 +65,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--all",
         action="store_true",
         help=(
-            "every process and environment of the file: a file each in a folder, the pages of a PDF, or one below the "
+            "every process and environment of the file: as files in a folder, as pages of a PDF, or one below the "
             "other in an SVG or PNG"
         ),
     )
@@ -73,8 +73,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--book",
         metavar="OUT.html",
         help=(
-            "one page, complete in itself: every process with its diagrams, its text and its ports, and links between "
-            "them"
+            "one self-contained page: every process with its diagrams, its text and its ports, and links between them"
         ),
     )
     parser.add_argument(
@@ -106,7 +105,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         default="auto",
         help="colours (default: auto, as the viewer prefers; light in PNG and PDF)",
     )
-    parser.add_argument("--scale", type=number, default=2.0, help="dots a pixel in a PNG (default: 2)")
+    parser.add_argument("--scale", type=number, default=2.0, help="dots per pixel in a PNG (default: 2)")
 
 
 def run(arguments: Namespace) -> int:

@@ -33,7 +33,9 @@ _KINDS = (".svg", ".png", ".pdf")
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
-    parser.add_argument("--environment", metavar="NAME", help="whose plant closes the loops (default: the first)")
+    parser.add_argument(
+        "--environment", metavar="NAME", help="the environment whose plant closes the loops (default: the first)"
+    )
     parser.add_argument("--loop", metavar="PART", help="only loops with this in their path")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
@@ -44,7 +46,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--at", action="append", default=[], metavar="NAME=VALUE", dest="point",
-        help="a state of the plant at the operating point (pan.speed=0.5); may be given again",
+        help="a state of the plant at the operating point (pan.speed=0.5); may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--largest-period", metavar="MARGIN",

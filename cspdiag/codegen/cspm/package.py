@@ -1,9 +1,9 @@
 """Networks as CSPm scripts, for FDR (the syntax of Roscoe, "Understanding Concurrent Systems", and of the manual of FDR
 4).
 
-Each component is a set of processes, one a state; the system is their alphabetized parallel composition. Internal steps
-are hidden events. A process that has ended offers ``ended`` forever, in which all processes take part, so that an end
-of all is no deadlock while a part that waits for what has ended is one.
+Each component is a set of processes, one per state; the system is their alphabetized parallel composition. Internal
+steps are hidden events. A process that has ended offers ``ended`` forever, in which all processes take part, so an end
+of all is not a deadlock while a part that waits for an ended process is one.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ def find_compiler() -> Compiler:
         if command and shutil.which(command[0]) is not None:
             return Compiler(command, _version(command))
     if wanted:
-        raise CompilerError(f"CC says {wanted}, and there is no such command")
+        raise CompilerError(f"CC is {wanted}, and there is no such command")
     raise CompilerError(
         "--target c needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc; macOS: xcode-select "
         "--install), "

@@ -63,10 +63,7 @@ def simulate(network: CoreNetwork, *, environment: str | None, until: int | None
 
 def _refuse_other_languages(network: CoreNetwork, environment: Environment | None) -> None:
     for body in external_bodies(network.classes, [] if environment is None else [environment]):
-        raise NoMeaningError(
-            f"-O reference runs what the language says, which is nothing of `{body.target}`, a body in another "
-            "language: run it with -O0"
-        )
+        raise NoMeaningError(f"-O reference cannot run `{body.target}`, a body in another language: run it with -O0")
 
 
 def outcome_of(done: Execution, environment: str, network: Network) -> Outcome:

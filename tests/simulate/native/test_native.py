@@ -247,7 +247,7 @@ def test_without_a_compiler_the_message_says_what_to_install(monkeypatch: pytest
     with pytest.raises(CompilerError, match="install gcc or clang"):
         find_compiler()
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(CompilerError, match="CC says no-such-compiler"):
+    with pytest.raises(CompilerError, match="CC is no-such-compiler"):
         find_compiler()
 
 
