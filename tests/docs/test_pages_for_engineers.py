@@ -24,7 +24,7 @@ DECISIONS = [page for page in DESIGN if page.name != "README.md"]
 LINKED = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), *DESIGN]
 ARCHITECTURE = ROOT / "docs" / "architecture.md"
 NAMING = [*DESIGN, ARCHITECTURE, ROOT / "docs" / "releasing.md", ROOT / ".github" / "pull_request_template.md"]
-SECTIONS = ["Decision", "Alternatives", "What it costs", "Where it stands", "Tests that hold it"]
+SECTIONS = ["Decision", "Alternatives", "What it costs", "In the code", "Tests"]
 FOLDERS = "cspdiag|tests|docs|models|templates|grammars|distribution|benchmarks|third-party"
 _PLACE = re.compile(rf"`((?:(?:{FOLDERS})/|\.ci/|\.github/)[\w./-]*|Makefile|[\w-]+\.(?:toml|md))(?:::([\w.]+))?`")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -103,8 +103,8 @@ def test_a_page_of_a_decision_answers_what_an_engineer_would_ask(page: Path) -> 
     found = sections(page)
     assert list(found) == SECTIONS
     assert all(text.strip() for text in found.values())
-    assert any(path.startswith(("cspdiag/", "templates/")) for path, _ in places(found["Where it stands"]))
-    assert any(path.startswith("tests/") for path, _ in places(found["Tests that hold it"]))
+    assert any(path.startswith(("cspdiag/", "templates/")) for path, _ in places(found["In the code"]))
+    assert any(path.startswith("tests/") for path, _ in places(found["Tests"]))
 
 
 def test_the_index_has_every_decision_once() -> None:
