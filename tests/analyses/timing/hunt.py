@@ -4,6 +4,10 @@ looks at so many.
 Each program that is proved schedulable is run four times on a processor that takes time (nothing, the longest times,
 and others between), with inputs that change in a random way. It is wrong if a sample is missed, or if nothing or no
 time goes on. Prints what is wrong, how many were proved, and why others were not.
+
+As many random chains whose samples carry their instants are run so too, with hops that end exactly at each other's
+ticks: an output that is older than its age, a change that is seen later than the reaction, and an output younger than
+the shortest latency are wrong.
 """
 
 from __future__ import annotations
@@ -14,6 +18,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.report.timing import timing_report
+from tests.analyses.timing.ages import compared
 from tests.analyses.timing.judge import build, missed
 from tests.analyses.timing.random.meetings import Meetings
 from tests.analyses.timing.random.shapes import Shapes
@@ -53,6 +58,19 @@ def hunt(first: int, count: int) -> Found:
     return found
 
 
+def hunt_ages(first: int, count: int) -> Found:
+    """Look at the chains of so many seeds, from a first one on; the answers count the bounds that runs reach too."""
+    found = Found()
+    for seed in range(first, first + count):
+        one = compared(seed)
+        found.answers["proved" if one.is_proved else "not proved"] += 1
+        found.answers["age reached"] += one.is_age_reached
+        found.answers["reaction reached"] += one.is_reaction_reached
+        if one.wrong:
+            found.wrong.append((seed, one.wrong))
+    return found
+
+
 def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -63,9 +81,11 @@ def main() -> int:
     print(dict(found.answers))
     for reason, count in found.reasons.most_common(12):
         print(f"  {count} {reason}")
-    for seed, said in found.wrong:
+    ages = hunt_ages(arguments.first, arguments.random)
+    print("chains:", dict(ages.answers))
+    for seed, said in [*found.wrong, *ages.wrong]:
         print(f"WRONG {seed}: {said}")
-    return 1 if found.wrong else 0
+    return 1 if found.wrong or ages.wrong else 0
 
 
 if __name__ == "__main__":

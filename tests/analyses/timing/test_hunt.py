@@ -1,8 +1,10 @@
-"""A slice of the hunt: of random programs that are proved none misses a sample."""
+"""A slice of the hunt: of random programs that are proved none misses a sample, and of random chains no output is
+older, and no change seen later, than was reported.
+"""
 
 from __future__ import annotations
 
-from tests.analyses.timing.hunt import hunt
+from tests.analyses.timing.hunt import hunt, hunt_ages
 
 
 def test_what_is_proved_of_random_programs_holds_in_their_runs() -> None:
@@ -10,3 +12,11 @@ def test_what_is_proved_of_random_programs_holds_in_their_runs() -> None:
     assert found.wrong == []
     assert found.answers["proved"] >= 20
     assert found.answers["unknown"] >= 10
+
+
+def test_ages_and_reactions_of_random_chains_hold_where_hops_end_at_ticks() -> None:
+    found = hunt_ages(0, 60)
+    assert found.wrong == []
+    assert found.answers["proved"] >= 35
+    assert found.answers["age reached"] >= 15
+    assert found.answers["reaction reached"] >= 15

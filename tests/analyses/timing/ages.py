@@ -1,0 +1,65 @@
+"""Holds the ages, reactions and shortest latencies that are reported of a random chain against runs of it."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cspdiag.analyses.timing.report.timing import timing_report
+from tests.analyses.timing.processor import on_processor, run, wcets, with_bench
+from tests.analyses.timing.programs import MS, US
+from tests.analyses.timing.random.aged import QUARTER, Aged
+from tests.analyses.timing.seen import seen_in
+
+UNTIL = 130 * MS
+"""Twice the common multiple of the periods, and some."""
+
+
+@dataclass
+class Compared:
+    """What came of one program: whether it was proved, what no run may show, and whether a run reaches the bounds."""
+
+    is_proved: bool
+    wrong: str = ""
+    is_age_reached: bool = False
+    is_reaction_reached: bool = False
+
+
+def compared(seed: int) -> Compared:
+    """Compare the bounds of the program of a seed with runs in which laws take their longest times, no time, and
+    others.
+    """
+    program = Aged(seed)
+    network = with_bench(program.text, program.inputs, ["y"], "1 ms")
+    report = timing_report(network)
+    if not report.is_schedulable:
+        return Compared(is_proved=False)
+    ours = [chain for chain in report.chains if (chain.source, chain.sink) == ("x0", "y")]
+    if not ours:
+        return Compared(is_proved=True, wrong="no chain from `x0` to `y`")
+    age, reaction = max(chain.age for chain in ours), max(chain.reaction for chain in ours)
+    # From a sample that went through other loops before, more time passes.
+    shortest = min(loop.latency[0] for loop in report.loops if loop.latency is not None)
+    found = Compared(is_proved=True)
+    with on_processor():
+        for k, times in enumerate(_ways(wcets(network), random.Random(seed))):
+            seen = seen_in(run(network, times, UNTIL), "Main.y")
+            found.is_age_reached |= seen.age == age
+            found.is_reaction_reached |= seen.reaction == reaction
+            said = [f"age {seen.age} of {age}"] * (seen.age > age)
+            said += [f"reaction {seen.reaction} of {reaction}"] * (seen.reaction > reaction)
+            said += [f"latency {seen.youngest} from {shortest}"] * (seen.age > 0 and seen.youngest < shortest)
+            if said:
+                found.wrong = f"run {k}: {', '.join(said)}"
+    return found
+
+
+def _ways(stated: dict[str, int], source: random.Random) -> list[Callable[[str], int]]:
+    quarter = QUARTER * US
+    return [
+        stated.__getitem__,
+        lambda _: 0,
+        lambda path: quarter * source.randint(0, stated[path] // quarter),
+        lambda path: source.randint(0, stated[path]),
+    ]
