@@ -40,13 +40,13 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
     """A file that does not compile if a hand-written header has members of other types than the ports; no file if the
     network has no such headers.
     """
-    found = list(dict.fromkeys(_members(network, names, types)))
-    if not found:
+    members = list(dict.fromkeys(_members(network, names, types)))
+    if not members:
         return {}
-    headers = sorted({f"{item.struct}.h" for item in found})
+    headers = sorted({f"{item.struct}.h" for item in members})
     rows = comment(["Does not compile where a header that is written by hand has other types than the ports."])
     rows += ['#include "types.h"', *(f'#include "{header}"' for header in headers), '#include "csp_by_hand.h"', ""]
-    for item in found:
+    for item in members:
         expected = types.type_name(item.type)
         header = source_paths(item.body)[1].rpartition("/")[2]
         message = (
@@ -54,8 +54,8 @@ def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[st
             f"({item.where})"
         )
         name = f"{item.struct}_{item.name}_must_be_as_its_port"
-        given = (f"struct {item.struct}", item.name, expected, name, quoted(message))
-        rows += lines([run(call("CSP_REQUIRE_MEMBER", *given))])
+        arguments = (f"struct {item.struct}", item.name, expected, name, quoted(message))
+        rows += lines([run(call("CSP_REQUIRE_MEMBER", *arguments))])
     return {FILE: "\n".join([*rows, ""])}
 
 

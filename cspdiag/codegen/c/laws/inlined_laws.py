@@ -89,7 +89,7 @@ class _Run:
         action = self.action
         hoisted = self._hoisted()
         copies = {name: f"{identifier(name)}_before" for name in hoisted}
-        found = self._writer(self.printer).equations(action.equations, self._target)
+        statements = self._writer(self.printer).equations(action.equations, self._target)
         late = replace(
             self.printer, signal=lambda name: code(copies[name]) if name in copies else self.printer.signal(name)
         )
@@ -107,8 +107,8 @@ class _Run:
         else:
             last += following
         # The copies have a block of their own: the same law may run several times in one function.
-        found += [Block(tuple(last))] if hoisted else last
-        return InlinedLaw(functions, found, self._unread())
+        statements += [Block(tuple(last))] if hoisted else last
+        return InlinedLaw(functions, statements, self._unread())
 
     def _type_name(self, name: str) -> str:
         return self.printer.types.type_name(self.types_of[name])
@@ -187,11 +187,14 @@ class _Run:
             statements.append(define("const double", "h", infix("/", PRODUCT, sample, cast("double", count))))
         statements += integration.steps(self.printer.signal, count)
         for state in integration.states:
-            moved = code(integration.local(state))
-            statements += [store(moved, call("csp_real", moved)), *record_fault_place(self._state_place(state))]
+            integrated = code(integration.local(state))
+            statements += [
+                store(integrated, call("csp_real", integrated)),
+                *record_fault_place(self._state_place(state)),
+            ]
         statements[-1:] = [*self.check(self._state_place(integration.states[-1])), *following]
         for state in integration.states:
-            moved = code(integration.local(state))
+            integrated = code(integration.local(state))
             single = self.types_of[state] == RealType(32)
-            statements.append(store(self.printer.signal(state), cast("float", moved) if single else moved))
+            statements.append(store(self.printer.signal(state), cast("float", integrated) if single else integrated))
         return [Block(tuple(statements))]

@@ -142,7 +142,7 @@ class Integration:
         ``outer`` gives the lvalues of the held signals in the function that contains the statements.
         """
         shared: list[Code] = [Atom("self")] if self._needs_owner else []
-        kept = [outer(name) for name in self._held_read]
+        held = [outer(name) for name in self._held_read]
         statements: list[Statement] = []
         if self.method != "euler":
             if self._states_read or self.depends_on_time:
@@ -153,7 +153,7 @@ class Integration:
             elapsed = infix("*", PRODUCT, cast("double", Atom("step")), Atom("h"))
             time = infix("+", SUM, Atom("time"), elapsed) if count is not None else Atom("time")
             body.append(define("const double", "t", time))
-        body += (self._euler if self.method == "euler" else self._runge_kutta)(shared, kept)
+        body += (self._euler if self.method == "euler" else self._runge_kutta)(shared, held)
         if count is None:
             return [*statements, *body]
         return [*statements, For(Atom("step"), count, tuple(body), type_name="int64_t")]
@@ -161,22 +161,22 @@ class Integration:
     def _slope(self, stage: str, state: str) -> Code:
         return code(stage).field(self.local(state)) if self.has_several_states else code(stage)
 
-    def _evaluated(self, stage: str, at: Sequence[Code], time: Code, shared: list[Code], kept: list[Code]) -> Plain:
-        arguments = [*shared, *at, *kept, *([time] if self.depends_on_time else [])]
-        kind = f"const struct {self.name}" if self.has_several_states else "const double"
-        return define(kind, stage, call(self.name, *arguments))
+    def _evaluated(self, stage: str, at: Sequence[Code], time: Code, shared: list[Code], held: list[Code]) -> Plain:
+        arguments = [*shared, *at, *held, *([time] if self.depends_on_time else [])]
+        type_name = f"const struct {self.name}" if self.has_several_states else "const double"
+        return define(type_name, stage, call(self.name, *arguments))
 
     def _increment(self, state: str, by: Code) -> Plain:
         return Plain(Assignment(code(self.local(state)), by, "+="))
 
-    def _euler(self, shared: list[Code], kept: list[Code]) -> list[Statement]:
+    def _euler(self, shared: list[Code], held: list[Code]) -> list[Statement]:
         states: list[Code] = [code(self.local(state)) for state in self._states_read]
         increments = [
             self._increment(state, infix("*", PRODUCT, Atom("h"), self._slope("k1", state))) for state in self.states
         ]
-        return [self._evaluated("k1", states, Atom("t"), shared, kept), *increments]
+        return [self._evaluated("k1", states, Atom("t"), shared, held), *increments]
 
-    def _runge_kutta(self, shared: list[Code], kept: list[Code]) -> list[Statement]:
+    def _runge_kutta(self, shared: list[Code], held: list[Code]) -> list[Statement]:
         statements: list[Statement] = []
         for stage, fraction in enumerate(("", "half", "half", "h")):
             at: list[Code] = [code(self.local(state)) for state in self._states_read]
@@ -187,7 +187,7 @@ class Integration:
                     for there, state in zip(at, self._states_read, strict=True)
                 ]
                 time = infix("+", SUM, time, Atom(fraction))
-            statements.append(self._evaluated(f"k{stage + 1}", at, time, shared, kept))
+            statements.append(self._evaluated(f"k{stage + 1}", at, time, shared, held))
         for state in self.states:
             k1, k2, k3, k4 = (self._slope(f"k{stage}", state) for stage in (1, 2, 3, 4))
             total = infix("+", SUM, k1, infix("*", PRODUCT, Atom("2.0"), k2))

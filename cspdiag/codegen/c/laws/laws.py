@@ -65,10 +65,10 @@ def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
     """The C names of the members of the struct of a law and of the local variables of its functions, by their names in
     the source text.
     """
-    given = Names() if class_.external is not None else Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
+    members = Names() if class_.external is not None else Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
     for item in (*class_.ports, *class_.parameters, *class_.states):
-        given[item.name]
-    return given
+        members[item.name]
+    return members
 
 
 def body_name(call: ExternalCall) -> str:
@@ -143,15 +143,15 @@ class LawFiles:
             ("Outputs", [self._field(port) for port in class_.ports if port.direction == "out"]),
             ("States", [self._field(state) for state in class_.states]),
         ]
-        kept = [
+        stored = [
             self._field(item)
             for item in class_.parameters
             if item.name in self._used_in_runs or self._needs_sample(item)
         ]
-        kept += [self._field(item) for item in constants_needed(class_) if item.name in self._used_in_runs]
+        stored += [self._field(item) for item in constants_needed(class_) if item.name in self._used_in_runs]
         if self._sub_steps:
-            kept += [("int64_t", _STEPS, "of the integration in a sample"), ("double", _SUB_STEP, "in seconds")]
-        groups.append(("Parameters and what follows from them", kept))
+            stored += [("int64_t", _STEPS, "of the integration in a sample"), ("double", _SUB_STEP, "in seconds")]
+        groups.append(("Parameters and what follows from them", stored))
         groups.append(
             ("Parts in C", [(f"struct {body_name(item)}", self.members[item.name], None) for item in self._calls])
         )
@@ -160,20 +160,20 @@ class LawFiles:
             yield define("bool", "unused", remark="C has no empty structs")
         for title, fields in filled:
             yield Remark(f"{title}.")
-            for kind, member, doc in fields:
-                yield define(kind, member, remark=" ".join(doc.split()) if doc else None)
+            for type_name, member, doc in fields:
+                yield define(type_name, member, remark=" ".join(doc.split()) if doc else None)
 
     def _needs_sample(self, item: Declared) -> bool:
         return item.name == "sample" and bool(self.class_.derivatives) and self.class_.step is None
 
     def _field(self, item: Declared) -> tuple[str, str, str | None]:
-        kind = self.signal_types[item.name]
-        seconds = isinstance(kind, TimeType) and any(item.name == p.name for p in self.class_.parameters)
-        return "double" if seconds else self.types.type_name(kind), self.members[item.name], item.doc
+        type_ = self.signal_types[item.name]
+        seconds = isinstance(type_, TimeType) and any(item.name == p.name for p in self.class_.parameters)
+        return "double" if seconds else self.types.type_name(type_), self.members[item.name], item.doc
 
     def _parameters(self) -> list[str]:
-        given = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
-        return [f"struct {self.name} *self", *given]
+        parameters = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
+        return [f"struct {self.name} *self", *parameters]
 
     def _prototypes(self) -> list[str]:
         durations = any(isinstance(item.type, TimeType) for item in self.class_.parameters)
@@ -194,11 +194,11 @@ class LawFiles:
         initialized.
         """
         known = set(local)
-        given = {item.name for item in self.class_.parameters}
+        parameters = {item.name for item in self.class_.parameters}
 
         def lvalue(name: str) -> Code:
             member = self.members[name]
-            return code(member) if name in known or (initializing and name in given) else own(member)
+            return code(member) if name in known or (initializing and name in parameters) else own(member)
 
         def seconds(name: str) -> Code:
             member = self.members[name]
@@ -244,18 +244,18 @@ class LawFiles:
                 statements.append(run(ignored(code(member))))
         for constant in constants:
             member = self.members[constant.name]
-            kind = f"const {self.types.type_name(constant.type)}"
-            target: Target = LocalVariable(kind, member) if constant.name in local else own(member)
+            type_name = f"const {self.types.type_name(constant.type)}"
+            target: Target = LocalVariable(type_name, member) if constant.name in local else own(member)
             statements += writer.assign(target, constant.value, self._place(constant))
         if self._sub_steps:
             sample, steps = code(self.members["sample"]), own(_STEPS)
             statements.append(store(steps, sub_steps(sample, float(class_.step or 1))))
             statements.append(store(own(_SUB_STEP), infix("/", PRODUCT, sample, cast("double", steps))))
         for called in self._calls:
-            setup, given = printer.arguments([value for _, value in called.arguments])
+            setup, arguments = printer.arguments([value for _, value in called.arguments])
             statements += setup
             body = address(own(self.members[called.name]))
-            statements.append(run(call(f"{body_name(called)}_initialize", body, *given)))
+            statements.append(run(call(f"{body_name(called)}_initialize", body, *arguments)))
         statements.append(run(f"{self.name}_reset(self)"))
         return [Function(f"void {self.name}_initialize", tuple(self._parameters()), tuple(statements))]
 
@@ -273,8 +273,8 @@ class LawFiles:
             statements.append(run(call(f"{body_name(called)}_reset", address(own(self.members[called.name])))))
         return [self._function("void", "reset", statements or [run("(void)self")])]
 
-    def _function(self, kind: str, verb: str, body: list[Statement]) -> Function:
-        return Function(f"{kind} {self.name}_{verb}", (f"struct {self.name} *self",), tuple(body))
+    def _function(self, return_type: str, verb: str, body: list[Statement]) -> Function:
+        return Function(f"{return_type} {self.name}_{verb}", (f"struct {self.name} *self",), tuple(body))
 
     @cached_property
     def _continuous(self) -> tuple[str, ...]:
@@ -331,8 +331,8 @@ class LawFiles:
         return [self._function("bool" if self.can_fault else "void", "calculate", statements or [run("(void)self")])]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
-        kind = self.types.type_name(self.signal_types[name])
-        return LocalVariable(f"const {kind}" if fixed else kind, self.members[name])
+        type_name = self.types.type_name(self.signal_types[name])
+        return LocalVariable(f"const {type_name}" if fixed else type_name, self.members[name])
 
     def _integration_statements(self, printer: Printer, places: Mapping[str, str]) -> list[Statement]:
         step = own(_SUB_STEP) if self._sub_steps else own(self.members["sample"])
@@ -348,9 +348,9 @@ class LawFiles:
         """The assignments of continuous states, which follow those of the discrete ones: nothing can fault then."""
         statements: list[Statement] = []
         for name in self._continuous if self.class_.derivatives else ():
-            integrated, kind = code(self.members[name]), self.types.type_name(self.signal_types[name])
+            integrated, type_name = code(self.members[name]), self.types.type_name(self.signal_types[name])
             statements.append(
-                store(own(self.members[name]), integrated if kind == "double" else cast(kind, integrated))
+                store(own(self.members[name]), integrated if type_name == "double" else cast(type_name, integrated))
             )
         return statements
 

@@ -146,17 +146,17 @@ class EnvironmentFiles:
         system = self._system
         ports = {port.key: port for port in self.network.external_ports}
         for key, port in ports.items():
-            name, kind = self._members[key], self.types.type_name(port.type)
+            name, type_name = self._members[key], self.types.type_name(port.type)
             if port.medium == "event":
-                statements.append(define(kind, f"{name}[2]", remark="present and last"))
+                statements.append(define(type_name, f"{name}[2]", remark="present and last"))
             else:
-                statements.append(define(kind, name))
+                statements.append(define(type_name, name))
         if system is not None:
             local = {name for call in self._calls for _, name, _ in call.outputs}
-            kept = [(state.name, state.type) for state in system.states]
-            kept += [(item.name, item.type) for item in system.constants if item.name in self._constants]
-            kept += [(name, self._signal_types[name]) for name in sorted(local)]
-            statements += [define(self.types.type_name(kind), self._members[name]) for name, kind in kept]
+            stored = [(state.name, state.type) for state in system.states]
+            stored += [(item.name, item.type) for item in system.constants if item.name in self._constants]
+            stored += [(name, self._signal_types[name]) for name in sorted(local)]
+            statements += [define(self.types.type_name(type_), self._members[name]) for name, type_ in stored]
             statements += [define(f"struct {body_name(item)}", self._members[item.name]) for item in self._calls]
         return Block(tuple(statements), "static struct", "} plant;")
 
@@ -216,10 +216,10 @@ class EnvironmentFiles:
             for constant in constants_needed(system):
                 statements += writer.assign(self._signal(constant.name), constant.value, self._place(constant))
             for item in self._calls:
-                setup, given = printer.arguments([value for _, value in item.arguments])
+                setup, arguments = printer.arguments([value for _, value in item.arguments])
                 statements += setup
                 body = address(_plant(self._members[item.name]))
-                statements.append(run(call(f"{body_name(item)}_initialize", body, *given)))
+                statements.append(run(call(f"{body_name(item)}_initialize", body, *arguments)))
             for state in system.states:
                 statements += writer.assign(self._signal(state.name), state.initial, self._place(state))
         if self._results:
@@ -274,8 +274,8 @@ class EnvironmentFiles:
         return [state.name for state in system.states if state.name in late and not state.continuous]
 
     def _variable(self, name: str, *, fixed: bool = True) -> LocalVariable:
-        kind = self.types.type_name(self._signal_types[name])
-        return LocalVariable(f"const {kind}" if fixed else kind, self._members[name])
+        type_name = self.types.type_name(self._signal_types[name])
+        return LocalVariable(f"const {type_name}" if fixed else type_name, self._members[name])
 
     def _integration_statements(
         self, system: SubmodelClass, printer: Printer, places: Mapping[str, str]
@@ -311,12 +311,12 @@ class EnvironmentFiles:
         assert self._system is not None
         equations = self._results
         results = outputs(self._system)
-        kept = {*results, *(name for call in self._calls for _, name, _ in call.outputs)}
-        local = [name for equation in equations for name in defined(equation) if name not in kept]
+        stored = {*results, *(name for call in self._calls for _, name, _ in call.outputs)}
+        local = [name for equation in equations for name in defined(equation) if name not in stored]
         writer = self._writer(self._printer(local))
 
         def target(name: str) -> Target:
-            return self._signal(name) if name in kept else self._variable(name)
+            return self._signal(name) if name in stored else self._variable(name)
 
         statements: list[Statement] = []
         if uses_time((tuple(part for equation in equations for part in values(equation)),)):
@@ -331,23 +331,23 @@ class EnvironmentFiles:
         statements: list[Statement] = []
         done: set[str] = set()
         for port in self.network.external_ports:
-            name, kind = self._transfer(port), self.types.type_name(port.type)
+            name, type_name = self._transfer(port), self.types.type_name(port.type)
             if name in done:
                 continue
             done.add(name)
             if port.direction == "out":
-                copied = store(f"*({kind} *)device", f"*(const {kind} *)value")
+                copied = store(f"*({type_name} *)device", f"*(const {type_name} *)value")
                 statements.append(Function(f"static void {name}", ("void *device", "const void *value"), (copied,)))
             elif port.medium != "event":
-                copied = store(f"*({kind} *)value", f"*(const {kind} *)device")
+                copied = store(f"*({type_name} *)value", f"*(const {type_name} *)device")
                 statements.append(
                     Function(f"static bool {name}", ("void *device", "void *value"), (copied, return_value("true")))
                 )
             else:
-                statements.append(self._event_reader(name, kind, port.type))
+                statements.append(self._event_reader(name, type_name, port.type))
         return statements
 
-    def _event_reader(self, name: str, kind: str, type_: Type) -> Function:
+    def _event_reader(self, name: str, type_name: str, type_: Type) -> Function:
         """The function that reads an event port, and returns whether its value has changed since the last call."""
         present, last = code("signal").at(0), code("signal").at(1)
         changed: Code = infix("!=", EQUALITY, present, last)
@@ -355,10 +355,10 @@ class EnvironmentFiles:
             changed = negated(call(f"{self.types.suffix(type_)}_equal", present, last))
         body = (
             Remark("The present and the last value: an event is a change."),
-            define(f"{kind} *const", "signal", "device"),
+            define(f"{type_name} *const", "signal", "device"),
             define("const bool", "changed", changed),
             store(last, present),
-            store(f"*({kind} *)value", present),
+            store(f"*({type_name} *)value", present),
             return_value("changed"),
         )
         return Function(f"static bool {name}", ("void *device", "void *value"), body)

@@ -250,12 +250,12 @@ class _NetworkFiles:
             designator = layout.designator(port.name.partition("[")[0], port.index)
             if designator is not None:
                 fields.append((f".{designator}", address(_external(members[port.key]))))
-        given: list[Code] = [code(f"&{struct}"), code("&numbers")]
+        arguments: list[Code] = [code(f"&{struct}"), code("&numbers")]
         if fields:
-            given.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
+            arguments.append(address(Aggregate(tuple(fields), f"const struct {struct}_ports")))
         values = dict(self.network.arguments)
-        given += [self.types.literal(values[item.name], item.type) for item in self.top.parameters]
-        return call(f"{struct}_initialize", *given)
+        arguments += [self.types.literal(values[item.name], item.type) for item in self.top.parameters]
+        return call(f"{struct}_initialize", *arguments)
 
     def _reports(self) -> list[str]:
         return [

@@ -67,9 +67,9 @@ def _struct(type_: StructType | ArrayType, types: CTypes) -> list[str]:
     compared = (f"{name} left", f"{name} right")
     rows += lines([Function(f"static inline bool {suffix}_equal", compared, tuple(_equality(type_, types)))])
     if types.has_reals(type_):
-        given = (f"{name} value", "const char *port")
-        looked = Function(f"static inline void {suffix}_finite", given, tuple(_finiteness(type_, types)))
-        rows += ["", *lines([looked])]
+        parameters = (f"{name} value", "const char *port")
+        finite_check = Function(f"static inline void {suffix}_finite", parameters, tuple(_finiteness(type_, types)))
+        rows += ["", *lines([finite_check])]
     return rows
 
 
@@ -77,8 +77,8 @@ def _equality(type_: StructType | ArrayType, types: CTypes) -> list[Statement]:
     left, right = code("left"), code("right")
     if isinstance(type_, StructType):
         whole: Code | None = None
-        for name, kind in type_.fields:
-            part = _equal(kind, left.field(types.field(name)), right.field(types.field(name)), types)
+        for name, field_type in type_.fields:
+            part = _equal(field_type, left.field(types.field(name)), right.field(types.field(name)), types)
             whole = part if whole is None else infix("&&", AND, whole, part)
         return [return_value(whole or "true")]
     position = code("position")
@@ -117,6 +117,9 @@ def constants_header(network: Network, names: PackageNames, types: CTypes) -> st
         if constant.doc:
             rows += comment(wrapped(constant.doc))
         place = names.place(constant.span.file, constant.span.line)
-        kind, value = f"static const {types.type_name(constant.type)}", types.initial(constant.value, constant.type)
-        rows += lines([define(kind, names.constants[constant.name], value, place)])
+        type_name, value = (
+            f"static const {types.type_name(constant.type)}",
+            types.initial(constant.value, constant.type),
+        )
+        rows += lines([define(type_name, names.constants[constant.name], value, place)])
     return "\n".join([*rows, *([""] if network.constants else []), "#endif", ""])

@@ -120,11 +120,11 @@ def generate(network: CoreNetwork, modules: Mapping[str, str], options: Options)
     types = CTypes(names)
     rows: list[str] = []
     for class_ in lowered.classes:
-        made = {} if isinstance(class_, ProcessClass) else law_files(class_, names, types)
-        if made or (isinstance(class_, ProcessClass) and class_.external is None):
+        law = {} if isinstance(class_, ProcessClass) else law_files(class_, names, types)
+        if law or (isinstance(class_, ProcessClass) and class_.external is None):
             kind = "process" if isinstance(class_, ProcessClass) else "control law"
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
-        files.update(made)
+        files.update(law)
     by_hand = external_files(network, modules)
     files.update(by_hand)
     files.update(checks_file(lowered, names, types))
