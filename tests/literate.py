@@ -17,7 +17,7 @@ from pathlib import Path
 from cspdiag import pipeline
 from cspdiag.base import Diagnostic, SourceFile, Span
 from cspdiag.proofs.answers.findings import diagnostics_of
-from tests.support.verifying import answers_to, told
+from tests.support.verifying import answer_text, answers_to
 
 CASES = Path(__file__).parent / "cases"
 MAIN = "case.csp"
@@ -108,7 +108,7 @@ def actual(case: Case, block: Block) -> str:
     """What the compiler says now where ``block`` stands."""
     if block.language == "proofs":
         answers = answers_to(case.files, MAIN)
-        return "".join(f"{told(answer)}{describe(diagnostics_of([answer]))}" for answer in answers)
+        return "".join(f"{answer_text(answer)}{describe(diagnostics_of([answer]))}" for answer in answers)
     checked = check_files(case.files)
     if block.language == "diagnostics":
         return describe(checked.report.diagnostics)

@@ -68,7 +68,7 @@ def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | N
             if not isinstance(brief, Unknown):
                 return _shortened(question, _with_solver_note(brief, unknown), limits)
         share = _share(limits, len(methods) - at)
-        verdict = _asked(method, question, share)
+        verdict = _verdict_of(method, question, share)
         if isinstance(verdict, Unknown):
             # A candidate of SAT may still be excluded by invariants: until then, only a cheap search starts from it.
             is_last = "invariants" not in methods[at + 1 :]
@@ -81,7 +81,7 @@ def _prove(question: StuckQuestion, limits: Limits, chosen: Sequence[Method] | N
     return _together(unknown)
 
 
-def _asked(method: Method, question: StuckQuestion, limits: Limits) -> Verdict:
+def _verdict_of(method: Method, question: StuckQuestion, limits: Limits) -> Verdict:
     """The verdict of a method; the time includes what all methods need to know of the system."""
     try:
         return _ENGINES[method](question, limits)

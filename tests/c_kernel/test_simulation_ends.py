@@ -1,4 +1,4 @@
-"""A simulation without an end ends when it is told to, or when its parent does."""
+"""A simulation without an end ends on request, or when its parent does."""
 
 from __future__ import annotations
 
@@ -84,9 +84,9 @@ def test_two_signals_at_once_count_as_one(simulation: Path) -> None:
             process.stdout.read(1)
             process.send_signal(signal.SIGTERM)
             process.send_signal(signal.SIGINT)
-            told = process.stdout.read()
+            reported = process.stdout.read()
         assert process.returncode in (128 + signal.SIGTERM, 128 + signal.SIGINT)
-        assert told[-24:-22] == STOPPED
+        assert reported[-24:-22] == STOPPED
 
 
 def test_a_native_run_ends_without_a_reader(simulation: Path) -> None:

@@ -111,8 +111,8 @@ def test_an_internal_error_says_what_to_report(cspdiag: Command, good: Path, mon
     result = cspdiag("check", good)
     assert result.code == 3
     assert "Traceback" not in result.err
-    for told in ("internal error", __version__, "KeyError: 'lost'", "in fail", good.name):
-        assert told in result.err
+    for reported in ("internal error", __version__, "KeyError: 'lost'", "in fail", good.name):
+        assert reported in result.err
 
 
 def test_ctrl_c_ends_quietly(cspdiag: Command, good: Path, monkeypatch: pytest.MonkeyPatch) -> None:

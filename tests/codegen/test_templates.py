@@ -131,9 +131,9 @@ def test_parts_begin_with_an_underscore(tmp_path: Path) -> None:
 def test_a_mistake_is_reported_with_its_line(
     text: str, reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(TemplateError) as told:
+    with pytest.raises(TemplateError) as reported:
         replaced("c", "source.c.j2", f"one\n{text}\n")
-    assert str(told.value) == f"own/source.c.j2:2: {reason}"
+    assert str(reported.value) == f"own/source.c.j2:2: {reason}"
     path, out = tmp_path / "source.c.j2", tmp_path / "out"
     path.write_text(f"one\n{text}\n")
     assert main(["compile", CASCADE, "--target", "c", "--templates", str(tmp_path), "-o", str(out)]) == 1
@@ -170,9 +170,9 @@ def test_a_file_that_is_not_a_template_is_refused(
     path.mkdir() if content is None else path.write_bytes(content)
     out = tmp_path / "out"
     assert main(["compile", CASCADE, "--target", "c", "--templates", str(path.parent), "-o", str(out)]) == 2
-    told = capsys.readouterr().err
-    assert str(path) in told
-    assert reason in told
+    reported = capsys.readouterr().err
+    assert str(path) in reported
+    assert reason in reported
     assert not out.exists()
 
 

@@ -49,8 +49,8 @@ def test_every_member_of_a_target() -> None:
 
 def test_functions_of_the_library() -> None:
     paragraph = PAGE.partition("**Floating point.**")[2].partition("\n\n")[0]
-    told = paragraph.partition("The functions")[2].partition("are the C library's")[0]
-    assert set(re.findall(r"`([a-z0-9^]+)`", told)) == LIBRARY_FUNCTIONS
+    reported = paragraph.partition("The functions")[2].partition("are the C library's")[0]
+    assert set(re.findall(r"`([a-z0-9^]+)`", reported)) == LIBRARY_FUNCTIONS
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ _LINE = re.compile(r"^//> (.*)$", re.MULTILINE)
 WORKED = {name: worked for name in PROGRAMS if (worked := _LINE.findall(read(name).text))}
 
 
-def told(execution: Execution) -> list[str]:
+def trace_lines(execution: Execution) -> list[str]:
     """An execution as the programs tell it; values as the language writes them."""
     lines = [f"{_milliseconds(time)} {channel} {_value(value)}" for time, channel, value, *_ in execution.trace]
     return [*lines, f"{execution.ending.ended} at {_milliseconds(execution.ending.time)}"]
@@ -37,7 +37,7 @@ def _value(value: object) -> str:
 @pytest.mark.parametrize("target", [REFERENCE, READABLE], ids=["meaning", "readable code"])
 @pytest.mark.parametrize("name", WORKED)
 def test_the_trace_is_the_worked_one(name: str, target: Target) -> None:
-    assert told(target.run(parsed(name), None, 100_000_000 + JUST_AFTER)) == WORKED[name]
+    assert trace_lines(target.run(parsed(name), None, 100_000_000 + JUST_AFTER)) == WORKED[name]
 
 
 LAST = 9_223_372_036 * 10**9

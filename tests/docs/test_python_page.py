@@ -49,7 +49,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     folder = tmp_path_factory.mktemp("page")
     (folder / "models").symlink_to(ROOT / "models")
     made: dict[str, object] = {}
-    told: list[str] = []
+    reported: list[str] = []
     runner = doctest.DocTestRunner(verbose=False)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
@@ -59,9 +59,9 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
             test = doctest.DocTestParser().get_doctest(
                 block, made, "python.md", "docs/python.md", PAGE[: PAGE.index(block)].count("\n")
             )
-            runner.run(test, out=told.append, clear_globs=False)
+            runner.run(test, out=reported.append, clear_globs=False)
             made.update(test.globs)
-    assert runner.failures == 0, "".join(told)
+    assert runner.failures == 0, "".join(reported)
     return made
 
 

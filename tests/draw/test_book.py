@@ -156,8 +156,8 @@ def test_errors_are_marked_and_reported_once_if_requested(tmp_path: Path, capsys
     assert not page.exists()
     assert main(["draw", str(program), "--book", str(page), "--check"]) == 1
     assert "error[" in capsys.readouterr().err
-    told = re.findall(r"<text[^>]*>(?:<tspan[^>]*>)?E\d{4}", page.read_text())
-    assert len(told) == 1
+    reported = re.findall(r"<text[^>]*>(?:<tspan[^>]*>)?E\d{4}", page.read_text())
+    assert len(reported) == 1
 
 
 @given(st.text(alphabet="pin process<>/\"'*\n\r\t 0123._@{}->\N{SNOWMAN}\f", max_size=80))

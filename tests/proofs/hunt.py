@@ -41,7 +41,7 @@ class Question:
     partial: dict[str, Engine]
 
 
-def asked(prove: Callable[[System, Limits, Sequence[Method]], Verdict], *methods: Method) -> Engine:
+def engine_of(prove: Callable[[System, Limits, Sequence[Method]], Verdict], *methods: Method) -> Engine:
     """The engine that uses some methods of the portfolio only."""
     return lambda system, limits: prove(system, limits, methods)
 
@@ -56,7 +56,7 @@ QUESTIONS = (
             "minimization": minimization.deadlock_free,
             "portfolio": prove_deadlock_free,
         },
-        {"rules": asked(prove_deadlock_free, "rules"), "sat": asked(prove_deadlock_free, "rules", "sat")},
+        {"rules": engine_of(prove_deadlock_free, "rules"), "sat": engine_of(prove_deadlock_free, "rules", "sat")},
     ),
     Question(
         "knots",
@@ -65,8 +65,8 @@ QUESTIONS = (
         {
             "minimization": minimization.knot_free,
             "stubborn": stubborn.knot_free,
-            "rules": asked(prove_knot_free, "rules"),
-            "sat": asked(prove_knot_free, "rules", "sat"),
+            "rules": engine_of(prove_knot_free, "rules"),
+            "sat": engine_of(prove_knot_free, "rules", "sat"),
         },
     ),
     Question("livelock", naive.livelocked, {"livelock": livelock.livelock_free}, {}),

@@ -12,7 +12,7 @@ from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.conformance.sources import JUST_AFTER, network_of
 from tests.conformance.targets import READABLE, REFERENCE, Target
-from tests.conformance.test_worked_traces import told
+from tests.conformance.test_worked_traces import trace_lines
 
 PAGE = (Path(__file__).parents[2] / "docs" / "semantics.md").read_text(encoding="utf-8")
 SECTIONS = [part.partition("\n") for part in PAGE.split("\n## ")[1:]]
@@ -29,7 +29,7 @@ WORKED = [
 @pytest.mark.parametrize(("program", "trace"), WORKED)
 def test_program_has_the_trace_below_it(program: str, trace: list[str], target: Target) -> None:
     network = network_of(SourceFile(name="semantics.md", text=program))
-    assert told(target.run(network, None, 100_000_000 + JUST_AFTER)) == trace
+    assert trace_lines(target.run(network, None, 100_000_000 + JUST_AFTER)) == trace
 
 
 @pytest.mark.parametrize(("program", "trace"), WORKED)

@@ -166,9 +166,9 @@ def test_a_run_against_the_clock_says_how_many_samples_it_missed(program: Path, 
         env=environment, capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    told = re.search(r"missed samples: (Main\.)?level (\d+)", done.stdout + done.stderr)
-    assert told is not None, done.stdout + done.stderr
-    assert int(told[2]) >= 5
+    reported = re.search(r"missed samples: (Main\.)?level (\d+)", done.stdout + done.stderr)
+    assert reported is not None, done.stdout + done.stderr
+    assert int(reported[2]) >= 5
 
 
 @pytest.mark.parametrize("level", ["-O0", "-O1"])

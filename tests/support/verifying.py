@@ -38,7 +38,7 @@ def refuted(text: str) -> bool:
     return answer.replayed
 
 
-def told(answer: Answer) -> str:
+def answer_text(answer: Answer) -> str:
     """An answer as literate cases have it, without how it was found."""
     head = f"{answer.outcome.upper()} {answer.question.text}"
     if answer.outcome == "proved":

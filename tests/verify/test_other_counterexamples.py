@@ -178,8 +178,10 @@ def test_a_time_out_occurs_if_no_process_is_ready() -> None:
     assert answer.outcome == "refuted"
     assert answer.replayed
     assert answer.counterexample is not None
-    told = [(step.kind, [party.name for party in step.parties]) for step in answer.counterexample.steps if step.shown]
-    assert told == [("external", ["slave"]), ("time", ["master"]), ("external", ["master"])]
+    reported = [
+        (step.kind, [party.name for party in step.parties]) for step in answer.counterexample.steps if step.shown
+    ]
+    assert reported == [("external", ["slave"]), ("time", ["master"]), ("external", ["master"])]
 
 
 RESOURCES = """

@@ -188,7 +188,7 @@ def time_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(suggest, "SECONDS", 60.0)
 
 
-def asked(files: dict[str, str], main: str, settings: dict[str, str] | None = None) -> Answer:
+def answer_of(files: dict[str, str], main: str, settings: dict[str, str] | None = None) -> Answer:
     """The answer to whether a program is free from deadlock."""
 
     def read(path: str) -> SourceFile:
@@ -202,13 +202,13 @@ def suggested(
     files: dict[str, str], main: str = "case.csp", settings: dict[str, str] | None = None
 ) -> list[Suggestion]:
     """What is suggested; what it changes keeps all ports, and the program is proved with it."""
-    answer = asked(files, main, settings)
+    answer = answer_of(files, main, settings)
     assert answer.outcome == "refuted"
     for suggestion in answer.suggestions:
         name = suggestion.span.file
         assert ports(suggestion.text) == ports(files[name]) != []
         if suggestion.proved_with is None:
-            assert asked(files | {name: suggestion.text}, main, settings).outcome == "proved", suggestion.words
+            assert answer_of(files | {name: suggestion.text}, main, settings).outcome == "proved", suggestion.words
     return list(answer.suggestions)
 
 
@@ -285,7 +285,9 @@ def test_partners_that_have_ended_are_reported() -> None:
     robots = ROBOTS.replace("mu (first ! true", "(first ! true").replace(
         "b.first  -> fixture.right", "b.first  -> gripper.right"
     )
-    answer = asked({"case.csp": robots.replace("b.second -> gripper.right", "b.second -> fixture.right")}, "case.csp")
+    answer = answer_of(
+        {"case.csp": robots.replace("b.second -> gripper.right", "b.second -> fixture.right")}, "case.csp"
+    )
     assert answer.counterexample is not None
     assert [(entry.name, entry.ended) for entry in answer.counterexample.waiting] == [
         ("gripper", ("a", "b")),

@@ -178,7 +178,7 @@ def _bars(marks: dict[int, _Row], paint: Paint, upto: int | None = None) -> str:
     return _painted(cells, paint)
 
 
-def _wanted_lines(marks: Sequence[Mark]) -> list[int]:
+def _visible_lines(marks: Sequence[Mark]) -> list[int]:
     wanted: set[int] = set()
     for mark in marks:
         first, last = mark.lines
@@ -233,7 +233,7 @@ def draw(source: SourceFile, marks: Sequence[Mark], gutter: int, paint: Paint) -
     bar = " " * gutter + paint(" | ", "frame")
     drawn: list[str] = []
     previous: int | None = None
-    for number in _wanted_lines(marks):
+    for number in _visible_lines(marks):
         if previous is not None and number != previous + 1:
             drawn.append(paint("...".ljust(gutter + 3), "frame") + brackets.below_line(previous))
         line = _Line(source, number, [mark for mark in within if mark.lines[0] == number])

@@ -54,10 +54,12 @@ def _places(found: Counterexample) -> tuple[Label, ...]:
             key = (entry.span.file, entry.span.start, entry.span.end)
             names.setdefault(key, []).append(entry.name)
             labels.setdefault(key, (entry.span, entry.words))
-    return tuple(Label(span, _said(names[key], words)) for key, (span, words) in list(labels.items())[:_MOST_PLACES])
+    return tuple(
+        Label(span, _sentence_of(names[key], words)) for key, (span, words) in list(labels.items())[:_MOST_PLACES]
+    )
 
 
-def _said(names: list[str], words: str) -> str:
+def _sentence_of(names: list[str], words: str) -> str:
     if len(names) == 1:
         return f"`{names[0]}` {words}"
     others = f"{len(names) - 1} more like it" if len(names) > 2 else f"`{names[1]}`"

@@ -31,7 +31,7 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
     began = time.monotonic()
     left_open: tuple[Abstraction, ...] = ()
     try:
-        system, specification = _asked(question, systems)
+        system, specification = _systems_of(question, systems)
         left_open = system.abstractions
         answer = _answer(question, system, specification, limits, method)
     except LimitError as limit:
@@ -41,7 +41,7 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
     return replaced(answer, seconds=time.monotonic() - began, abstractions=(*left_open, *answer.abstractions))
 
 
-def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
+def _systems_of(question: Question, systems: Systems) -> tuple[System, System | None]:
     """The systems of the process and of its specification, if it has one; both distinguish the same values of the
     inputs that the specification distinguishes.
     """

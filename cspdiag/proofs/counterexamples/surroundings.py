@@ -52,19 +52,19 @@ def looks_the_same(part: ast.Node, renamed: Mapping[str, str]) -> bool:
     """Whether a part of the text means the same after some names are exchanged for others; the order of branches of
     alternatives and parallels does not matter.
     """
-    return _said(part, {}) == _said(part, renamed)
+    return _normalized(part, {}) == _normalized(part, renamed)
 
 
-def _said(part: object, renamed: Mapping[str, str]) -> str:
+def _normalized(part: object, renamed: Mapping[str, str]) -> str:
     if isinstance(part, Span):
         return ""
     if isinstance(part, tuple):
-        return f"({' '.join(_said(element, renamed) for element in part)})"
+        return f"({' '.join(_normalized(element, renamed) for element in part)})"
     if isinstance(part, ast.Alternative | ast.Parallel) and not part.prioritized:
         inner = part.branches if isinstance(part, ast.Alternative) else part.processes
-        return f"{type(part).__name__}{sorted(_said(element, renamed) for element in inner)}"
+        return f"{type(part).__name__}{sorted(_normalized(element, renamed) for element in inner)}"
     if isinstance(part, ast.Node):
-        return f"{type(part).__name__}({' '.join(_said(field, renamed) for field in _fields(part))})"
+        return f"{type(part).__name__}({' '.join(_normalized(field, renamed) for field in _fields(part))})"
     return renamed.get(part, part) if isinstance(part, str) else str(part)
 
 

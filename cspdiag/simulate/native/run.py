@@ -82,7 +82,9 @@ def simulate(
         files = generate(network, read, "c", level, observed=not fused)
         sources = [path for path in files if path.endswith(".c")]
         program = Build(
-            files, _wanted(sources, real_time), (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ()))
+            files,
+            _chosen_sources(sources, real_time),
+            (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ())),
         ).executable()
     command = [str(program), "--observe", observed, "--parent", str(os.getpid())]
     if chosen is not None:
@@ -93,7 +95,7 @@ def simulate(
     return Run(network, chosen, outcome, recorder)
 
 
-def _wanted(sources: list[str], real_time: bool) -> list[str]:
+def _chosen_sources(sources: list[str], real_time: bool) -> list[str]:
     """The sources of the simulation with the requested kernel port only."""
     port = "csp_port_posix.c" if real_time else "csp_port_simulation.c"
     return [path for path in sources if "csp_port_" not in path or path.endswith(port)]

@@ -119,9 +119,9 @@ NOT_LINEAR = INTEGRATOR.replace("u = -({gain}) * y", "u = limit(-({gain}) * quan
 def test_what_is_not_linear_is_named_with_its_place() -> None:
     loop = only_loop(program(NOT_LINEAR, gain=10.0, latch=""))
     assert loop.margins == only_loop(program(INTEGRATOR, gain=10.0, latch="")).margins
-    told = {part.what: part.span for part in loop.simplifications}
-    assert set(told) == {"the limit counts as not reached", "quantization is taken as its mean, without steps"}
-    assert {span.line for span in told.values() if span is not None} == {7}
+    reported = {part.what: part.span for part in loop.simplifications}
+    assert set(reported) == {"the limit counts as not reached", "quantization is taken as its mean, without steps"}
+    assert {span.line for span in reported.values() if span is not None} == {7}
 
 
 DRY = INTEGRATOR.replace(

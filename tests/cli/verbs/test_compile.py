@@ -173,7 +173,7 @@ def test_the_transition_system_does_not_depend_on_the_hash_seed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "reported"),
     [
         (["--target", "cobol"], "there are: python"),
         (["--set", "T"], "NAME=VALUE"),
@@ -184,11 +184,11 @@ def test_the_transition_system_does_not_depend_on_the_hash_seed() -> None:
     ids=repr,
 )
 def test_impossible_requests_are_reported_in_one_line(
-    cspdiag: Command, tmp_path: Path, options: list[str], told: str
+    cspdiag: Command, tmp_path: Path, options: list[str], reported: str
 ) -> None:
     result = cspdiag("compile", JIWY, "-o", tmp_path / "out", *options)
     assert result.code == 2
-    assert told in result.err
+    assert reported in result.err
     assert result.err.count("\n") == 1
     assert not (tmp_path / "out").exists()
 

@@ -115,9 +115,9 @@ def test_imports_are_those_of_the_revision(cspdiag: Command, repository: Path) -
     path = repository / "loop.csp"
     path.write_text(PROGRAM.replace("law.csp", "laws.csp"))
     commit(repository, "second")
-    told = "  submodel Law\n    ~ equation u: value gain * e → -gain * e\n"
-    assert cspdiag("diff", path, "--from", "HEAD~1").out == told
-    assert cspdiag("diff", path, "--from", "HEAD~1", "--to", "main").out == told
+    reported = "  submodel Law\n    ~ equation u: value gain * e → -gain * e\n"
+    assert cspdiag("diff", path, "--from", "HEAD~1").out == reported
+    assert cspdiag("diff", path, "--from", "HEAD~1", "--to", "main").out == reported
     assert cspdiag("diff", path, "--from", "main") == (0, "", "")
 
 
@@ -127,10 +127,10 @@ def test_a_revision_precedes_a_file_as_in_git(
     path = repository / "loop.csp"
     path.write_text(PROGRAM.replace("2<V>", "3<V>"))
     monkeypatch.chdir(repository)
-    told = "  process Loop\n    ~ instance law: argument gain 2<V> → 3<V>\n"
-    assert cspdiag("diff", "HEAD:the models/loop.csp", "loop.csp").out == told
-    assert cspdiag("diff", "HEAD:./loop.csp", "loop.csp").out == told
-    assert cspdiag("diff", "HEAD:./loop.csp").out == told
+    reported = "  process Loop\n    ~ instance law: argument gain 2<V> → 3<V>\n"
+    assert cspdiag("diff", "HEAD:the models/loop.csp", "loop.csp").out == reported
+    assert cspdiag("diff", "HEAD:./loop.csp", "loop.csp").out == reported
+    assert cspdiag("diff", "HEAD:./loop.csp").out == reported
 
 
 @pytest.mark.parametrize(

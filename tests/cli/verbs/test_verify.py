@@ -1,4 +1,4 @@
-"""``cspdiag verify`` and ``cspdiag run --replay``: what is told, to whom, and with which exit code."""
+"""``cspdiag verify`` and ``cspdiag run --replay``: the output, its stream and the exit code."""
 
 from __future__ import annotations
 
@@ -90,9 +90,9 @@ def test_errors_are_reported_in_the_requested_format(
 ) -> None:
     path = tmp_path / "bad.csp"
     path.write_text(BAD)
-    told = cspdiag("verify", *options, path, "--format", format_)
-    assert told == cspdiag("check", path, "--format", format_)
-    assert "error" in told.out + told.err
+    reported = cspdiag("verify", *options, path, "--format", format_)
+    assert reported == cspdiag("check", path, "--format", format_)
+    assert "error" in reported.out + reported.err
 
 
 def test_warnings_are_printed_with_what_is_not_proved(cspdiag: Command, refuted: Path) -> None:
@@ -203,8 +203,8 @@ def test_what_is_for_people_goes_to_standard_error_and_the_rest_to_standard_outp
     cspdiag: Command, refuted: Path, format_: str, for_people: bool
 ) -> None:
     result = cspdiag("verify", refuted, "--format", format_)
-    told, silent = (result.err, result.out) if for_people else (result.out, result.err)
-    assert "Both" in told
+    reported, silent = (result.err, result.out) if for_people else (result.out, result.err)
+    assert "Both" in reported
     assert silent == ""
 
 
@@ -257,9 +257,9 @@ def test_an_unwritable_cache_is_ignored(
 
 def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: Path, tmp_path: Path) -> None:
     trace = tmp_path / "trace.json"
-    told = cspdiag("verify", refuted, "--trace-out", trace)
-    assert told.code == 1
-    assert told.err.endswith(f"\nwrote {trace}\n")
+    reported = cspdiag("verify", refuted, "--trace-out", trace)
+    assert reported.code == 1
+    assert reported.err.endswith(f"\nwrote {trace}\n")
     replay = cspdiag("run", refuted, "--replay", trace)
     assert replay.code == 0
     assert "deadlock at 0 s: 2 processes wait for each other" in replay.err
@@ -370,10 +370,10 @@ def test_values_are_reported_in_the_words_of_the_text(cspdiag: Command, tmp_path
     program.write_text(CHECKED)
     result = cspdiag("verify", program, "--trace-out", trace)
     assert "arrived Part.bad" in result.err
-    told = cspdiag("run", program, "--replay", trace).err
-    assert "arrived  Part.bad" in told
-    assert "ready  Part.bad" in told
-    assert "taken  true" in told
+    reported = cspdiag("run", program, "--replay", trace).err
+    assert "arrived  Part.bad" in reported
+    assert "ready  Part.bad" in reported
+    assert "taken  true" in reported
 
 
 ENDED = """process P {
@@ -417,10 +417,11 @@ assert P deadlock free
 """
 
 
-def waiting_lines(told: str) -> list[str]:
+def waiting_lines(reported: str) -> list[str]:
     """Who waits for what, and where, without the folder of the file."""
     return [
-        f"{who}{file}" for who, file in re.findall(r"^  (`.*` waits to .* \()(?:.*/)?(.*:\d+\))", told, re.MULTILINE)
+        f"{who}{file}"
+        for who, file in re.findall(r"^  (`.*` waits to .* \()(?:.*/)?(.*:\d+\))", reported, re.MULTILINE)
     ]
 
 
@@ -505,8 +506,8 @@ assert Main livelock free
 def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, composition: str, lines: list[str]) -> None:
     file, trace = tmp_path / "rounds.csp", tmp_path / "trace.json"
     file.write_text(ROUNDS.replace("ROUND", composition))
-    told = cspdiag("verify", file, "--trace-out", trace)
-    assert "then again and again" in told.err
+    reported = cspdiag("verify", file, "--trace-out", trace)
+    assert "then again and again" in reported.err
     replay = cspdiag("run", file, "--replay", trace)
     assert replay.code == 0
     assert replay.err.splitlines()[-len(lines) :] == lines
@@ -572,8 +573,8 @@ def test_a_replay_reports_the_instants_of_repeated_steps(
 def test_a_loop_that_no_diagram_shows_is_found_in_the_text(cspdiag: Command, tmp_path: Path) -> None:
     file = tmp_path / "rounds.csp"
     file.write_text(ROUNDS.replace("ROUND", "mu (skip -> skip [] skip -> u := 1) until u == 1"))
-    told = cspdiag("verify", file).err
-    assert f"then again and again, without a communication or a delay: `Main` ({file}:12)" in told
+    reported = cspdiag("verify", file).err
+    assert f"then again and again, without a communication or a delay: `Main` ({file}:12)" in reported
 
 
 @pytest.mark.parametrize(
@@ -589,7 +590,7 @@ def test_one_state_is_counted_as_one(cspdiag: Command, tmp_path: Path, method: s
         "process Q { in e : int communication { var v : int } composition { mu e ? v } }\n"
         "assert Q deadlock free\nassert Q refines Q\n"
     )
-    told = cspdiag("verify", path, "--method", method).err
-    assert reason in told
-    assert "every trace in the only reachable state is one of the specification" in told
-    assert not re.search(r"\b1 \w*\s?states\b", told)
+    reported = cspdiag("verify", path, "--method", method).err
+    assert reason in reported
+    assert "every trace in the only reachable state is one of the specification" in reported
+    assert not re.search(r"\b1 \w*\s?states\b", reported)

@@ -166,7 +166,7 @@ def network_of(text: str, folder: Path) -> Network:
     return built.network
 
 
-def told(run: Run) -> list[tuple[int, str, object]]:
+def communications_of(run: Run) -> list[tuple[int, str, object]]:
     return [(time, channel, value) for time, channel, value, _, _ in run.communications]
 
 
@@ -182,5 +182,5 @@ def test_a_process_by_hand_communicates_through_all_kinds_of_ends(level: int, tm
     wanted = execute.simulate(in_the_language, pipeline.generate(in_the_language, read_source), until=100 * MS)
     run = native.simulate(by_hand, read_source, level=level, until=100 * MS, options=("-O0",))
     assert len(wanted.communications) > 50
-    assert told(run) == told(wanted)
+    assert communications_of(run) == communications_of(wanted)
     assert (run.outcome.ended, run.outcome.time) == (wanted.outcome.ended, wanted.outcome.time)

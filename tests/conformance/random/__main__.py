@@ -44,14 +44,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.compilers and options.sanitize and looked % options.sanitize == 0:
             runs.append((NATIVE, options.compilers[0], True))
         for names, compiler, sanitized in runs:
-            told = difference(str(program), names, compiler, sanitized=sanitized)
-            if told:
+            reported = difference(str(program), names, compiler, sanitized=sanitized)
+            if reported:
                 found += 1
-                least, told = smallest(program, told, names, compiler, options.shrink, sanitized=sanitized)
+                least, reported = smallest(program, reported, names, compiler, options.shrink, sanitized=sanitized)
                 options.folder.mkdir(parents=True, exist_ok=True)
                 place = options.folder / f"seed_{seed - 1}.csp"
                 place.write_text(str(least), encoding="utf-8")
-                print(f"seed {seed - 1}: {told}\n  {place}", flush=True)
+                print(f"seed {seed - 1}: {reported}\n  {place}", flush=True)
                 break
         if looked % REPORTED == 0:
             print(f"{looked} programs, to seed {seed - 1}: {found} differ", flush=True)

@@ -61,7 +61,13 @@ def difference(text: str, names: Sequence[str], compiler: str | None = None, *, 
 
 
 def smallest(
-    program: Program, told: str, names: Sequence[str], compiler: str | None, seconds: float, *, sanitized: bool = False
+    program: Program,
+    reported: str,
+    names: Sequence[str],
+    compiler: str | None,
+    seconds: float,
+    *,
+    sanitized: bool = False,
 ) -> tuple[Program, str]:
     """A smaller program that differs in the same way as ``program`` was told to, as small as it is found in so many
     seconds, and how it does.
@@ -69,20 +75,20 @@ def smallest(
     What differs once and not again is given back as it is.
     """
     until = time.monotonic() + seconds
-    way, going = told.partition("\n")[0], True
+    way, going = reported.partition("\n")[0], True
     while going:
         going = False
         for other in program.smaller():
             if time.monotonic() > until:
-                return program, told
+                return program, reported
             try:
                 found = difference(str(other), names, compiler, sanitized=sanitized)
             except InvalidProgramError:
                 continue
             if found.partition("\n")[0] == way:
-                program, told, going = other, found, True
+                program, reported, going = other, found, True
                 break
-    return program, told
+    return program, reported
 
 
 @contextmanager

@@ -257,9 +257,9 @@ def test_marks_belong_to_the_smallest_element_around_the_places_of_a_diagnostic(
     assert definition is not None
     diagnostics = found.concerned(definition)
     marks = marks_of(places_of(found.communication(definition)), diagnostics)
-    told = {key: [diagnostics[number].code for number in mark.numbers] for key, mark in marks.items()}
+    reported = {key: [diagnostics[number].code for number in mark.numbers] for key, mark in marks.items()}
     wrong = {"extra": ["E0204"], "w -> law.w": ["E0316"], "nobody": ["E0204"]}
-    assert told == wrong | {"w": ["E0316"]}
+    assert reported == wrong | {"w": ["E0316"]}
     assert {key for key, mark in marks.items() if mark.kind == "error"} == wrong.keys()
     assert marks["w"].kind == "highlighted"
     assert "declared as double<deg>" in marks["w"].note

@@ -80,7 +80,7 @@ def difference(*replacements: tuple[str, str]) -> Difference:
     return differences(program(PROGRAM), program(text))
 
 
-def told(*replacements: tuple[str, str]) -> list[str]:
+def reported_changes(*replacements: tuple[str, str]) -> list[str]:
     return [line.strip() for line in render(difference(*replacements).changes).splitlines()]
 
 
@@ -104,16 +104,16 @@ def told(*replacements: tuple[str, str]) -> list[str]:
     ],
 )  # fmt: skip
 def test_a_change_is_reported_in_the_words_of_the_diagram(old: str, new: str, lines: list[str]) -> None:
-    assert told((old, new)) == lines
+    assert reported_changes((old, new)) == lines
 
 
 def test_a_type_that_differs_in_its_unit_only_is_reported_as_another_unit() -> None:
-    lines = told(("out u : double<V> @ T\n  communication", "out u : double<mV> @ T\n  communication"))
+    lines = reported_changes(("out u : double<V> @ T\n  communication", "out u : double<mV> @ T\n  communication"))
     assert lines == ["process Writer", "~ port u: unit V → mV"]
 
 
 def test_a_period_that_follows_from_a_constant_is_reported_where_it_is_used() -> None:
-    assert told(("const T = 2 ms", "const T = 5 ms")) == [
+    assert reported_changes(("const T = 2 ms", "const T = 5 ms")) == [
         "const T",
         "~ value 2 ms → 5 ms",
         "process Writer",
@@ -125,7 +125,7 @@ def test_a_period_that_follows_from_a_constant_is_reported_where_it_is_used() ->
 
 
 def test_a_composition_that_changes_the_kind_of_a_channel_is_reported() -> None:
-    lines = told(("composition { reader || writer }", "composition { reader ; writer }"))
+    lines = reported_changes(("composition { reader || writer }", "composition { reader ; writer }"))
     assert "~ connection value: inferred kind rendezvous → variable" in lines
 
 
@@ -139,7 +139,7 @@ def test_a_long_composition_is_reported_by_its_steps_and_a_short_one_as_a_whole(
 
 
 def test_renamed_elements_are_recognized_and_cause_no_further_changes() -> None:
-    lines = told(
+    lines = reported_changes(
         ("    reader : Reader", "    source : Reader"),
         ("-> reader.x", "-> source.x"),
         ("reader.y ->", "source.y ->"),
@@ -150,13 +150,13 @@ def test_renamed_elements_are_recognized_and_cause_no_further_changes() -> None:
 
 
 def test_renamed_definitions_are_recognized() -> None:
-    assert told(("process Reader", "process Sampler"), (": Reader(T)", ": Sampler(T)")) == [
+    assert reported_changes(("process Reader", "process Sampler"), (": Reader(T)", ": Sampler(T)")) == [
         "~ process Reader is now called Sampler"
     ]
 
 
 def test_a_new_instance_between_two_others_is_reported_with_its_connections() -> None:
-    lines = told(
+    lines = reported_changes(
         ("    writer : Writer\n", "    writer : Writer\n    second : Reader(T)\n"),
         ("    x        -> reader.x\n", "    x        -> reader.x, second.x\n    second.y -> _\n"),
     )
@@ -169,7 +169,7 @@ def test_a_new_instance_between_two_others_is_reported_with_its_connections() ->
 
 
 def test_whole_added_and_removed_definitions_are_reported_in_one_line() -> None:
-    lines = told(
+    lines = reported_changes(
         ("struct Gains { kp: double  kd: double }", "enum Mode { idle, run }"),
         ("const T = 2 ms", "const T = 2 ms\nconst N = 3"),
     )

@@ -126,7 +126,7 @@ def program(seed: int) -> str:
     return "".join(line.replace("MARK", str(number)) for number, line in enumerate(lines, 1))
 
 
-def said_and_run(seed: int) -> tuple[set[int], set[int]] | None:
+def reported_and_run(seed: int) -> tuple[set[int], set[int]] | None:
     """The lines of which it is said that they never run, and those that do; None where a program is refused for another
     reason.
     """
@@ -161,7 +161,7 @@ def said_and_run(seed: int) -> tuple[set[int], set[int]] | None:
 
 def hunt(seeds: range) -> tuple[int, int, list[int]]:
     """How many programs ran, of how many parts it was said that they never do, and the seeds where it was false."""
-    answers = {seed: answer for seed in seeds if (answer := said_and_run(seed)) is not None}
+    answers = {seed: answer for seed in seeds if (answer := reported_and_run(seed)) is not None}
     wrong = [seed for seed, (said, run) in answers.items() if said & run]
     return len(answers), sum(len(said) for said, _ in answers.values()), wrong
 

@@ -341,7 +341,7 @@ class _Instants:
         before, after = branches(self.program)[writer], branches(self.program)[reader]
         if self.rng.random() < 0.5:  # in rounds on both sides, which may end at different times
             self._put(writer, Seq((before, self._round(writer, writes))))
-            self._put(reader, Seq((after, self._asked(reads, over))))
+            self._put(reader, Seq((after, self._repeated(reads, over))))
         elif self.rng.random() < 0.5:
             self._put(writer, Seq((writes, before)))
             self._put(reader, Seq((after, reads, If(over, Wait(MS), Mu(Wait(MS))))))
@@ -358,7 +358,7 @@ class _Instants:
             return Mu(Seq((Wait(MS), writes)), self.late())
         return self._ended(owner, writes) if self.rng.random() < 0.5 else Mu(Seq((writes, Wait(MS))))
 
-    def _asked(self, reads: Read, over: Expr) -> Comp:
+    def _repeated(self, reads: Read, over: Expr) -> Comp:
         if self.rng.random() < 0.3:
             patient = Alt((Guarded(reads, Skip()), Guarded(After(3 * MS), Skip())), self.rng.random() < 0.5)
             return Mu(patient, over)

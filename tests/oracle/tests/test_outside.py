@@ -85,13 +85,13 @@ def test_the_guard_of_an_interrupt_follows_its_input_from_the_start() -> None:
 # ---- broadcasts in guards ----
 
 
-@pytest.mark.parametrize(("late", "told"), [(0, True), (3, False)])
-def test_a_guard_that_writes_a_broadcast_waits_for_every_end(late: int, told: bool) -> None:
+@pytest.mark.parametrize(("late", "reported"), [(0, True), (3, False)])
+def test_a_guard_that_writes_a_broadcast_waits_for_every_end(late: int, reported: bool) -> None:
     writer = Alt((Guarded(write("c", 7), Skip()), Guarded(After(2 * MS), write("o", 9))))
     guard = Alt((Guarded(read("c", "v"), Skip()), Guarded(After(4 * MS), Skip())))
     reader = Seq((Wait(late * MS), Alt((Guarded(read("c", "w"), Skip()), Guarded(After(MS), Skip())))))
     run = page_run(made(Par((writer, guard, reader)), channels=(Channel("c", INT, "broadcast"),)), 20 * MS)
-    assert run.trace == ([(0, "c", 7), (0, "c", 7)] if told else [(2 * MS, "o", 9)])
+    assert run.trace == ([(0, "c", 7), (0, "c", 7)] if reported else [(2 * MS, "o", 9)])
 
 
 # ---- doubles ----

@@ -15,7 +15,7 @@ def step(channel: str, value: object = None, *, added: bool = False) -> Step:
     return Step(kind, channel, None if value is None else str(value), (Party("p", "Main.p"),), added)  # type: ignore[arg-type]
 
 
-def told(steps: list[Step]) -> list[Row]:
+def row_values(steps: list[Step]) -> list[Row]:
     return [(part.times, one.channel, one.value) for part in shortened(steps) for one in part.steps]
 
 
@@ -36,14 +36,14 @@ def told(steps: list[Step]) -> list[Row]:
     ],
 )
 def test_values_that_count_are_summed_up(values: list[object], middle: str | None) -> None:
-    rows = told([step("a", value) for value in values])
+    rows = row_values([step("a", value) for value in values])
     first, *_, last = (None if value is None else str(value) for value in values)
     assert rows == [(1, "a", first), (len(values) - 2, "a", middle), (1, "a", last)]
 
 
 def test_a_round_of_several_steps() -> None:
     rounds = [one for n in range(30) for one in (step("a", n), step("wait 1 ms"), step("b", 3))]
-    assert told([step("c", 1), *rounds, step("c", 2)]) == [
+    assert row_values([step("c", 1), *rounds, step("c", 2)]) == [
         (1, "c", "1"),
         *[(1, "a", "0"), (1, "wait 1 ms", None), (1, "b", "3")],
         *[(28, "a", "1 … 28"), (28, "wait 1 ms", None), (28, "b", "3")],
@@ -62,11 +62,11 @@ def test_a_round_of_several_steps() -> None:
     ],
 )
 def test_few_rounds_and_irregular_values_are_listed_one_by_one(values: list[object]) -> None:
-    assert told([step("a", value) for value in values]) == [(1, "a", str(value)) for value in values]
+    assert row_values([step("a", value) for value in values]) == [(1, "a", str(value)) for value in values]
 
 
 def test_an_unexpected_value_is_reported() -> None:
-    rows = told([step("a", value) for value in [*range(20), -1, *range(20, 40)]])
+    rows = row_values([step("a", value) for value in [*range(20), -1, *range(20, 40)]])
     assert rows == [
         *[(1, "a", "0"), (18, "a", "1 … 18"), (1, "a", "19")],
         (1, "a", "-1"),
@@ -76,7 +76,7 @@ def test_an_unexpected_value_is_reported() -> None:
 
 def test_rounds_that_the_program_adds_are_shown_as_those_of_the_trace() -> None:
     added = [step("f", n, added=True) for n in range(457)]
-    rows = told([step("a", 1), *added, step("f", 457), step("a", 2)])
+    rows = row_values([step("a", 1), *added, step("f", 457), step("a", 2)])
     assert rows == [(1, "a", "1"), (1, "f", "0"), (456, "f", "1 … 456"), (1, "f", "457"), (1, "a", "2")]
 
 
@@ -89,4 +89,4 @@ def test_machines_have_added_rounds_only_once_where_they_are_the_same() -> None:
 
 def test_all_steps_are_counted() -> None:
     steps = [step("a" if n % 7 else "b", n // 3 if n % 50 else None) for n in range(2000)]
-    assert sum(times for times, _, _ in told(steps)) == len(steps)
+    assert sum(times for times, _, _ in row_values(steps)) == len(steps)

@@ -28,7 +28,7 @@ ENDED = RunEnd(ended=True)
 BUSY = RunEnd(ended=False)
 
 
-def said(
+def violation_of(
     specification: System,
     trace: list[Label],
     rest: RunEnd = BUSY,
@@ -40,44 +40,44 @@ def said(
 
 
 def test_a_run_that_is_a_trace_of_the_specification_does_nothing_wrong() -> None:
-    assert said(ONE_PLACE, []) is None
-    assert said(ONE_PLACE, [("accept", None), ("deliver", None), ("accept", None)]) is None
+    assert violation_of(ONE_PLACE, []) is None
+    assert violation_of(ONE_PLACE, [("accept", None), ("deliver", None), ("accept", None)]) is None
 
 
 def test_a_run_that_does_too_much_is_reported_with_what_was_allowed() -> None:
-    told = said(ONE_PLACE, [("accept", None), ("accept", None)])
-    assert told == "it does `accept`, where the specification allows only `deliver`"
+    reported = violation_of(ONE_PLACE, [("accept", None), ("accept", None)])
+    assert reported == "it does `accept`, where the specification allows only `deliver`"
 
 
 def test_the_value_decides_if_the_specification_distinguishes_values() -> None:
-    assert said(LAMP, [("level", "off"), ("level", "on")]) is None
-    told = said(LAMP, [("level", "on"), ("level", "on")])
-    assert told == "it does `level.on`, where the specification allows only `level.off`"
+    assert violation_of(LAMP, [("level", "off"), ("level", "on")]) is None
+    reported = violation_of(LAMP, [("level", "on"), ("level", "on")])
+    assert reported == "it does `level.on`, where the specification allows only `level.off`"
 
 
 def test_an_end_is_judged_by_the_end_of_the_specification() -> None:
-    told = said(LAMP, [("level", "on")], ENDED)
-    assert told == "it ends, where the specification allows only `level.off`"
-    assert said(ONE_PLACE, [("accept", None)], ENDED) is not None
+    reported = violation_of(LAMP, [("level", "on")], ENDED)
+    assert reported == "it ends, where the specification allows only `level.off`"
+    assert violation_of(ONE_PLACE, [("accept", None)], ENDED) is not None
 
 
 def test_a_refusal_counts_in_failures_and_at_rest_only() -> None:
     rest = RunEnd(ended=False, offers=frozenset({("accept", None)}))
     trace: list[Label] = [("accept", None)]
-    assert said(ONE_PLACE, trace, rest) is None
-    assert said(ONE_PLACE, trace, BUSY, failures=True) is None
-    told = said(ONE_PLACE, trace, rest, failures=True)
-    assert told == "it refuses `deliver` and offers only `accept`, where the specification demands `deliver`"
-    assert said(ONE_PLACE, [], rest, failures=True) is None
+    assert violation_of(ONE_PLACE, trace, rest) is None
+    assert violation_of(ONE_PLACE, trace, BUSY, failures=True) is None
+    reported = violation_of(ONE_PLACE, trace, rest, failures=True)
+    assert reported == "it refuses `deliver` and offers only `accept`, where the specification demands `deliver`"
+    assert violation_of(ONE_PLACE, [], rest, failures=True) is None
 
 
 def test_a_process_that_offers_any_value_offers_each() -> None:
     any_value = RunEnd(ended=False, offers=frozenset({("level", None)}))
     one_value = RunEnd(ended=False, offers=frozenset({("level", "on")}))
     on: list[Label] = [("level", "on")]
-    assert said(LAMP, on, any_value, failures=True) is None
-    told = said(LAMP, on, one_value, failures=True)
-    assert told == "it refuses `level.off` and offers only `level.on`, where the specification demands `level.off`"
+    assert violation_of(LAMP, on, any_value, failures=True) is None
+    reported = violation_of(LAMP, on, one_value, failures=True)
+    assert reported == "it refuses `level.off` and offers only `level.on`, where the specification demands `level.off`"
 
 
 def test_the_limits_hold() -> None:
@@ -86,5 +86,5 @@ def test_the_limits_hold() -> None:
 
 
 def test_an_unknown_value_may_be_the_wrong_one() -> None:
-    told = forbidden_refusal({("level", None)}, [{("level", "on")}])
-    assert told == "it refuses `level.on` and offers only `level`, where the specification demands `level.on`"
+    reported = forbidden_refusal({("level", None)}, [{("level", "on")}])
+    assert reported == "it refuses `level.on` and offers only `level`, where the specification demands `level.on`"

@@ -47,7 +47,7 @@ def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...], str]:
     return body, specification, tuple(offered), hidden
 
 
-def asked(seed: int) -> str:
+def comparison(seed: int) -> str:
     """How the answer compares with the truth; ``refused`` where the program has errors."""
     body, specification, numbers, hidden = drawn(seed)
     failures = seed % 2 == 1
@@ -74,11 +74,11 @@ def asked(seed: int) -> str:
 
 @pytest.mark.parametrize("first", range(0, 120, 30))
 def test_answers_are_true(first: int) -> None:
-    found = Counter(asked(seed) for seed in range(first, first + 30))
+    found = Counter(comparison(seed) for seed in range(first, first + 30))
     assert found["proved, refines"] >= 2, found
     assert found["refuted, violates"] >= 2, found
 
 
 if __name__ == "__main__":
-    told = Counter(asked(seed) for seed in range(int(sys.argv[1]) if len(sys.argv) > 1 else 1000))
-    sys.stdout.write("".join(f"{kind}: {number}\n" for kind, number in told.most_common()))
+    reported = Counter(comparison(seed) for seed in range(int(sys.argv[1]) if len(sys.argv) > 1 else 1000))
+    sys.stdout.write("".join(f"{kind}: {number}\n" for kind, number in reported.most_common()))

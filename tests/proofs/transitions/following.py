@@ -84,11 +84,11 @@ def _types(network: Network) -> dict[str, Type]:
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
-def is_written_as(value: str, told: str | None) -> bool:
+def is_written_as(value: str, reported: str | None) -> bool:
     """Whether a value that passed is one of those that an event stands for."""
-    if told is None or ".." not in told:
-        return told in (None, value)
-    number, *ends = (_number(text) for text in (value, *told.split("..")))
+    if reported is None or ".." not in reported:
+        return reported in (None, value)
+    number, *ends = (_number(text) for text in (value, *reported.split("..")))
     assert number is not None
     low, high = ends
     return (low is None or low <= number) and (high is None or number <= high)

@@ -214,14 +214,14 @@ def goes_on(channel: Rendezvous[int], seen: list[str]) -> Body:
 def test_a_ready_process_when_cancelled_continues_only_if_it_is_checked(
     program: type[Program], seen: list[str]
 ) -> None:
-    channel, got, told = Rendezvous[int]("c"), list[int](), list[str]()
+    channel, got, reported = Rendezvous[int]("c"), list[int](), list[str]()
 
     def takes_and_fails(me: Task) -> Steps:
         yield from reader(channel, got, 1)(me)
         raise Fault("no")
 
-    outcome = run(goes_on(channel, told), takes_and_fails, program=program)
-    assert (outcome.ended, told) == ("failed", seen)
+    outcome = run(goes_on(channel, reported), takes_and_fails, program=program)
+    assert (outcome.ended, reported) == ("failed", seen)
 
 
 def test_an_interrupt_withdraws_its_body() -> None:

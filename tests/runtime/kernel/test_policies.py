@@ -123,7 +123,7 @@ class _Law(Submodel):
 
 
 def test_a_policy_is_notified_of_what_processes_do_and_when_laws_compute() -> None:
-    told = Told()
+    reported = Told()
     x, y = Channel[int]("x"), EventOutput[int]("y")
     law = _Law(x, y)
 
@@ -138,8 +138,8 @@ def test_a_policy_is_notified_of_what_processes_do_and_when_laws_compute() -> No
             pass
 
     law_without_output = _Silent("Top.silent")
-    finish(program, [y], policy=told)
-    assert told.what == [
+    finish(program, [y], policy=reported)
+    assert reported.what == [
         ("wait", "", 0, 2 * ms), ("arrives",), ("after", "", 1, 3 * ms),
         ("write", "x", 0, 0), ("read", "x", 0, 0), ("computes",), ("wrote", "y", 2), ("write", "y", 0, 0),
         ("computes",),

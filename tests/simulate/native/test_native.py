@@ -372,9 +372,9 @@ environment E for Main on miss count { s : S s.x -> x }
 def test_missed_samples_are_reported_once_against_the_clock(tmp_path: Path) -> None:
     (tmp_path / "case.csp").write_text(COUNTING)
     run = [sys.executable, "-m", "cspdiag", "run", "case.csp", "--target", "c", "--real-time", "--for", "20ms"]
-    told = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stderr
-    assert told.count("missed samples: ") == 1
-    assert "instants, late by" in told
+    reported = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True).stderr
+    assert reported.count("missed samples: ") == 1
+    assert "instants, late by" in reported
 
 
 @needs_compiler
@@ -383,6 +383,6 @@ def test_a_program_that_runs_by_itself_reports_missed_samples_once(tmp_path: Pat
     sources = [path for path in files if path.endswith(".c")]
     real_time = native._wanted(sources, real_time=True)
     program = Build(files, real_time, ("-O0",)).executable()
-    told = subprocess.run([program, "--for", "20000000"], capture_output=True, text=True, check=True).stderr
-    assert told.count("missed samples: ") == 1
-    assert "instants, late by" in told
+    reported = subprocess.run([program, "--for", "20000000"], capture_output=True, text=True, check=True).stderr
+    assert reported.count("missed samples: ") == 1
+    assert "instants, late by" in reported

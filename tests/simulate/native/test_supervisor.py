@@ -106,11 +106,11 @@ def test_a_step_that_hangs_is_left_by_a_signal(tmp_path: Path) -> None:
             while not (tmp_path / "begun").exists() and parent.poll() is None and time.monotonic() < deadline:
                 time.sleep(0.02)
             parent.terminate()
-            _, told = parent.communicate(timeout=20)
+            _, reported = parent.communicate(timeout=20)
         finally:
             parent.kill()
-    assert parent.returncode == 143, told
-    assert "Main in Bench: stopped by SIGTERM" in told
+    assert parent.returncode == 143, reported
+    assert "Main in Bench: stopped by SIGTERM" in reported
     assert (tmp_path / "main.csv").exists()
 
 

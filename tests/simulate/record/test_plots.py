@@ -360,8 +360,8 @@ def test_conditions_and_literals_are_stacked(runs: dict[str, Run]) -> None:
     heights = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 10 and line.get_marker() == "None"]
     assert len(heights) == 5
     assert len({int(numpy.nanmin(values)) for values in heights}) == 5
-    told = " ".join(text for text, _ in boxes(drawn(runs["stations"])))
-    assert all(literal in told for literal in ("waiting", "clamping", "drilling", "releasing_the_work_piece"))
+    reported = " ".join(text for text, _ in boxes(drawn(runs["stations"])))
+    assert all(literal in reported for literal in ("waiting", "clamping", "drilling", "releasing_the_work_piece"))
 
 
 def panel_of(figure: Figure, curve: str) -> Axes:
@@ -389,7 +389,7 @@ def test_events_that_bring_the_same_again_are_all_seen(runs: dict[str, Run]) -> 
     assert [float(at) for line in weight for at in line.get_xdata()] == pytest.approx(written[1:])
 
 
-def told_in_lane(figure: Figure, port: str) -> list[str]:
+def texts_in_lane(figure: Figure, port: str) -> list[str]:
     """The texts beside the marks of a lane, from left to right."""
     axes = lanes_of(figure)
     row = names(axes).index(port)
@@ -399,10 +399,10 @@ def told_in_lane(figure: Figure, port: str) -> list[str]:
 
 def test_values_of_one_instant_share_a_label(runs: dict[str, Run]) -> None:
     figure = drawn(runs["instants"])
-    assert told_in_lane(figure, "at_once") == ["1000, 2222", "17", "18", "…", "21, 0"]
-    assert told_in_lane(figure, "later") == [*(f"1, {100 + i}, 7" for i in range(5)), "0"]
-    assert told_in_lane(figure, "twice") == ["5, 5"] * 6 + ["0"]
-    assert told_in_lane(figure, "last") == ["12345678, 0"]
+    assert texts_in_lane(figure, "at_once") == ["1000, 2222", "17", "18", "…", "21, 0"]
+    assert texts_in_lane(figure, "later") == [*(f"1, {100 + i}, 7" for i in range(5)), "0"]
+    assert texts_in_lane(figure, "twice") == ["5, 5"] * 6 + ["0"]
+    assert texts_in_lane(figure, "last") == ["12345678, 0"]
 
 
 def test_literals_that_pass_in_no_time_are_seen(runs: dict[str, Run]) -> None:
@@ -420,8 +420,8 @@ def test_literals_that_pass_in_no_time_are_seen(runs: dict[str, Run]) -> None:
 
 def test_a_run_of_zero_length_reports_what_it_wrote(runs: dict[str, Run]) -> None:
     figure = drawn(runs["ends at once"])
-    assert told_in_lane(figure, "a") == ["1000, 2222, 0"]
-    assert told_in_lane(figure, "mode") == ["idle"]
+    assert texts_in_lane(figure, "a") == ["1000, 2222, 0"]
+    assert texts_in_lane(figure, "mode") == ["idle"]
 
 
 def test_numbers_without_room_to_be_written_are_a_curve(runs: dict[str, Run]) -> None:
@@ -485,16 +485,18 @@ def test_unread_samples_are_drawn_thin(runs: dict[str, Run]) -> None:
 
 
 def test_vectors_and_structs_are_curves(runs: dict[str, Run]) -> None:
-    told = [text for text, _ in boxes(drawn(runs["drive"]))]
-    assert {"gyro[0]", "gyro[1]", "gyro[2]", "pose.x", "pose.at[0]", "pose.at[1]", "shown[0]", "shown[1]"} <= set(told)
+    reported = [text for text, _ in boxes(drawn(runs["drive"]))]
+    assert {"gyro[0]", "gyro[1]", "gyro[2]", "pose.x", "pose.at[0]", "pose.at[1]", "shown[0]", "shown[1]"} <= set(
+        reported
+    )
 
 
 def test_nothing_is_left_out(runs: dict[str, Run]) -> None:
     for run in runs.values():
-        told = {text for text, _ in boxes(drawn(run))}
+        reported = {text for text, _ in boxes(drawn(run))}
         for series in series_of(run):
             name = shortened(series.name)
-            assert {name, f"{name} (no value)"} & told, series.name
+            assert {name, f"{name} (no value)"} & reported, series.name
 
 
 def test_gaps_stay_gaps(runs: dict[str, Run]) -> None:
@@ -666,10 +668,10 @@ def test_what_only_runs_has_the_colour_of_no_mode() -> None:
     axes = lanes_of(shown_run(text))
     legend = axes.get_legend()
     assert legend is not None
-    told = {patch.get_facecolor() for patch in legend.get_patches()}
+    reported = {patch.get_facecolor() for patch in legend.get_patches()}
     plain = {bar.get_facecolor() for bar in axes.patches if isinstance(bar, Rectangle) and bar.get_y() < 1}
     assert plain
-    assert not plain & told
+    assert not plain & reported
 
 
 def test_the_only_sample_at_the_end_is_not_cut_off() -> None:

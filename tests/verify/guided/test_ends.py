@@ -77,11 +77,11 @@ def test_the_run_in_the_order_of_its_times_is_reported() -> None:
     answer = answer_to(TURNS)
     assert (answer.outcome, answer.replayed) == ("refuted", True)
     assert answer.counterexample is not None
-    told = [step for step in answer.counterexample.steps if step.kind == "communication"]
-    assert len(told) == 6
+    reported = [step for step in answer.counterexample.steps if step.kind == "communication"]
+    assert len(reported) == 6
     for earlier, later in ((0, 1), (2, 3), (4, 5)):
-        assert told[earlier].channel != told[later].channel
-    assert all(party.span is not None for step in told for party in step.parties)
+        assert reported[earlier].channel != reported[later].channel
+    assert all(party.span is not None for step in reported for party in step.parties)
 
 
 def test_a_replay_reports_the_instants_of_its_steps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -90,8 +90,8 @@ def test_a_replay_reports_the_instants_of_its_steps(tmp_path: Path, capsys: pyte
     main(["verify", str(program), "--no-cache", "--quiet", "--trace-out", str(trace)])
     capsys.readouterr()
     assert main(["run", str(program), "--replay", str(trace)]) == 0
-    told = [line.split() for line in capsys.readouterr().err.splitlines() if "number" in line]
-    assert [(instant, unit) for _, instant, unit, *_ in told] == [
+    reported = [line.split() for line in capsys.readouterr().err.splitlines() if "number" in line]
+    assert [(instant, unit) for _, instant, unit, *_ in reported] == [
         (instant, unit) for instant, unit in (("0", "s"), ("2", "ms"), ("4", "ms")) for _ in range(2)
     ]
 

@@ -95,9 +95,11 @@ def test_an_endless_loop_is_not_followed_forever() -> None:
 def test_rounds_are_reported_and_stored_once(cspdiag: Command, tmp_path: Path) -> None:  # noqa: F811
     (tmp_path / "case.csp").write_text(oven())
     file, trace = str(tmp_path / "case.csp"), tmp_path / "trace.json"
-    told = cspdiag("verify", file, "--trace-out", str(trace)).err
-    assert "     1  sample heat 0.0           ?24\n  2-24  23 more rounds, heat 0.0  ?24\n    25  sample heat" in told
-    assert "after 27 steps" in told
+    reported = cspdiag("verify", file, "--trace-out", str(trace)).err
+    assert (
+        "     1  sample heat 0.0           ?24\n  2-24  23 more rounds, heat 0.0  ?24\n    25  sample heat" in reported
+    )
+    assert "after 27 steps" in reported
     (entry,) = (step for step in json.loads(trace.read_text())["steps"] if step["kind"] == "rounds")
     assert (entry["times"], [step["channel"] for step in entry["steps"]]) == (24, ["Oven.heat"])
     replay = cspdiag("run", file, "--replay", str(trace))
@@ -180,6 +182,6 @@ process Main { communication { c : Counter r : Reader c.a -> a : int -> r.a } co
 assert Main deadlock free
 """
     (tmp_path / "case.csp").write_text(text)
-    told = cspdiag("verify", str(tmp_path / "case.csp")).err
-    assert "after 60 steps" in told
-    assert "  2-59  58 more rounds, a 1 … 58  !2  ?3" in told
+    reported = cspdiag("verify", str(tmp_path / "case.csp")).err
+    assert "after 60 steps" in reported
+    assert "  2-59  58 more rounds, a 1 … 58  !2  ?3" in reported

@@ -41,7 +41,7 @@ def test_values_are_reported_as_the_text_writes_them(
 
 
 @pytest.mark.parametrize(
-    ("told", "kind", "offered"),
+    ("reported", "kind", "offered"),
     [
         ("..1", INT, [0, 1]),
         ("30..40", INT, [30]),
@@ -52,8 +52,8 @@ def test_values_are_reported_as_the_text_writes_them(
         ("none", INT, []),
     ],
 )
-def test_a_range_is_offered_as_one_of_its_numbers(told: str, kind: Type, offered: list[int]) -> None:
-    assert Values(None, ()).candidates(kind, told) == offered
+def test_a_range_is_offered_as_one_of_its_numbers(reported: str, kind: Type, offered: list[int]) -> None:
+    assert Values(None, ()).candidates(kind, reported) == offered
 
 
 @pytest.mark.parametrize(
@@ -163,17 +163,19 @@ def test_a_program_with_other_values_does_not_do_what_the_trace_says(
     assert result.err.endswith(f"not replayed: {difference}\n")
 
 
-@pytest.mark.parametrize(("told", "code"), [("2", 0), ("77", 1), (None, 0), ("..3", 0), ("3..", 1), ("(one value)", 0)])
+@pytest.mark.parametrize(
+    ("reported", "code"), [("2", 0), ("77", 1), (None, 0), ("..3", 0), ("3..", 1), ("(one value)", 0)]
+)
 def test_a_trace_may_leave_values_open(
     cspdiag: Command,  # noqa: F811
     tmp_path: Path,
-    told: str | None,
+    reported: str | None,
     code: int,
 ) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(INSIDE)
     assert cspdiag("verify", program, "--trace-out", trace).code == 1
     whole = json.loads(trace.read_text())
-    whole["steps"][1]["value"] = told
+    whole["steps"][1]["value"] = reported
     trace.write_text(json.dumps(whole))
     assert cspdiag("run", program, "--replay", trace).code == code

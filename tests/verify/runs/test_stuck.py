@@ -113,13 +113,13 @@ def test_a_replay_reports_which_processes_are_stuck_and_when(
     main(["verify", str(program), "--no-cache", "--quiet", "--trace-out", str(trace)])
     capsys.readouterr()
     assert main(["run", str(program), "--replay", str(trace)]) == 0
-    told = capsys.readouterr().err
-    assert "deadlock at" not in told
-    assert "stuck at 0 s" in told
+    reported = capsys.readouterr().err
+    assert "deadlock at" not in reported
+    assert "stuck at 0 s" in reported
     assert (
-        told.index("`panel` waits to write panel.command")
-        < told.index("while others continue:")
-        < told.index("`heart` waits until")
+        reported.index("`panel` waits to write panel.command")
+        < reported.index("while others continue:")
+        < reported.index("`heart` waits until")
     )
 
 

@@ -31,22 +31,22 @@ def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
 
     if result.outcome.deadlock is not None:
         say(result.outcome.deadlock.text)
-    wanted = list(_wanted(arguments, result, checked.program))
+    requested = list(_requested_files(arguments, result, checked.program))
     if stopping.signal:
-        missing = _write(wanted)
+        missing = _write(requested)
     else:
         try:
             with stopping.raising():
-                missing = _write(wanted)
+                missing = _write(requested)
         except Stopped as stopped:
-            left = ", ".join(on_one_line(path) for path, _ in wanted)
+            left = ", ".join(on_one_line(path) for path, _ in requested)
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before {left} had been written")
             return stopped.exit_code
-    _print_summary(arguments, result, checked, [str(path) for path, _ in wanted if path not in missing])
+    _print_summary(arguments, result, checked, [str(path) for path, _ in requested if path not in missing])
     return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
 
 
-def _wanted(arguments: Namespace, result: Run, program: Program | None) -> Iterator[tuple[Path, _Writer]]:
+def _requested_files(arguments: Namespace, result: Run, program: Program | None) -> Iterator[tuple[Path, _Writer]]:
     if arguments.record is not None:
         yield arguments.record, result.to_npz if str(arguments.record).endswith(".npz") else result.to_csv
     if arguments.trace is not None:
@@ -57,10 +57,10 @@ def _wanted(arguments: Namespace, result: Run, program: Program | None) -> Itera
         yield arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program)
 
 
-def _write(wanted: list[tuple[Path, _Writer]]) -> list[Path]:
+def _write(requested: list[tuple[Path, _Writer]]) -> list[Path]:
     """Write the files; returns the paths that cannot be written, which do not prevent the others."""
     missing = []
-    for path, writer in wanted:
+    for path, writer in requested:
         try:
             writer(path)
         except OSError as problem:

@@ -389,6 +389,6 @@ assert Convoy schedulable
 def test_a_label_of_several_instances_is_shown_once() -> None:
     (answer,) = answers_to({"case.csp": FOLLOWERS})
     assert answer.found is not None
-    told = [(label.message, label.span) for label in answer.found.labels]
-    assert any("without bound" in text for text, _ in told)
-    assert len(set(told)) == len(told)
+    reported = [(label.message, label.span) for label in answer.found.labels]
+    assert any("without bound" in text for text, _ in reported)
+    assert len(set(reported)) == len(reported)

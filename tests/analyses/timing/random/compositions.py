@@ -107,15 +107,15 @@ class Composed:
         self.runs.append(f"(mu ({' [] '.join(served)}))")
 
     def _listener(self) -> None:
-        """Two loops that tell a third one, which has no samples of its own."""
+        """Two loops that write to a third one, which has no samples of its own."""
         listening = self.law(1, sampled=False, written=False)
         kind = self.source.choice(["any", "any", "overwrite 1"])
-        told = [self.law(self.source.choice([1, 2, 4, 5]), written=False) for _ in range(2 if kind == "any" else 1)]
+        writers = [self.law(self.source.choice([1, 2, 4, 5]), written=False) for _ in range(2 if kind == "any" else 1)]
         self.parts += [f"var n{listening} : double = 0", f"n{listening} -> {listening}.x", f"{listening}.y -> _"]
         self.parts.append(f"channel d{listening} : double {kind}")
-        for tells in told:
-            self.parts += [f"var m{tells} : double = 0", f"{tells}.y -> m{tells}"]
-            self.runs.append(f"(mu ({tells} ; d{listening} ! m{tells}))")
+        for writer in writers:
+            self.parts += [f"var m{writer} : double = 0", f"{writer}.y -> m{writer}"]
+            self.runs.append(f"(mu ({writer} ; d{listening} ! m{writer}))")
         self.runs.append(f"(mu (d{listening} ? n{listening} ; {listening}))")
 
     def _composition(self, runs: list[str]) -> str:

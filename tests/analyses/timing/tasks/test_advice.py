@@ -133,14 +133,14 @@ def test_nothing_is_advised_that_was_not_decided() -> None:
     report = report_of(text)
     assert report.advice is None
     assert report.is_edf_feasible is None
-    told = table(report)
-    assert "no order of priorities is known that meets every deadline" in told
-    assert "earliest deadline first" not in told
-    assert "no order of priorities meets" not in told
+    reported = table(report)
+    assert "no order of priorities is known that meets every deadline" in reported
+    assert "earliest deadline first" not in reported
+    assert "no order of priorities meets" not in reported
 
 
 def test_an_order_is_advised_for_the_branches_of_one_parallel_only() -> None:
-    """It is told as they would be joined by `||>`."""
+    """It is reported as they would be joined by `||>`."""
     loops = (("slow", "10 ms", "700 us"), ("fast", "1 ms", "200 us"), ("mid", "4 ms", "600 us"))
     text = loops_of(*loops, order="||>")
     assert report_of(text).advice == ("fast", "mid", "slow")

@@ -78,7 +78,7 @@ def test_no_run_does_more_at_an_instant_than_is_bounded(start: int) -> None:
 
 
 def test_every_loop_has_margins_or_a_reason() -> None:
-    told = 0
+    reported = 0
     for network in drawn(10, 3):
         for environment in network.environments[:1]:
             try:
@@ -86,6 +86,6 @@ def test_every_loop_has_margins_or_a_reason() -> None:
             except NotLinearError:
                 continue
             else:
-                told += len(report.loops) + len(report.refusals)
+                reported += len(report.loops) + len(report.refusals)
                 assert all(refusal.reason for refusal in report.refusals)
-    assert told
+    assert reported

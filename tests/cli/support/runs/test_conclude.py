@@ -68,8 +68,8 @@ def test_a_signal_ends_the_writing_of_a_run_that_ended_by_itself(
 ) -> None:
     before = signal.getsignal(signal.SIGHUP)
     assert main(run) == 128 + signal.SIGHUP
-    told = capsys.readouterr().err
-    assert told.endswith("cspdiag: stopped by SIGHUP before main.csv, main.jsonl had been written\n")
+    reported = capsys.readouterr().err
+    assert reported.endswith("cspdiag: stopped by SIGHUP before main.csv, main.jsonl had been written\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["card.py", "main.csp"]
     assert signal.getsignal(signal.SIGHUP) == before
 
@@ -78,7 +78,7 @@ def test_a_further_signal_does_not_affect_a_stopped_run(
     run: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main([*run, "--set", "stops=5"]) == 128 + signal.SIGTERM
-    told = capsys.readouterr().err
-    assert "Main in Bench: stopped by SIGTERM at 50 ms" in told
-    assert "wrote main.csv, main.jsonl" in told
+    reported = capsys.readouterr().err
+    assert "Main in Bench: stopped by SIGTERM at 50 ms" in reported
+    assert "wrote main.csv, main.jsonl" in reported
     assert (tmp_path / "main.csv").read_text().splitlines()[-1].endswith(",-1.0")

@@ -46,7 +46,7 @@ environment Bench for Main {
 """
 
 
-def told(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], *options: str) -> list[str]:
+def explanation(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], *options: str) -> list[str]:
     path = tmp_path / "main.csp"
     path.write_text(text)
     assert main(["run", str(path), "--for", "1s", *options]) == 1
@@ -58,7 +58,7 @@ def told(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], *options
 def test_what_the_reader_did_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...]
 ) -> None:
-    assert told(PROGRAM, tmp_path, capsys, *options) == [
+    assert explanation(PROGRAM, tmp_path, capsys, *options) == [
         "  missed samples: Main.a 1",
         "  between two reads of `a` it waits 2 ms (main.csp:6, W0707)",
         "  count samples of `a` instead, wait in a process in parallel, or put what reads `a` into a process of its "
@@ -78,7 +78,7 @@ def test_the_place_is_reported_for_a_file_with_parentheses_in_its_name(
 
 
 def test_without_a_certain_cause_the_rule_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    _, rule, remedy = told(PARTNERS, tmp_path, capsys)
+    _, rule, remedy = explanation(PARTNERS, tmp_path, capsys)
     assert "Main.fast takes each sample before the next one comes" in rule
     assert "cspdiag explain W0707" in remedy
 

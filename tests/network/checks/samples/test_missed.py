@@ -82,13 +82,17 @@ def hunt(seeds: range) -> tuple[int, int, list[int]]:
     """
     answers = {seed: answer for seed in seeds if (answer := missed(seed)) is not None}
     wrong = [seed for seed, (is_said, is_so) in answers.items() if is_said and not is_so]
-    return sum(said for said, _ in answers.values()), sum(so for _, so in answers.values()), wrong
+    return (
+        sum(missed_sample_warnings for missed_sample_warnings, _ in answers.values()),
+        sum(so for _, so in answers.values()),
+        wrong,
+    )
 
 
 def test_samples_reported_as_missed_are_missed() -> None:
-    said, so, wrong = hunt(range(60))
+    missed_sample_warnings, so, wrong = hunt(range(60))
     assert wrong == []
-    assert said > 0.8 * so > 20
+    assert missed_sample_warnings > 0.8 * so > 20
 
 
 FRAME = """exception Hot
@@ -193,7 +197,7 @@ LOOPS = [
 ]
 
 
-def said(composition: str) -> list[str]:
+def missed_sample_warnings(composition: str) -> list[str]:
     source = SourceFile(name="loop.csp", text=FRAME.format(composition=composition))
     checked = pipeline.build(source, read_source).checked
     assert not checked.report.has_errors
@@ -202,18 +206,18 @@ def said(composition: str) -> list[str]:
 
 @pytest.mark.parametrize("part", IN_TIME)
 def test_what_ends_within_a_period_or_cannot_be_reached_is_no_delay(part: str) -> None:
-    assert said(IN_AN_ALTERNATIVE.format(part=part)) == []
+    assert missed_sample_warnings(IN_AN_ALTERNATIVE.format(part=part)) == []
 
 
 @pytest.mark.parametrize(("part", "message"), TOO_LATE)
 def test_a_step_that_takes_a_period_on_some_path_is_a_delay(part: str, message: str) -> None:
-    (found,) = said(IN_AN_ALTERNATIVE.format(part=part))
+    (found,) = missed_sample_warnings(IN_AN_ALTERNATIVE.format(part=part))
     assert message in found
 
 
 @pytest.mark.parametrize(("composition", "message"), LOOPS)
 def test_delays_are_added_up_along_a_path(composition: str, message: str | None) -> None:
-    found = said(composition)
+    found = missed_sample_warnings(composition)
     assert len(found) == (message is not None)
     assert all(str(message) in each for each in found)
 

@@ -133,8 +133,8 @@ def test_an_input_with_many_ranges_is_left_open_if_there_are_too_many_states() -
     }}"""
     system = system_of(text)
     assert len(component(system, "Main").edges) < 3_000
-    told = [abstraction.what for abstraction in system.abstractions]
-    assert "the values of `x` are not followed: there are too many" in told
+    reported = [abstraction.what for abstraction in system.abstractions]
+    assert "the values of `x` are not followed: there are too many" in reported
 
 
 POISON = """process Source(items: int = 500) {
