@@ -39,6 +39,17 @@ class Contention:
         """
         return self._parents.get(number)
 
+    def may_be_abandoned(self, number: int) -> bool:
+        """Whether something outside a thread may end it: an interrupt or a handler around the branches that it is one
+        of.
+        """
+        while (group := self._parents.get(number)) is not None:
+            number, which = group
+            parent = self._threads[number]
+            if len(parent.places[parent.joins[which]].offers) > 1:
+                return True
+        return False
+
     def runs_whenever(self, one: int, other: int) -> bool:
         """Whether ``one`` runs whenever ``other`` runs, unless an exception ends both."""
         if one == other:

@@ -262,6 +262,7 @@ class JobSearch:
         path.is_unique &= len(known) == len(steps)
         if self._may_stop(state, period):
             path.is_unique &= not steps
+            path.certain_outputs = frozenset()
             path.wait_states |= {(number, self._followed_while_waiting(number, followed))}
             path.still_followed |= periods(followed)
         elif not steps:
@@ -277,6 +278,7 @@ class JobSearch:
         path.least_work += place.cost
         path.first_step += place.cost
         path.outputs |= set(place.outputs)
+        path.certain_outputs |= set(place.certain_outputs)
         if place.move is not None:
             path.moves |= {number}
         if place.leaf:

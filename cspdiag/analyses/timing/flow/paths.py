@@ -25,7 +25,8 @@ class Path:
     side, ``sends`` those that it does not wait for. ``least_work`` and ``fewest_meets`` hold on every path;
     ``is_unique`` where there is only one. ``wait_states`` are the waits at which it may arrive, and ``still_followed``
     the periods of samples that are followed there. ``leaves`` are the laws that compute on a path, ``outputs`` the
-    outputs that are written, ``moves`` the places that pass values on.
+    outputs that are written, ``certain_outputs`` those that are written on every path, ``moves`` the places that pass
+    values on.
     """
 
     work: int = 0
@@ -43,6 +44,7 @@ class Path:
     heaviest: tuple[int, str] = (0, "")
     leaves: frozenset[str] = frozenset()
     outputs: frozenset[str] = frozenset()
+    certain_outputs: frozenset[str] = frozenset()
     moves: frozenset[int] = frozenset()
     is_unique: bool = True
 
@@ -84,6 +86,7 @@ def merge_branches(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) 
     found = Path()
     least_work: list[int] = []
     fewest_meets: list[dict[ChannelSide, int]] = []
+    certain_outputs: list[frozenset[str]] = []
     for after, delay, switches, offer, waits in paths:
         found.is_unique = after.is_unique and not least_work
         least_work.append(after.least_work)
@@ -97,6 +100,7 @@ def merge_branches(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) 
         found.still_followed |= after.still_followed
         found.leaves |= after.leaves
         found.outputs |= after.outputs
+        certain_outputs.append(after.certain_outputs)
         found.moves |= after.moves
         found.heaviest = max(found.heaviest, after.heaviest, key=lambda part: part[0])
         met = offer.end if offer is not None else None
@@ -104,6 +108,7 @@ def merge_branches(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) 
         _raise_counts(found.sends, after.sends, None if waits else met)
         fewest_meets.append(_with_one(after.fewest_meets, met if waits else None))
     found.least_work = min(least_work, default=0)
+    found.certain_outputs = frozenset.intersection(*certain_outputs) if certain_outputs else frozenset()
     if fewest_meets:
         common = set.intersection(*(set(counts) for counts in fewest_meets))
         found.fewest_meets = {end: min(counts[end] for counts in fewest_meets) for end in common}

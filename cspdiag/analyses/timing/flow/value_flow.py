@@ -29,6 +29,8 @@ class Stage:
     period: int
     response: int
     mode: tuple[int, int]
+    steady: frozenset[str] = frozenset()
+    """The outputs that it is certain to write in each of its samples, as long as the program runs."""
     locations: set[Location] = field(default_factory=set)
     triggered: set[Location] = field(default_factory=set)
     jobs: dict[int, list[Job]] = field(default_factory=lambda: defaultdict(list))

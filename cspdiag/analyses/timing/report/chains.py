@@ -17,9 +17,9 @@ from cspdiag.base.record import record, replaced
 LARGEST_NUMBER_OF_ROUTES = 10_000
 """Routes from loop to loop that are followed; if there are more, some chains are left out."""
 
-Latency = Callable[[str, int, int], "tuple[int, int] | None"]
-"""By the net of an output, and the period and response time of the loop that writes it: the age and the delay of the
-output; None if the net leads to no output.
+Latency = Callable[[str, int, int, bool], "tuple[int, int] | None"]
+"""By the net of an output, the period and response time of the loop that writes it, and whether it does so in each
+sample: the age and the delay of the output; None if the net leads to no output.
 """
 
 
@@ -109,7 +109,7 @@ def _ends(
     """The chains that end at an output of a stage."""
     for location, waited in sorted(here.items()):
         for net in sorted(flow.move_at(location).writes):
-            found = latency(net, stage.period, stage.response + waited)
+            found = latency(net, stage.period, stage.response + waited, net in stage.steady)
             if found is not None:
                 age, delay = found
                 yield Chain(_short(source), _short(net), through, time + stage.period + delay, time + age)

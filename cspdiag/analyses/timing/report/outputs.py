@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from math import gcd
 
 from cspdiag.model.sampling import Sampling
@@ -26,28 +26,30 @@ class Outputs:
         """The names of the outputs at the end of some nets, in the order of the text."""
         return tuple(_short(net) for net in sorted(written, key=self._order.__getitem__))
 
-    def interval(self, written: Iterable[str], period: int, response: int | None) -> tuple[int, int] | None:
+    def interval(
+        self, written: Collection[str], period: int, response: int | None, steady: Collection[str]
+    ) -> tuple[int, int] | None:
         """The shortest and the longest time from a sample to outputs that are based on it; None without outputs or
-        without a bound.
+        without a bound. ``steady`` are those that are written in each sample.
         """
-        ports = [self._ports[net] for net in written if net in self._ports]
+        ports = {net: self._ports[net] for net in written if net in self._ports}
         if not ports or response is None:
             return None
-        latches = [_latch(port) for port in ports]
+        latches = [_latch(port) for port in ports.values()]
         shortest = min(0 if ticks is None else _shortest(ticks, gcd(period, ticks.period)) for ticks in latches)
-        return shortest, max(_latency(port, period, response)[0] for port in ports)
+        return shortest, max(_latency(port, period, response, net in steady)[0] for net, port in ports.items())
 
-    def latency(self, net: str, period: int, response: int) -> tuple[int, int] | None:
+    def latency(self, net: str, period: int, response: int, is_steady: bool) -> tuple[int, int] | None:
         """The age of a sample when an output that is based on it is handed over, and the longest delay from a sample to
-        the first output that is based on it or a later one.
+        the first output that is based on it or a later one. ``is_steady`` says that the loop writes it in each sample.
 
         None if the net leads to no output.
         """
         port = self._ports.get(net)
-        return None if port is None else _latency(port, period, response)
+        return None if port is None else _latency(port, period, response, is_steady)
 
 
-def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
+def _latency(port: ExternalPort, period: int, response: int, is_steady: bool) -> tuple[int, int]:
     """The age and the delay of an output: a latched one changes at the first tick after it was written, to the last
     value written before that tick; an immediate one when it is written.
 
@@ -59,6 +61,8 @@ def _latency(port: ExternalPort, period: int, response: int) -> tuple[int, int]:
     grid = gcd(period, ticks.period)
     # Handed over at the first tick after it was written, a value comes at most a period of the output after its write.
     delay = _last(ticks, grid, response) + ticks.period
+    if not is_steady:
+        return delay, delay
     # The value of the next sample, which replaces it, is written at most a period and a response time after this one.
     age = _last(ticks, grid, response + period)
     return min(age, delay), delay

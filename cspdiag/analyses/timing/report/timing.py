@@ -13,6 +13,7 @@ from cspdiag.analyses.timing.flow.partners import JointWork, Partners
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.flow.restarts import restart_intervals
 from cspdiag.analyses.timing.flow.spinning import Spinning
+from cspdiag.analyses.timing.flow.steady import written_in_each_sample
 from cspdiag.analyses.timing.flow.value_flow import Stage, ValueFlow
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
@@ -286,7 +287,7 @@ class _Analysis:
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period,
             loop.joint_work.level,
             loop.joint_work.work, task.step, response.blocking, response.worst, response.start,
-            outputs, ports.interval(written, loop.period, response.worst),
+            outputs, ports.interval(written, loop.period, response.worst, self._steady(loop)),
             tuple(
                 self.behaviours[k].thread.path.partition(".")[2]
                 for k in sorted(loop.joint_work.members - {loop.owner.number})
@@ -332,7 +333,8 @@ class _Analysis:
 
     def _stage(self, loop: _Loop, response: int) -> Stage:
         wait = loop.waits[0]
-        stage = Stage(loop.period, response, (loop.owner.number, loop.owner.loop_of.get(wait, -1 - wait)))
+        mode = (loop.owner.number, loop.owner.loop_of.get(wait, -1 - wait))
+        stage = Stage(loop.period, response, mode, self._steady(loop))
         stage.jobs[loop.owner.number] = list(loop.jobs)
         for number in loop.joint_work.members:
             one = self.behaviours[number]
@@ -342,6 +344,10 @@ class _Analysis:
             (number, place) for number, jobs in stage.jobs.items() for job in jobs for place in job.path.moves
         }
         return stage
+
+    def _steady(self, loop: _Loop) -> frozenset[str]:
+        """The outputs that a loop writes in each of its samples."""
+        return written_in_each_sample(loop.owner, self.contention, loop.period, loop.jobs)
 
     def task(self, loop: _Loop) -> Task:
         """The loop with its partners as a task."""

@@ -28,6 +28,7 @@ class Communicating(Places):
         outputs = tuple(net.path for net, _ in ends if net is not None and net.external == "out")
         sends = tuple(net.path for net, _ in ends if net is not None and never_waits(net))
         work = self.place(context, entry, cost=cost, leaf=path, outputs=outputs, sends=sends, move=move)
+        context.thread.places[work].is_by_hand = True
         waits = self.place(context, entry)
         place = context.thread.places[waits]
         for port, k in ports:

@@ -89,6 +89,8 @@ class Place:
     raises: bool = False
     halts: bool = False
     outputs: tuple[str, ...] = ()
+    is_by_hand: bool = False
+    """Whether nothing is known of what it writes, and when."""
     sends: tuple[str, ...] = ()
     move: Move | None = None
 
@@ -101,6 +103,11 @@ class Place:
     def is_end(self) -> bool:
         """Whether nothing comes after it, and no exception was raised."""
         return not self.offers and not self.successors and not self.raises
+
+    @property
+    def certain_outputs(self) -> tuple[str, ...]:
+        """The outputs that are written whenever it is passed: a fault may come before the write."""
+        return () if self.is_by_hand or len(self.successors) > 1 else self.outputs
 
     def periods(self) -> frozenset[int]:
         """The periods of the samples that are waited for."""

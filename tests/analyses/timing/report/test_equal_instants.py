@@ -68,6 +68,26 @@ def test_a_value_written_at_a_tick_is_handed_over_at_the_next(
     assert seen.youngest >= shortest
 
 
+@pytest.mark.parametrize(
+    ("steps", "age"),
+    [
+        ("mu (x ? w ; x ? v ; y ! v)", 2),
+        ("mu (x ? v ; if v < 0.053 then y ! v else skip)", 8),
+        ("(mu (x ? v ; y ! v) until v > 0.053) ; mu (x ? v)", 6),
+        ("(mu (x ? v ; w := 1.0 / (v - 0.053) ; y ! v)) catch Fault -> (mu (x ? v))", 8),
+        ("(mu (x ? v ; y ! v)) interrupt after 53500 us -> (mu (x ? v))", 7),
+    ],
+)
+def test_what_is_not_written_in_each_sample_may_be_as_old_as_the_period_of_its_output(steps: str, age: int) -> None:
+    """At 60 ms the last value that was written is handed over; written in each sample it would be that of 59 ms."""
+    text = program("1 ms", "10 ms", "x ? v ; y ! v").replace("mu (x ? v ; y ! v)", steps)
+    report = report_of(text)
+    assert report.is_schedulable
+    assert [chain.age for chain in report.chains] == [10 * MS]
+    assert [loop.latency for loop in report.loops if loop.outputs] == [(1 * MS, 10 * MS)]
+    assert simulated(text).age == age * MS
+
+
 def test_an_immediate_output_does_not_wait_for_a_tick() -> None:
     text = program("5 ms", "5 ms immediate", "x ? v ; wait 500 us ; y ! v")
     (chain,) = report_of(text).chains
