@@ -225,6 +225,11 @@ def _numbers(value: Any, kind: Type) -> Iterator[tuple[tuple[int, ...], Any]]:
             assert_never(kind)
 
 
+def leaves(kind: Type) -> list[tuple[int, ...]]:
+    """The indexes of the real numbers within values of a type."""
+    return [indexes for indexes, _ in _numbers(zero(kind), kind)]
+
+
 def _has_numbers(kind: Type) -> bool:
     match kind:
         case RealType():

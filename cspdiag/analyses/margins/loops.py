@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from cspdiag.analyses.margins.law import Leaf
 from cspdiag.analyses.margins.linear import NotLinearError, Simplification
 from cspdiag.analyses.margins.margin import Margins, margins
+from cspdiag.analyses.margins.one_period import PeriodSimulation
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop, minimal
 from cspdiag.analyses.margins.system import LinearizedProgram
 from cspdiag.base import Span
@@ -81,7 +82,7 @@ def analyse_loops(
     refusals: list[LawWithoutMargins] = []
     first = points[0][1]
     for path in first.classes:
-        if path not in first.periods or path not in first.structure.positions:
+        if path not in first.search.runs:
             continue
         try:
             found += _of_law(points, path, only)
@@ -97,9 +98,9 @@ def reopen(network: CoreNetwork, environment: Environment, loop: AnalysedLoop) -
     """
     program = LinearizedProgram(network, environment, dict(loop.point))
     cut = loop.opened.cut
-    if cut.law not in program.periods or _is_passed_on(program, cut.law, cut.output[0]):
+    if not program.comes_back(cut.law, cut.output[0]) or program.is_passed_on(cut.law, cut.output[0]):
         return None
-    opened = program.open(cut)
+    opened = PeriodSimulation(program, cut).open_loop()
     return opened if len(minimal(opened)[0]) else None
 
 
@@ -120,37 +121,35 @@ def _points(
     ]
     for magnitude in MOTIONS if speeds else ():
         moving = dict.fromkeys(speeds, magnitude)
-        yield moving, LinearizedProgram(network, environment, moving)
+        yield moving, LinearizedProgram(network, environment, moving, rest.search)
 
 
 def _of_law(
     points: list[tuple[dict[str, float], LinearizedProgram]], path: str, only: str | None
 ) -> Iterator[AnalysedLoop]:
-    if not any(path in program.reachable(path, [*program.laws_between(path), path]) for _, program in points):
+    first = points[0][1]
+    if not first.search.of(path).members:
         return
-    for name, indexes in points[0][1].law(path).output_names:
+    unanswered: dict[str, None] = {}
+    for name, indexes in first.law(path).output_names:
         cut = Cut(path, (name, indexes))
-        if only is not None and only not in cut.path:
+        is_chosen = only is None or only in cut.path
+        if not is_chosen or not first.comes_back(path, name) or first.is_passed_on(path, name):
             continue
+        unanswered.setdefault(name)
         for point, program in points:
-            if _is_passed_on(program, path, name):
-                continue
-            opened = program.open(cut)
+            opened = PeriodSimulation(program, cut).open_loop()
             if not len(minimal(opened)[0]):
                 continue
             yield AnalysedLoop(opened, margins(opened), _relevant(point, program, opened), _within(program, opened))
+            unanswered.pop(name, None)
             break
-
-
-def _is_passed_on(program: LinearizedProgram, path: str, port: str) -> bool:
-    """Whether another law at the same rate uses the output, so the loop is cut there instead."""
-    net = program.net_of.get((path, port))
-    return net is not None and any(
-        program.periods[other] == program.periods[path]
-        and program.is_read_by(net, other)
-        and net not in program.outside
-        for other in program.laws_between(path)
-    )
+    for name in unanswered:
+        raise NotLinearError(
+            f"a small change of `{name}` does not come back to it at the operating point; choose another one with "
+            "--at, or see whether something overwrites it",
+            first.classes[path].span,
+        )
 
 
 def _relevant(point: Mapping[str, float], program: LinearizedProgram, opened: OpenLoop) -> dict[str, float]:

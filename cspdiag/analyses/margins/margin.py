@@ -68,7 +68,7 @@ def margins(loop: OpenLoop) -> Margins:
         numpy.atleast_1d(part) for part in control.stability_margins(measured, returnall=True, method="frd")
     )
     crossings = [(float(g), float(w)) for g, w in zip(gains, gain_at, strict=True) if g > 0]
-    last = float((-(c @ numpy.linalg.solve(-numpy.eye(len(a)) - a, b)) - d).real[0, 0]) if len(a) else -d
+    last = _at_half_the_sample_frequency(a, b, c, d)
     if last < 0:
         # At half the sample frequency the response is real: a crossing that lies on no grid.
         crossings.append((-1 / last, math.pi / loop.period))
@@ -106,6 +106,18 @@ def frequency_response(loop: OpenLoop) -> Response:
     return Response(
         frequencies, -(c @ numpy.linalg.solve(shifted, numpy.broadcast_to(b, (GRID, *b.shape))))[:, 0, 0] - d
     )
+
+
+def _at_half_the_sample_frequency(a: Matrix, b: Matrix, c: Matrix, d: float) -> float:
+    """The response there, which is real; zero if a pole lies there, so that no gain makes it -1."""
+    import numpy
+
+    if not len(a):
+        return -d
+    try:
+        return float((-(c @ numpy.linalg.solve(-numpy.eye(len(a)) - a, b)) - d).real[0, 0])
+    except numpy.linalg.LinAlgError:
+        return 0.0
 
 
 def _inside(radius: float) -> float:

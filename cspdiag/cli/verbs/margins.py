@@ -57,7 +57,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Linearize, measure, report; exit code 0 if there are loops and all of them are stable."""
+    """Linearize, measure, report; exit code 0 if there are loops and all of them are known to be stable."""
     from cspdiag.analyses.margins.linear import NotLinearError
     from cspdiag.analyses.margins.period import parse_margin
 
@@ -83,7 +83,8 @@ def run(arguments: Namespace) -> int:
     periods = {} if margin is None else _periods(arguments, built, network, report, margin)
     _write_plot(arguments.plot, report)
     _print_report(arguments, report, periods)
-    return FINE if report.loops and all(loop.margins.is_stable for loop in report.loops) else UNSUCCESSFUL
+    is_known = bool(report.loops) and not report.refusals
+    return FINE if is_known and all(loop.margins.is_stable for loop in report.loops) else UNSUCCESSFUL
 
 
 def _check_plot(path: Path | None) -> None:

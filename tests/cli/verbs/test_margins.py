@@ -117,3 +117,13 @@ def test_no_loop_is_reported(cspdiag: Command, loop: Path) -> None:
         result = cspdiag("margins", *options, loop)
         assert result.code == 1
         assert result.out.startswith("no loop goes through `Bench`")
+
+
+def test_a_law_without_margins_is_no_success(cspdiag: Command, loop: Path) -> None:
+    """Neither beside a loop that is stable nor alone."""
+    text = loop.read_text()
+    loop.write_text(text.replace("mu law", "mu (law ; u ! 0)"))
+    result = cspdiag("margins", loop)
+    assert result.code == 1
+    assert "`law` has no margins: " in result.out
+    assert "loop.csp:4:" in result.out
