@@ -4,6 +4,8 @@ and work that ends there does not end before the next sample.
 
 from __future__ import annotations
 
+import random
+from collections import Counter
 from fractions import Fraction
 
 import pytest
@@ -11,8 +13,9 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.analyses.timing.report.diagnostics import diagnostic_of
 from cspdiag.analyses.timing.report.timing import timing_report
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.run.execute import simulate
-from tests.analyses.timing.processor import on_processor, read, run, wcets, with_bench
+from tests.analyses.timing.processor import Processor, on_processor, read, run, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, by_name, law, loops_of, report_of
 from tests.analyses.timing.seen import Seen, seen_in
 
@@ -133,7 +136,7 @@ def test_a_law_that_takes_its_whole_period_is_late() -> None:
     assert [label.message for label in found.labels] == ["`a` has 5 ms and may take as long"]
     with on_processor():
         assert seen_in(run(network, wcets(network).__getitem__, 60 * MS), "Main.y_a").age == 10 * MS
-    assert report_of(loops_of(("a", "5 ms", "4999999 ns"))).is_schedulable
+    assert report_of(loops_of(("a", "5 ms", "4999 us"))).is_schedulable
 
 
 def test_a_sample_that_is_reached_when_the_next_one_comes_is_missed() -> None:
@@ -144,6 +147,38 @@ def test_a_sample_that_is_reached_when_the_next_one_comes_is_missed() -> None:
     with on_processor(), pytest.raises(AssertionError, match=r"a sample of Main\.x_quick was overwritten"):
         run(network, wcets(network).__getitem__, 60 * MS)
     assert report_of(text.replace("wcet 1 ms", "wcet 999999 ns")).is_schedulable
+
+
+def is_late_in_a_run(network: Network, periods: dict[str, int], source: random.Random) -> bool:
+    """Whether some law ends at the next sample of its loop or later, or a sample is missed, in one of some runs."""
+    stated, late = wcets(network), []
+
+    def ended(path: str, began: int) -> None:
+        release = began // periods[path] * periods[path]
+        late.append(Processor.present >= release + periods[path])
+
+    for times in (stated.__getitem__, lambda path: 250 * US * source.randint(0, stated[path] // (250 * US))):
+        try:
+            run(network, times, 20 * MS, ended)
+        except AssertionError:
+            return True
+    return any(late)
+
+
+def test_loops_that_end_at_each_others_ticks_are_late_only_where_that_is_said() -> None:
+    answers: Counter[bool | None] = Counter()
+    for seed in range(100):
+        source = random.Random(seed)
+        names = "abc"[: source.randint(1, 3)]
+        loops = [(name, source.choice([1, 2, 4]), 250 * source.randint(0, 6)) for name in names]
+        text = loops_of(*((n, f"{t} ms", f"{w} us") for n, t, w in loops), order=source.choice(["||", "||>"]))
+        network = with_bench(text, [f"x_{n}" for n in names], [f"y_{n}" for n in names], "1 ms")
+        answer = timing_report(network).is_schedulable
+        answers[answer] += 1
+        with on_processor():
+            is_late = is_late_in_a_run(network, {f"Main.{n}": t * MS for n, t, _ in loops}, source)
+        assert answer is None or answer is not is_late, text
+    assert min(answers[True], answers[False]) >= 30
 
 
 def test_no_order_keeps_a_loop_that_computes_nothing_in_time_behind_a_long_step() -> None:
