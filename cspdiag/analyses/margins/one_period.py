@@ -64,6 +64,7 @@ class PeriodSimulation:
             self.index_of["held", leaf] = len(self.index_of)
             self.index_of["latch", leaf] = len(self.index_of)
         for path in self.laws:
+            program.check_operating_point(path, self.members)
             law = program.law(path)
             for leaf in (*law.discrete, *law.continuous):
                 self.index_of[path, leaf] = len(self.index_of)

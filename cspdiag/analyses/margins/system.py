@@ -10,6 +10,7 @@ from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.structure import initial_inputs
 from cspdiag.base.graphs import reached
 from cspdiag.network.ir.network import CoreNetwork, Environment, ProcessClass, SubmodelClass
+from cspdiag.network.ir.zero import zero
 
 if TYPE_CHECKING:
     import numpy
@@ -67,6 +68,28 @@ class LinearizedProgram:
             found = self._laws[path] = linearize(self.classes[path], self.parameters[path], point=point)
         return found
 
+    def check_operating_point(self, path: str, members: frozenset[str]) -> None:
+        """Refuse a law whose coefficients depend on a variable outside the loop that the composition changes: it does
+        not keep the initial value, at which the law is linearized. Raises NotLinearError.
+        """
+        entry, law, point = self.classes[path], self.law(path), initial_inputs(self.network, path)
+        for port in entry.ports:
+            place = self.net_of.get((path, port.name))
+            if port.direction != "in" or place is None or place in members:
+                continue
+            initial = point.get(port.name, zero(port.type))
+            changed = [part for part in self.search.composition.statements if part.target == place]
+            if not changed or not isinstance(initial, bool | int | float):
+                continue
+            other = not initial if isinstance(initial, bool) else 2 * initial + 1
+            elsewhere = linearize(entry, self.parameters[path], point={**point, port.name: other})
+            if not _is_same(law, elsewhere):
+                raise NotLinearError(
+                    f"`{place.partition('.')[2]}` gets another value here than its initial one, and the coefficients "
+                    f"of `{path.partition('.')[2]}` depend on it; pass on a constant, and try its values with --set",
+                    changed[0].span,
+                )
+
     def is_passed_on(self, path: str, port: str) -> bool:
         """Whether an output reaches the plant only through other laws of the same rate, so the loop is cut there."""
         search = self.search
@@ -99,6 +122,13 @@ class LinearizedProgram:
             for (name, _), row in zip(plant.output_names, plant.outputs, strict=True)
             if any(_has_effect(row, j) for j in moved)
         }
+
+
+def _is_same(one: LinearLaw, other: LinearLaw) -> bool:
+    import numpy
+
+    pairs = ((one.next, other.next), (one.rates, other.rates), (one.outputs, other.outputs))
+    return all(numpy.allclose(a, b, rtol=1e-9, atol=1e-12) for a, b in pairs)
 
 
 def _has_effect(row: Matrix, column: int) -> bool:

@@ -80,6 +80,7 @@ class Composition:
         self._classes = {entry.name: entry for entry in network.classes}
         self._class_of = {instance.path: instance.class_name for instance in network.instances}
         self._net_of = {end: net.path for net in network.nets for end in (*net.writers, *net.readers)}
+        self._sampled = {net.path for net in network.nets if net.external == "in" and net.sampling is not None}
         self.loops: dict[Position, Loop] = {}
         self.statements: list[Statement] = []
         self.written_by_hand: dict[str, Span] = {}
@@ -195,6 +196,8 @@ class Composition:
             elif isinstance(action.branch.event, ir.ReadyEvent | ir.InputEvent):
                 source = self.place(context.process, action.branch.event.source)
                 self._add(within, action.branch.event.span, sources=(source,), reason="it interrupts")
+                if source in self._sampled:
+                    within = _stopped(within, "the next sample interrupts it", always=True)
             self._move(within, action.branch.event)
         for number, part in enumerate(actions_inside(action)):
             self._action(_inside(within, action, number), part)

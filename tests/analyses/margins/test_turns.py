@@ -79,6 +79,7 @@ REFUSED = [
     (program("mu (law ; reset law)", ka=3), "the loop resets an instance"),
     (program("mu (law catch Timeout -> u ! 0)", ka=3), "it stands in a `catch` within the loop"),
     (program("mu (mu law until v > 1 ; u ! 0)", ka=3), "it stands in a loop inside another loop"),
+    (program("(mu law) interrupt z ? v -> u ! 0", ka=3), "the next sample interrupts it"),
     (program("mu law until true", ka=3), "its loop ends after one iteration"),
     (program("law", ka=3), "it does not stand in a loop"),
 ]
@@ -91,6 +92,15 @@ def test_what_is_not_followed_is_refused_with_its_place(text: str, reason: str) 
     (refusal,) = report.refusals
     assert reason in refusal.reason
     assert refusal.span is not None
+
+
+@pytest.mark.parametrize("composition", ["b := 10 ; mu law", "mu (law ; b := 10)", "mu (z ? b ; law)"])
+def test_a_gain_that_the_composition_changes_is_not_taken_at_its_initial_value(composition: str) -> None:
+    text = program(composition).replace("u = -(1) * a - (9) * b", "u = -a * (1 + b)").replace("z = x", "z = 10")
+    report = cspdiag.parse(text).margins()
+    assert report.loops == ()
+    (refusal,) = report.refusals
+    assert "`b` gets another value here than its initial one" in refusal.reason
 
 
 CASCADE = (MODELS / "cascade" / "cascade.csp").read_text(encoding="utf-8").replace("kp = 0.2<", "kp = 6<")
