@@ -102,6 +102,7 @@ class Verifier:
             answer = self._answer_by_spin(question, limits)
         else:
             answer = prove(question, self._systems.of, limits, self._method)
+        answer = self._unless_guards_are_met(answer)
         confirmed = self._confirmed(answer, limits)
         if answer.counterexample is not None and confirmed.outcome == "unknown":
             try:
@@ -109,6 +110,23 @@ class Verifier:
             except LimitError:
                 return confirmed
         return self._with_suggestions(confirmed, limits)
+
+    def _unless_guards_are_met(self, answer: Answer) -> Answer:
+        """The answer, but no proof of a program in which the body of an interrupt may communicate with its guard: one
+        thread has both ends then, and in a transition system offers of one thread do not meet.
+        """
+        from cspdiag.proofs.transitions.classes.own_guards import guard_met_by_its_body
+
+        if answer.outcome == "proved":
+            for process in answer.question.processes:
+                network = self._obligations.network(process)
+                interrupt = None if network is None else guard_met_by_its_body(network)
+                if interrupt is not None:
+                    place = f"{interrupt.span.file.rpartition('/')[2]}:{interrupt.span.line}"
+                    what = f"the body of the interrupt in {place} may communicate with its guard"
+                    reason = f"{what}, which proofs do not follow"
+                    return replaced(answer, outcome="unknown", reason=reason)
+        return answer
 
     def _other_counterexample(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
         """The answer with another counterexample that the program follows, as it does not follow the one that was

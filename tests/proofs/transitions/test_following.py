@@ -13,6 +13,7 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.classes.own_guards import guard_met_by_its_body
 from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import simulate
@@ -68,6 +69,8 @@ def test_model(name: str) -> None:
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
 def test_program_that_is_hard_to_get_right(path: Path) -> None:
     network = network_of(read(str(path)))
+    if guard_met_by_its_body(network) is not None:
+        pytest.skip("its transition system is no basis of a proof")
     assert assert_allowed(network, run_of(network)) or path.stem in TOO_LARGE
 
 

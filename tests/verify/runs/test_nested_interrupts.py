@@ -1,5 +1,5 @@
-"""The guards of nested interrupts that are the two ends of one channel make each other ready: the outer process then
-waits for its own guard alone.
+"""A body that has the other end of the channel of its interrupt makes the guard ready: it is cancelled in the middle of
+the communication, and the process waits for the guard alone. So do the guards of nested interrupts.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ OWN_CHANNEL = """process Main {{
   composition {{ {composition} }}
 }}
 """
+ANY = OWN_CHANNEL.replace("channel c : int", "channel c : int any\n    channel d : int any\n    var y : int = 0")
 OWN_PORTS = """process Inner {{
   in i : int
   out c, o : int
@@ -45,6 +46,11 @@ FORMS = [
     (OWN_CHANNEL, "((o ! 5) interrupt c ? x -> o ! 6) interrupt c ! 4 -> o ! 7"),
     (OWN_CHANNEL, "(((o ! 5) interrupt c ! 4 -> o ! 6) interrupt after 1 s -> skip) interrupt c ? x -> o ! 7"),
     (OWN_PORTS, "((wait 1 ms ; o ! 1) interrupt c ! 4 -> skip) interrupt i ? x -> skip"),
+    (OWN_CHANNEL, "((c ! 1 -> o ! 1) [] (after 2 ms -> skip)) interrupt c ? x -> stop"),
+    (OWN_CHANNEL, "((c ? x) interrupt after 1 ms -> skip) interrupt c ! 0 -> skip"),
+    (ANY, "((c ! 3 ; o ! 5) interrupt c ? x -> o ! 1) || (wait 1 ms ; c ? y)"),
+    (ANY, "d ? y || (mu (((c ! 2 -> skip) [] (after 2 ms -> skip)) interrupt c ? x -> d ! 1))"),
+    (OWN_PORTS, "((c ! 1 -> o ! 1) [] (after 2 ms -> skip)) interrupt i ? x -> stop"),
 ]
 
 

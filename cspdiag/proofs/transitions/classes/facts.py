@@ -42,7 +42,7 @@ from cspdiag.network.flow.raised import exceptions_of
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.durations import Durations
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.network.ir.network import CoreNetwork, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.proofs.transitions.classes.built_in_exceptions import FAULT, TIMEOUT
 from cspdiag.proofs.transitions.classes.cuts import boundaries, copied_to
@@ -80,8 +80,6 @@ class Facts:
         self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
         self.catches_faults = catches_faults(program.network)
-        self.connects_to_itself = _connects_to_itself(program.network)
-        """Whether a channel connects an instance to itself: two of its ports are the ends of one channel."""
 
     def distinction(self, port: str) -> Distinction:
         """How the values at an input of the outermost process are distinguished."""
@@ -151,18 +149,6 @@ class Facts:
     def _of_read(self, end: ir.End, one: Class) -> frozenset[str]:
         sampled = isinstance(end, ir.PortEnd) and (one.name, end.port) in self.sampled
         return frozenset({TIMEOUT}) if sampled else frozenset()
-
-
-def _connects_to_itself(network: CoreNetwork) -> bool:
-    for net in network.nets:
-        owner = net.path.rpartition(".")[0] + "."
-        writers, readers = (
-            {path.removeprefix(owner).split(".")[0] for path, _ in ends if path.startswith(owner)}
-            for ends in (net.writers, net.readers)
-        )
-        if not writers.isdisjoint(readers):
-            return True
-    return False
 
 
 def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:

@@ -10,7 +10,6 @@ from cspdiag.network.flow.waiting import is_always_ready
 from cspdiag.network.ir.actions import (
     AfterEvent,
     Branch,
-    Event,
     InputEvent,
     InterruptOn,
     OutputEvent,
@@ -19,7 +18,6 @@ from cspdiag.network.ir.actions import (
 )
 from cspdiag.proofs.transitions.classes.program import Node
 from cspdiag.proofs.transitions.systems.labels import INTERNAL, Alarm, Bound, Cancelled, Read
-from cspdiag.proofs.transitions.systems.references import OwnPort, Reference
 from cspdiag.proofs.transitions.threads import frames
 from cspdiag.proofs.transitions.threads.communications import Communications, Move
 from cspdiag.proofs.transitions.threads.context import Context
@@ -45,7 +43,6 @@ class Abandoning(Communications):
     def interruptions(self, c: Configuration, present: frames.Frame) -> list[Move]:
         """The edges by which guards of the surrounding interrupts are taken."""
         found: list[Move] = []
-        inner: list[frames.Interrupt] = []
         stack, held = c.stack, c._replace(fetched=None, loaded=())
         while stack is not None:
             frame, stack = stack
@@ -57,11 +54,6 @@ class Abandoning(Communications):
                 outside = held.at(stack)
                 moves = self.guarded(outside, context, node.action.branch, node.children[1], value)
                 moves += self._lost_races(outside, context, node, value)
-                if any(self._make_each_other_ready(frame, other) for other in inner):
-                    what = "nested interrupts whose guards are the two ends of one channel may meet or not"
-                    self.thread.abstracted(what, node.action.branch.event.span)
-                    moves.append((INTERNAL, outside.at((frames.GuardOnly(node, context, value), stack))))
-                inner.append(frame)
                 for label, target in moves:
                     match present:
                         case frames.Delivering():
@@ -73,17 +65,6 @@ class Abandoning(Communications):
                             pass
                     found.append((label, target))
         return found
-
-    def _make_each_other_ready(self, outer: frames.Interrupt, inner: frames.Interrupt) -> bool:
-        """Whether the guards of two interrupts around each other are, or may be, the two ends of one channel: the outer
-        one then abandons its body, and with it the other end.
-        """
-        one, other = _guarded_end(outer), _guarded_end(inner)
-        if one is None or other is None or isinstance(one[1], OutputEvent) == isinstance(other[1], OutputEvent):
-            return False
-        if isinstance(one[0], OwnPort) and isinstance(other[0], OwnPort) and self.thread.facts.connects_to_itself:
-            return True
-        return self.thread.medium(one[0]) is self.thread.medium(other[0])
 
     def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
         """The guard was seen ready and the body abandoned, but the guard is no longer ready: the process now waits for
@@ -175,21 +156,6 @@ class Abandoning(Communications):
     def is_always_ready(self, context: Context, branch: Branch) -> bool:
         """Whether a guard never waits for another process."""
         return is_always_ready(branch.event, lambda end: self.thread.medium(context.reference(end)).kind)
-
-
-def _guarded_end(interrupt: frames.Interrupt) -> tuple[Reference, Event] | None:
-    """What the guard of an interrupt reads or writes."""
-    assert isinstance(interrupt.node.action, InterruptOn)
-    event = interrupt.node.action.branch.event
-    match event:
-        case OutputEvent():
-            return interrupt.context.reference(event.sink), event
-        case InputEvent() | ReadyEvent():
-            return interrupt.context.reference(event.source), event
-        case AfterEvent() | SkipEvent():
-            return None
-        case _:
-            assert_never(event)
 
 
 def is_cancellation_point(frame: frames.Frame) -> bool:
