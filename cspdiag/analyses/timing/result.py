@@ -66,14 +66,16 @@ class Chain:
     """A path from an input of the program through loops to an output.
 
     ``reaction`` is the longest time from a change of the input to the first output that reflects it; ``age`` is the
-    largest age of a sample when an output that is based on it is handed over.
+    largest age of a sample when an output that is based on it is handed over. Each is None where it has no bound;
+    ``unbounded`` says why, and where.
     """
 
     source: str
     sink: str
     loops: tuple[str, ...]
-    reaction: int
-    age: int
+    reaction: int | None
+    age: int | None
+    unbounded: Refusal | None = None
 
 
 @record

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from decimal import ROUND_HALF_EVEN, Context, Decimal
+
 
 def duration(nanoseconds: int) -> str:
     """A duration in the largest unit of which it is an integer multiple: ``2 ms``."""
@@ -11,11 +13,12 @@ def duration(nanoseconds: int) -> str:
     return f"{nanoseconds} ns"
 
 
-def rounded(nanoseconds: float) -> str:
-    """A duration with four digits: ``1.25 ms``."""
-    for unit, size in (("s", 1e9), ("ms", 1e6), ("us", 1e3), ("ns", 1.0)):
-        written = f"{nanoseconds / size:.4g}"
+def rounded(nanoseconds: float, rounding: str = ROUND_HALF_EVEN) -> str:
+    """A duration with four digits: ``1.25 ms``; ``rounding`` is one of those of ``decimal``."""
+    value = Decimal(nanoseconds)
+    for unit, exponent in (("s", 9), ("ms", 6), ("us", 3), ("ns", 0)):
+        found = Context(prec=4, rounding=rounding).plus(value.scaleb(-exponent))
         # A duration that rounds to the next unit is written in that unit.
-        if abs(float(written)) >= 1:
-            return f"{written} {unit}"
-    return f"{nanoseconds:.4g} ns" if nanoseconds else "0"
+        if abs(found) >= 1:
+            return f"{float(found):.4g} {unit}"
+    return f"{float(Context(prec=4, rounding=rounding).plus(value)):.4g} ns" if nanoseconds else "0"

@@ -66,6 +66,8 @@ def hunt_ages(first: int, count: int) -> Found:
         found.answers["proved" if one.is_proved else "not proved"] += 1
         found.answers["age reached"] += one.is_age_reached
         found.answers["reaction reached"] += one.is_reaction_reached
+        found.answers["age bounded"] += one.is_age_bounded
+        found.answers["reaction bounded"] += one.is_reaction_bounded
         if one.wrong:
             found.wrong.append((seed, one.wrong))
     return found

@@ -15,8 +15,11 @@ def test_what_is_proved_of_random_programs_holds_in_their_runs() -> None:
 
 
 def test_ages_and_reactions_of_random_chains_hold_where_hops_end_at_ticks() -> None:
-    found = hunt_ages(0, 60)
+    found = hunt_ages(0, 100)
     assert found.wrong == []
-    assert found.answers["proved"] >= 35
+    assert found.answers["proved"] >= 60
     assert found.answers["age reached"] >= 15
     assert found.answers["reaction reached"] >= 15
+    # Some may keep values or pass on only some samples: those have no bound.
+    assert 30 <= found.answers["age bounded"] <= found.answers["proved"] - 15
+    assert 25 <= found.answers["reaction bounded"] <= found.answers["age bounded"] - 5

@@ -7,7 +7,7 @@ take the present one at each end that it follows. Any other wait is a ``Gap``, a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from cspdiag.analyses.timing.flow.followed import (
     NOTHING_FOLLOWED,
@@ -113,16 +113,31 @@ class JobSearch:
         place, target = self.thread.places[number], self.thread.places[offer.target]
         return self._path(offer.target, period, after_step(with_possible(followed, offer.may_follow), place, target))
 
-    def reachable(self, starts: Iterable[int], period: int, avoided: int) -> set[int]:
-        """The places that a job can reach from ``starts`` without passing ``avoided``, if all samples are there."""
+    def reachable(self, starts: Iterable[int], period: int, avoided: Collection[int]) -> set[int]:
+        """The places that a job can reach from ``starts`` without passing any of ``avoided``; all samples are there."""
         offers = [offer for place in self.thread.places for offer in place.offers if offer.kind == "sample"]
         followed = after_tick(with_status(NOTHING_FOLLOWED, offers, SampleStatus.TAKEN), period)
-        begin = [(start, followed) for start in starts if start != avoided]
+        begin = [(start, followed) for start in starts if start not in avoided]
 
         def after(state: State) -> list[State]:
-            return [following for following in self._successors(state, period) if following[0] != avoided]
+            return [following for following in self._successors(state, period) if following[0] not in avoided]
 
         return {number for number, _ in reached(begin, after)}
+
+    def stops_without(self, offer: Offer, begins: Iterable[int], avoided: int) -> set[int]:
+        """The waits at which a job of a sample may end, from ``begins`` on, without passing ``avoided``; all other
+        samples of its period are there.
+        """
+        offers = [other for place in self.thread.places for other in place.offers if other.kind == "sample"]
+        followed = after_tick(with_status(NOTHING_FOLLOWED, offers, SampleStatus.TAKEN), offer.period)
+        if offer.takes:
+            followed = with_status(followed, [offer], SampleStatus.TAKEN)
+        begin = [(start, followed) for start in begins if start != avoided]
+
+        def after(state: State) -> list[State]:
+            return [following for following in self._successors(state, offer.period) if following[0] != avoided]
+
+        return {state[0] for state in reached(begin, after) if self._may_stop(state, offer.period)}
 
     def _path(self, start: int, period: int, followed: FollowedEnds) -> Path:
         done: dict[State, Path] = {}
@@ -263,6 +278,7 @@ class JobSearch:
         if self._may_stop(state, period):
             path.is_unique &= not steps
             path.certain_outputs = frozenset()
+            path.certain_moves = frozenset()
             path.wait_states |= {(number, self._followed_while_waiting(number, followed))}
             path.still_followed |= periods(followed)
         elif not steps:
@@ -281,6 +297,7 @@ class JobSearch:
         path.certain_outputs |= set(place.certain_outputs)
         if place.move is not None:
             path.moves |= {number}
+            path.certain_moves |= {number} if place.is_certain_to_move else frozenset()
         if place.leaf:
             path.leaves |= {place.leaf}
         if place.leaf and place.cost >= path.heaviest[0]:

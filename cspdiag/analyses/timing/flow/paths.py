@@ -26,7 +26,7 @@ class Path:
     ``is_unique`` where there is only one. ``wait_states`` are the waits at which it may arrive, and ``still_followed``
     the periods of samples that are followed there. ``leaves`` are the laws that compute on a path, ``outputs`` the
     outputs that are written, ``certain_outputs`` those that are written on every path, ``moves`` the places that pass
-    values on.
+    values on, ``certain_moves`` those that do so on every path.
     """
 
     work: int = 0
@@ -46,6 +46,7 @@ class Path:
     outputs: frozenset[str] = frozenset()
     certain_outputs: frozenset[str] = frozenset()
     moves: frozenset[int] = frozenset()
+    certain_moves: frozenset[int] = frozenset()
     is_unique: bool = True
 
     @property
@@ -87,6 +88,7 @@ def merge_branches(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) 
     least_work: list[int] = []
     fewest_meets: list[dict[ChannelSide, int]] = []
     certain_outputs: list[frozenset[str]] = []
+    certain_moves: list[frozenset[int]] = []
     for after, delay, switches, offer, waits in paths:
         found.is_unique = after.is_unique and not least_work
         least_work.append(after.least_work)
@@ -101,6 +103,7 @@ def merge_branches(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) 
         found.leaves |= after.leaves
         found.outputs |= after.outputs
         certain_outputs.append(after.certain_outputs)
+        certain_moves.append(after.certain_moves)
         found.moves |= after.moves
         found.heaviest = max(found.heaviest, after.heaviest, key=lambda part: part[0])
         met = offer.end if offer is not None else None
@@ -109,6 +112,7 @@ def merge_branches(paths: Iterator[tuple[Path, int, bool, Offer | None, bool]]) 
         fewest_meets.append(_with_one(after.fewest_meets, met if waits else None))
     found.least_work = min(least_work, default=0)
     found.certain_outputs = frozenset.intersection(*certain_outputs) if certain_outputs else frozenset()
+    found.certain_moves = frozenset.intersection(*certain_moves) if certain_moves else frozenset()
     if fewest_meets:
         common = set.intersection(*(set(counts) for counts in fewest_meets))
         found.fewest_meets = {end: min(counts[end] for counts in fewest_meets) for end in common}

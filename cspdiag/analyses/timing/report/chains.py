@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from cspdiag.analyses.timing.flow.value_flow import Location, Stage, ValueFlow
+from cspdiag.analyses.timing.flow.value_flow import Hop, Location, Stage, ValueFlow
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.result import Chain
 from cspdiag.base.record import record, replaced
 
@@ -24,15 +25,28 @@ sample: the age and the delay of the output; None if the net leads to no output.
 
 
 @record
+class _Unbounded:
+    """Why a value may be used at any later time, or why not each value is passed on; None where neither is so."""
+
+    age: Refusal | None = None
+    reaction: Refusal | None = None
+
+    def also(self, other: _Unbounded) -> _Unbounded:
+        """The same with the reasons of another one where this has none."""
+        return _Unbounded(self.age or other.age, self.reaction or other.reaction)
+
+
+@record
 class _Route:
-    """The route of a value: the stages it has passed with its locations in each, their names, and the time until the
-    next stage has it.
+    """The route of a value: the stages it has passed with its locations in each, their names, the time until the next
+    stage has it, and why that may have no bound.
     """
 
     stages: tuple[int, ...] = ()
     passed: tuple[frozenset[Location], ...] = ()
     names: tuple[str, ...] = ()
     time: int = 0
+    unbounded: _Unbounded = _Unbounded()
 
 
 def chains(
@@ -51,14 +65,75 @@ def chains(
             route, at, entries = pending.pop()
             here = _in_sample(flow, at, entries)
             through = (*route.names, _name(flow, names[at], here))
-            for chain in _ends(flow, stages[at], source, through, route.time, here, latency):
+            unbounded = _unbounded_in_sample(flow, stages[at], at, dict.fromkeys(entries, route.unbounded), here)
+            for chain in _ends(flow, stages[at], at, source, through, route.time, here, unbounded, latency):
                 key = (chain.source, chain.sink, chain.loops)
-                if key not in found or found[key].reaction < chain.reaction:
-                    found[key] = chain
+                found[key] = _longest(found[key], chain) if key in found else chain
+            passed = (*route.passed, frozenset(here))
             pending += _next_stages(
-                flow, _Route((*route.stages, at), (*route.passed, frozenset(here)), through, route.time), here
+                flow, _Route((*route.stages, at), passed, through, route.time, route.unbounded), here, unbounded
             )
     return list(found.values()), True
+
+
+def _longest(one: Chain, other: Chain) -> Chain:
+    """The longest times of two chains along the same loops."""
+    return replaced(
+        one,
+        reaction=None if one.reaction is None or other.reaction is None else max(one.reaction, other.reaction),
+        age=None if one.age is None or other.age is None else max(one.age, other.age),
+        unbounded=other.unbounded if other.age is None and one.age is not None else one.unbounded or other.unbounded,
+    )
+
+
+def _unbounded_in_sample(
+    flow: ValueFlow,
+    stage: Stage,
+    at: int,
+    entries: Mapping[Location, _Unbounded],
+    here: Mapping[Location, int],
+) -> dict[Location, _Unbounded]:
+    """For each location that a value passes in a sample, why the times until there may have no bound."""
+    found: dict[Location, _Unbounded] = {}
+    pending = sorted(entries.items(), key=lambda entry: entry[0])
+    while pending:
+        location, before = pending.pop()
+        if location not in stage.certain:
+            before = before.also(_Unbounded(reaction=_not_each(flow, location)))
+        known = found.get(location)
+        merged = before if known is None else known.also(before)
+        if merged == known:
+            continue
+        found[location] = merged
+        for hop in flow.hops(at, location):
+            if hop.in_sample and hop.location in here:
+                pending.append((hop.location, merged.also(_unbounded_hop(flow, at, location, hop))))
+    return found
+
+
+def _unbounded_hop(flow: ValueFlow, at: int, location: Location, hop: Hop) -> _Unbounded:
+    if hop.kept is not None:
+        name = hop.kept.rpartition(".")[2]
+        reason = f"a value may stay in `{name}` without bound: it is not certain to be replaced in each sample"
+        advice = f"write `{name}` in each sample, on every path"
+        old = Refusal(hop.kept, reason, flow.span_at(location), advice)
+        return _Unbounded(old, old)
+    for net in sorted(flow.move_at(location).writes & flow.move_at(hop.location).reads):
+        if flow.is_written_elsewhere(at, location, net):
+            return _Unbounded(reaction=_replaced(flow, location, net))
+    return _Unbounded()
+
+
+def _not_each(flow: ValueFlow, location: Location) -> Refusal:
+    net = min(flow.move_at(location).writes, default="")
+    reason = "a change may be seen later without bound: not each sample is certain to be passed on here"
+    return Refusal(net, reason, flow.span_at(location), "pass the value on in each sample, on every path")
+
+
+def _replaced(flow: ValueFlow, location: Location, net: str) -> Refusal:
+    name = net.rpartition(".")[2]
+    reason = f"a change may be seen later without bound: another value may replace it in `{name}` in the same sample"
+    return Refusal(net, reason, flow.span_at(location), f"write `{name}` once in each sample")
 
 
 def _sources(flow: ValueFlow, stages: Sequence[Stage]) -> Iterator[tuple[int, str]]:
@@ -100,10 +175,12 @@ def _is_passed_on_in_time(flow: ValueFlow, at: int, left: tuple[Location, ...], 
 def _ends(
     flow: ValueFlow,
     stage: Stage,
+    at: int,
     source: str,
     through: tuple[str, ...],
     time: int,
     here: Mapping[Location, int],
+    unbounded: Mapping[Location, _Unbounded],
     latency: Latency,
 ) -> Iterator[Chain]:
     """The chains that end at an output of a stage."""
@@ -112,11 +189,21 @@ def _ends(
             found = latency(net, stage.period, stage.response + waited, net in stage.steady)
             if found is not None:
                 age, delay = found
-                yield Chain(_short(source), _short(net), through, time + stage.period + delay, time + age)
+                why = unbounded[location]
+                if flow.is_written_elsewhere(at, location, net):
+                    why = why.also(_Unbounded(reaction=_replaced(flow, location, net)))
+                yield Chain(
+                    _short(source),
+                    _short(net),
+                    through,
+                    None if why.reaction else time + stage.period + delay,
+                    None if why.age else time + age,
+                    why.age or why.reaction,
+                )
 
 
 def _next_stages(
-    flow: ValueFlow, route: _Route, here: Mapping[Location, int]
+    flow: ValueFlow, route: _Route, here: Mapping[Location, int], unbounded: Mapping[Location, _Unbounded]
 ) -> Iterator[tuple[_Route, int, frozenset[Location]]]:
     """The stages that take the value at another sample."""
     at = route.stages[-1]
@@ -125,13 +212,19 @@ def _next_stages(
     }
     entries: dict[int, set[Location]] = {}
     longest: dict[int, int] = {}
+    reasons: dict[int, _Unbounded] = {}
     for location, waited in here.items():
         for hop in flow.hops(at, location):
-            if (hop.to, hop.location) not in known:
+            why = unbounded[location].also(_unbounded_hop(flow, at, location, hop))
+            # A kept value of any age may come by another way to where it has been.
+            is_older = why.age is not None and route.unbounded.age is None and not hop.in_sample
+            if (hop.to, hop.location) not in known or is_older:
+                reasons[hop.to] = reasons.get(hop.to, _Unbounded()).also(why)
                 entries.setdefault(hop.to, set()).add(hop.location)
                 longest[hop.to] = max(longest.get(hop.to, 0), waited + hop.waits)
     for to in sorted(entries):
-        yield replaced(route, time=route.time + longest[to]), to, frozenset(entries[to])
+        later = replaced(route, time=route.time + longest[to], unbounded=reasons[to])
+        yield later, to, frozenset(entries[to])
 
 
 def _name(flow: ValueFlow, loop: str, here: Iterable[Location]) -> str:

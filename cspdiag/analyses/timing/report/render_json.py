@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.result import TimingReport
 from cspdiag.base.render.json import place
 
@@ -50,17 +51,19 @@ def as_json(report: TimingReport) -> dict[str, Any]:
                 "to": chain.sink,
                 "reaction": chain.reaction,
                 "age": chain.age,
+                "unbounded": None if chain.unbounded is None else _refusal(chain.unbounded),
             }
             for chain in report.chains
         ],
         "allChains": report.are_all_chains,
         "missing": [{"name": part.leaf, "definition": part.definition, **place(part.span)} for part in report.missing],
-        "refusals": [
-            {"name": part.subject, "reason": part.reason, "help": part.help, **place(part.span)}
-            for part in report.refusals
-        ],
+        "refusals": [_refusal(part) for part in report.refusals],
         "measured": list(report.measured),
     }
+
+
+def _refusal(part: Refusal) -> dict[str, Any]:
+    return {"name": part.subject, "reason": part.reason, "help": part.help, **place(part.span)}
 
 
 def render(report: TimingReport) -> str:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR
+from math import ceil
 
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE
 from cspdiag.analyses.timing.threads.graph import Missing
@@ -29,9 +32,7 @@ def _lines(report: TimingReport) -> Iterator[str]:
         yield from _missing(report.missing)
     for refusal in report.refusals:
         yield ""
-        yield f"`{refusal.subject}`: {refusal.reason}"
-        yield f"  --> {on_one_line(refusal.span.source.name)}:{refusal.span.line}:{refusal.span.column}"
-        yield f"  = help: {refusal.help}"
+        yield from _refusal(refusal)
     if report.loops:
         yield ""
         yield from _aligned(_loop_rows(report.loops))
@@ -41,7 +42,8 @@ def _lines(report: TimingReport) -> Iterator[str]:
         yield ""
         rows = [("from", "through", "to", "reaction", "age")]
         rows += [
-            (c.source, ", ".join(c.loops), c.sink, time(c.reaction), time(c.age)) for c in report.chains[:_ROWS_SHOWN]
+            (c.source, ", ".join(c.loops), c.sink, _bound(c.reaction), _bound(c.age))
+            for c in report.chains[:_ROWS_SHOWN]
         ]
         yield from _aligned(rows, right=2)
         if len(report.chains) > _ROWS_SHOWN or not report.are_all_chains:
@@ -49,6 +51,19 @@ def _lines(report: TimingReport) -> Iterator[str]:
             yield f"and {more}{len(report.chains) - len(rows) + 1} chains more"
         yield "reaction: from a change of the input to the first output that reflects it"
         yield "age: of a sample, when an output that is based on it is handed over"
+        for refusal in dict.fromkeys(c.unbounded for c in report.chains[:_ROWS_SHOWN] if c.unbounded is not None):
+            yield ""
+            yield from _refusal(refusal)
+
+
+def _refusal(refusal: Refusal) -> Iterator[str]:
+    yield f"`{refusal.subject}`: {refusal.reason}"
+    yield f"  --> {on_one_line(refusal.span.source.name)}:{refusal.span.line}:{refusal.span.column}"
+    yield f"  = help: {refusal.help}"
+
+
+def _bound(nanoseconds: int | None) -> str:
+    return "no bound" if nanoseconds is None else upper(nanoseconds)
 
 
 def _loop_rows(loops: Sequence[LoopTiming]) -> list[tuple[str, ...]]:
@@ -59,12 +74,11 @@ def _loop_rows(loops: Sequence[LoopTiming]) -> list[tuple[str, ...]]:
     rows = [tuple(head)]
     for loop in loops[:_ROWS_SHOWN]:
         row = [
-            loop.name, time(loop.period), time(loop.work), f"{100 * loop.utilization:.1f} %", time(loop.step),
-            time(loop.blocking),
-            "no bound" if loop.response is None else time(loop.response),
-            "none" if loop.slack is None else time(loop.slack),
-            "" if loop.latency is None else _interval(loop.latency),
-            "" if loop.jitter is None else time(loop.jitter), ", ".join(loop.outputs),
+            loop.name, time(loop.period), upper(loop.work), _share(loop.utilization), upper(loop.step),
+            upper(loop.blocking), _bound(loop.response),
+            "none" if loop.slack is None else lower(loop.slack),
+            _interval(loop.latency) if loop.latency is not None else "no bound" if loop.outputs else "",
+            "" if loop.jitter is None else upper(loop.jitter), ", ".join(loop.outputs),
         ]  # fmt: skip
         if len(levels) > 1:
             row.insert(1, str(levels.index(loop.priority) + 1))
@@ -74,15 +88,16 @@ def _loop_rows(loops: Sequence[LoopTiming]) -> list[tuple[str, ...]]:
 
 def _interval(latency: tuple[int, int]) -> str:
     shortest, longest = latency
-    return time(shortest) if shortest == longest else f"{time(shortest)} to {time(longest)}"
+    # Of one time that four digits do not show exactly, both bounds are given.
+    least, most = lower(shortest), upper(longest)
+    return most if least == most else f"{least} to {most}"
 
 
 def _summary(report: TimingReport) -> Iterator[str]:
     if len(report.loops) > _ROWS_SHOWN:
         yield f"and {len(report.loops) - _ROWS_SHOWN} loops more"
     yield (
-        f"the processor is used up to {100 * report.utilization:.1f} %; everything repeats after "
-        f"{time(report.hyperperiod)}"
+        f"the processor is used up to {_share(report.utilization)}; everything repeats after {time(report.hyperperiod)}"
     )
     waiting = [loop for loop in report.loops if loop.partners]
     for loop in waiting:
@@ -130,6 +145,21 @@ def time(nanoseconds: int) -> str:
     if nanoseconds >= ONCE:
         return "once"
     return rounded(nanoseconds)
+
+
+def upper(nanoseconds: int) -> str:
+    """An upper bound with four digits, not less than it is."""
+    return rounded(nanoseconds, ROUND_CEILING)
+
+
+def _share(share: float) -> str:
+    """A share of the processor, rounded up."""
+    return f"{ceil(round(1000 * share, 6)) / 10:.1f} %"
+
+
+def lower(nanoseconds: int) -> str:
+    """A lower bound with four digits, not more than it is."""
+    return rounded(nanoseconds, ROUND_FLOOR)
 
 
 def _aligned(rows: Sequence[tuple[str, ...]], right: int | None = None) -> Iterator[str]:

@@ -13,7 +13,12 @@ from cspdiag.analyses.timing.flow.partners import JointWork, Partners
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.flow.restarts import restart_intervals
 from cspdiag.analyses.timing.flow.spinning import Spinning
-from cspdiag.analyses.timing.flow.steady import written_in_each_sample
+from cspdiag.analyses.timing.flow.steady import (
+    may_pause,
+    passed_in_each_sample,
+    passed_while_loops_last,
+    written_in_each_sample,
+)
 from cspdiag.analyses.timing.flow.value_flow import Stage, ValueFlow
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
@@ -80,6 +85,7 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
     deadlines = [*recurring, *(row.task for row in rows if not row.work)]
     inputs = {f"{network.top}.{name}": k for k, name in enumerate(port_names(network.external_ports))}
     found_chains, are_all_chains = ([], True) if missing or refusals else analysis.chains(network, rows)
+    rows = [_without_old_values(row, found_chains) for row in rows]
     is_late = not all(row.is_met for row in rows)
     overloaded = is_overloaded(all_threads, behaviours)
     return TimingReport(
@@ -98,6 +104,12 @@ def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = Non
         find_witness(all_threads, behaviours, inputs) if is_late and not shifted else None,
         overloaded,
     )
+
+
+def _without_old_values(row: LoopTiming, found: Sequence[Chain]) -> LoopTiming:
+    """A loop without a latency if its outputs may be based on kept values of any age."""
+    is_old = any(chain.age is None and chain.sink in row.outputs for chain in found)
+    return replaced(row, latency=None) if is_old else row
 
 
 def _shifted_inputs(network: CoreNetwork) -> Iterator[Refusal]:
@@ -328,7 +340,8 @@ class _Analysis:
         """The chains of values through the loops, and whether these are all."""
         bounded = [(loop, row.response) for loop, row in zip(self.loops, rows, strict=True) if row.response is not None]
         stages = [self._stage(loop, response) for loop, response in bounded]
-        flow = ValueFlow(network, self.behaviours, stages)
+        pausing = {number for number, one in self.behaviours.items() if may_pause(one, self.contention)}
+        flow = ValueFlow(network, self.behaviours, stages, pausing)
         return chains(flow, stages, [loop.name for loop, _ in bounded], Outputs(network).latency)
 
     def _stage(self, loop: _Loop, response: int) -> Stage:
@@ -343,6 +356,13 @@ class _Analysis:
         stage.locations = {
             (number, place) for number, jobs in stage.jobs.items() for job in jobs for place in job.path.moves
         }
+        number = loop.owner.number
+        stage.while_loops = passed_while_loops_last(loop.owner, loop.period, loop.jobs)
+        stage.certain = frozenset((number, place) for places in stage.while_loops.values() for place in places)
+        if not may_pause(loop.owner, self.contention):
+            stage.lasting = frozenset(
+                (number, place) for place in passed_in_each_sample(loop.owner, loop.period, loop.jobs)
+            )
         return stage
 
     def _steady(self, loop: _Loop) -> frozenset[str]:

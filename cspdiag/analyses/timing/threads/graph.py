@@ -109,6 +109,11 @@ class Place:
         """The outputs that are written whenever it is passed: a fault may come before the write."""
         return () if self.is_by_hand or len(self.successors) > 1 else self.outputs
 
+    @property
+    def is_certain_to_move(self) -> bool:
+        """Whether it passes on what it has to whenever it is passed: a fault may come before."""
+        return self.move is not None and not self.is_by_hand and len(self.successors) <= 1
+
     def periods(self) -> frozenset[int]:
         """The periods of the samples that are waited for."""
         return frozenset(offer.period for offer in self.offers if offer.kind == "sample")

@@ -13,7 +13,8 @@ CHANNELS = ("", "overwrite 1", "overwrite 2", "buffer 1", "buffer 2")
 
 class Aged:
     """A chain of one to three loops from the input ``x0`` to the output ``y``: each has samples of its own, lets time
-    pass or computes, and passes on what it has received. ``inputs`` are the names of the sampled inputs.
+    pass or computes, and passes on what it has received, some only under a condition, in every second sample, or for a
+    while. ``inputs`` are the names of the sampled inputs.
     """
 
     def __init__(self, seed: int) -> None:
@@ -35,7 +36,10 @@ class Aged:
     def _program(self) -> str:
         source = self.source
         value = self._variable("v0")
-        self.threads.append([("x0 ? v0", "")])
+        twice = "x0 ? again" if source.random() < 0.1 else ""
+        if twice:
+            self._variable("again")
+        self.threads.append([("x0 ? v0", twice)])
         for k in range(len(self.periods)):
             if k:
                 value = self._received(k, value)
@@ -43,7 +47,8 @@ class Aged:
         output = self.periods[-1] if source.random() < 0.4 else source.choice([1, 2, 3, 4, 5, 6])
         written = f"offset {self.spent % (1000 * output)} us"
         latch = source.choice(["", "", "immediate", f"offset {self._quarters(output)} us", *[written] * 2])
-        self._then(f"y ! {value}")
+        conditional = source.random() < 0.1
+        self._then(f"(if {value} < 0.07 then y ! {value} else skip)" if conditional else f"y ! {value}")
         runs = [self._thread(branches) for branches in self.threads]
         source.shuffle(runs)
         ports = " ".join(f"in x{k} : double @ {period} ms" for k, period in enumerate(self.periods))
@@ -79,6 +84,16 @@ class Aged:
         if source.random() < 0.2:
             self._then(f"{self._variable(f'h{k}')} := {self._variable(f'l{k}')} ; l{k} := {value}")
             value = f"h{k}"
+        if source.random() < 0.2:
+            kept = self._variable(f"k{k}")
+            condition = f"{self._variable(f'n{k}')} {source.choice(['< 2', '> 3', '> -1'])}"
+            then = f"{kept} := {value}"
+            otherwise = source.choice(["skip", f"{kept} := {value}", "skip"])
+            self._then(
+                f"n{k} := n{k} + 1 ; (if n{k} > {source.randint(4, 30)} then n{k} := 0 else skip) ;"
+                f" (if {condition} then {then} else {otherwise})"
+            )
+            value = kept
         return value
 
     def _result(self, k: int) -> str:
