@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from math import gcd
 from typing import TYPE_CHECKING, Any
 
-from cspdiag.analyses.margins.feedback import coefficients, rank
+from cspdiag.analyses.margins.composition.feedback import coefficients, rank
+from cspdiag.analyses.margins.composition.regular import Turn
+from cspdiag.analyses.margins.composition.turns import Statement
 from cspdiag.analyses.margins.law import Leaf, leaves
 from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
-from cspdiag.analyses.margins.regular import Turn
 from cspdiag.analyses.margins.steps import advanced, combined
-from cspdiag.analyses.margins.turns import Statement
 from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.expressions import VariableValue
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from cspdiag.analyses.margins.feedback import FeedbackSearch
+from cspdiag.analyses.margins.composition.feedback import FeedbackSearch
 from cspdiag.analyses.margins.law import LinearLaw, linearize
 from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.structure import initial_inputs

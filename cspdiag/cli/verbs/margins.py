@@ -237,7 +237,7 @@ class _Search:
 def _write_plot(path: Path | None, report: LoopReport) -> None:
     if path is None or not report.loops:
         return
-    from cspdiag.analyses.margins.bode import bode
+    from cspdiag.analyses.margins.report.bode import bode
     from cspdiag.base.files.whole import write_whole
 
     write_whole(path, bode(report.loops, path.suffix.removeprefix(".")))
@@ -245,11 +245,11 @@ def _write_plot(path: Path | None, report: LoopReport) -> None:
 
 def _print_report(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[int | None, str]]) -> None:
     if arguments.format == "json":
-        from cspdiag.analyses.margins.render_json import render
+        from cspdiag.analyses.margins.report.render_json import render
 
         write_out(render(report, periods))
         return
-    from cspdiag.analyses.margins.render_text import table
+    from cspdiag.analyses.margins.report.render_text import table
 
     write_out(printable(table(report, periods)))
     if arguments.plot is not None and report.loops:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
-from cspdiag.analyses.margins.turns import Composition, Loop, Position, Statement, statements_of
+from cspdiag.analyses.margins.composition.turns import Composition, Loop, Position, Statement, statements_of
 from cspdiag.base import Span
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.network import CoreNetwork, Net

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
+from cspdiag.analyses.margins.composition.regular import Turn, Turns
+from cspdiag.analyses.margins.composition.turns import Composition, Statement, are_active_together
 from cspdiag.analyses.margins.linear import NotLinearError
-from cspdiag.analyses.margins.regular import Turn, Turns
-from cspdiag.analyses.margins.turns import Composition, Statement, are_active_together
 from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.base import Span
 from cspdiag.base.graphs import reached

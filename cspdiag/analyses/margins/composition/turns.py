@@ -177,7 +177,7 @@ class Composition:
                 for number, part in enumerate(action.steps):
                     inner = _inside(context, action, number)
                     self._action(replaced(inner, priority=(*inner.priority, number)) if ranked else inner, part)
-            case _:
+            case _:  # Any other action is not followed, and says why.
                 self._irregular(context, action)
 
     def _irregular(self, context: _Context, action: ir.CoreAction) -> None:
@@ -275,7 +275,7 @@ def _irregularity(action: ir.CoreAction) -> tuple[str, object]:
             return "the loop is left by an exception", ()
         case ir.StopStep():
             return "the loop stops", ()
-        case _:
+        case _:  # A step that moves no value; the others are followed.
             return "", ()
 
 
