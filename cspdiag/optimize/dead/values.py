@@ -1,7 +1,7 @@
 """Removes equations, states and assignments of a process whose values are not used.
 
 A value is used if a communication, a condition, a delay or another used value needs it, or if computing it can fault: a
-fault is an effect.
+fault is an effect. A continuous state may always become infinite, which is a fault, so integrations stay.
 """
 
 from __future__ import annotations
@@ -57,13 +57,10 @@ def _live_part(law: RunLaw, values: _Values) -> RunLaw | SkipStep:
     def is_live(name: str, value: Expression) -> bool:
         return (SignalValue, name) in values.used or values.may_fault(value)
 
-    integrates = values.integrates(law)
     live = replaced(
         law,
         equations=tuple(e for e in law.equations if isinstance(e, ExternalCall) or is_live(e.name, e.value)),
         next_values=tuple(item for item in law.next_values if is_live(*item)),
-        derivative_equations=law.derivative_equations if integrates else (),
-        derivatives=law.derivatives if integrates else (),
     )
     if not (live.equations or live.next_values or live.derivatives):
         return SkipStep(span=law.span)
@@ -79,7 +76,6 @@ class _Values:
         self.used: set[Name] = set()
         self._unwritten = unwritten
         self._needs: dict[Name, list[Any]] = {}
-        self._integrated: set[str] = set()
         for constant in entry.constants:
             self._need(constant.name, constant.value)
         for state in entry.states:
@@ -97,9 +93,6 @@ class _Values:
                 if name not in self.used:
                     self.used.add(name)
                     pending.extend(self._needs.get(name, ()))
-        for part in parts(entry.body):
-            if isinstance(part, RunLaw) and self.integrates(part):
-                self.used.update((SignalValue, name) for name, _ in part.derivatives)
 
     def _need(self, name: str, value: Any) -> None:
         self._needs.setdefault((SignalValue, name), []).append(value)
@@ -121,11 +114,6 @@ class _Values:
     def has_effect(self, item: AssignValue) -> bool:
         """Whether an assignment may fault."""
         return bool(item.target.indexes) or self.may_fault(item.value)
-
-    def integrates(self, law: RunLaw) -> bool:
-        """Whether any continuous state of a law is used; they are integrated together."""
-        values = [*(item.value for item in law.derivative_equations), *(value for _, value in law.derivatives)]
-        return any((SignalValue, name) in self.used for name, _ in law.derivatives) or any(map(self.may_fault, values))
 
     def _effects(self, item: Any) -> Iterator[Any]:
         """What is needed in any case; values that are only stored are not, unless computing them may fault."""
@@ -155,10 +143,9 @@ class _Values:
         for name, value in law.next_values:
             if self.may_fault(value):
                 yield SignalValue(type=value.type, name=name)
-        if self.integrates(law):
-            yield law.derivative_equations
-            yield law.derivatives
-            yield from (SignalValue(type=d.type, name=name) for name, d in law.derivatives)
+        yield law.derivative_equations
+        yield law.derivatives
+        yield from (SignalValue(type=d.type, name=name) for name, d in law.derivatives)
         if law.sample is not None:
             yield law.sample
 
