@@ -381,7 +381,7 @@ def test_missed_samples_are_reported_once_against_the_clock(tmp_path: Path) -> N
 def test_a_program_that_runs_by_itself_reports_missed_samples_once(tmp_path: Path) -> None:
     files = pipeline.generate(network_of(COUNTING), read_source, "c", 0)
     sources = [path for path in files if path.endswith(".c")]
-    real_time = native._wanted(sources, real_time=True)
+    real_time = native._chosen_sources(sources, real_time=True)
     program = Build(files, real_time, ("-O0",)).executable()
     reported = subprocess.run([program, "--for", "20000000"], capture_output=True, text=True, check=True).stderr
     assert reported.count("missed samples: ") == 1
