@@ -6,6 +6,7 @@ from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ConstantEnd, CoreNetwork, ProcessClass
+from cspdiag.network.shapes import element_name
 
 
 def initial_inputs(network: CoreNetwork, path: str) -> dict[str, Value]:
@@ -26,5 +27,5 @@ def initial_inputs(network: CoreNetwork, path: str) -> dict[str, Value]:
             first = variables.get(attached.channel)
         value = None if first is None else constant_value(first, lambda part: arguments.get(part.name))
         if value is not None:
-            found[connection.port if connection.index is None else f"{connection.port}[{connection.index}]"] = value
+            found[element_name(connection.port, connection.index)] = value
     return found

@@ -42,16 +42,11 @@ class LinearizedProgram:
             for instance in network.instances
             if isinstance(entry := network.class_named(instance.class_name), SubmodelClass)
         }
-        self.parameters = {instance.path: dict(instance.arguments) for instance in network.instances}
-        self.external = {_numbered(port.name, port.index): port for port in network.external_ports}
-        self.net_of: dict[tuple[str, str], str] = {}
-        self.outside: dict[str, str] = {}
+        self.parameters = self.search.parameters
+        self.external = {port.key: port for port in network.external_ports}
+        self.net_of = self.search.composition.net_of
+        self.outside = {net.path: net.path.partition(".")[2] for net in network.nets if net.external is not None}
         """The external port of a net, by the path of the net."""
-        for net in network.nets:
-            for path, port in (*net.writers, *net.readers):
-                self.net_of[path, port] = net.path
-            if net.external is not None:
-                self.outside[net.path] = net.path.partition(".")[2]
         self.types = {net.path: net.type for net in network.nets if net.external != "in"}
         self.rendezvous = {net.path for net in network.nets if net.external is None and net.kind == "sync"}
         for instance in network.instances:
@@ -134,10 +129,6 @@ def _is_same(one: LinearLaw, other: LinearLaw) -> bool:
 def _has_effect(row: Matrix, column: int) -> bool:
     """Whether a coefficient is larger than the rounding error of terms that cancel."""
     return bool(abs(row[column]) > 1e-9 * max(1.0, abs(row).max()))
-
-
-def _numbered(name: str, index: int | None) -> str:
-    return name if index is None or name.endswith("]") else f"{name}[{index}]"
 
 
 def _refuse_offsets(network: CoreNetwork, plant: LinearLaw) -> None:

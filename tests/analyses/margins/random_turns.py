@@ -15,15 +15,7 @@ from cspdiag.api import LoadedProgram, ProgramError
 from cspdiag.base import SourceFile
 from cspdiag.base.errors import CspdiagError
 
-PROGRAM = """
-submodel Law {{
-  in  a, b : double
-  out u    : double
-  state i : double = 0
-  next i = 0.5 * i + {ki} * a
-  u = -({ka}) * a - ({kb}) * b - i
-}}
-
+PLANT = """
 submodel Plant {{
   in  u    : double
   out y, z : double
@@ -32,7 +24,17 @@ submodel Plant {{
   der x = (25 * u - {leak} * x) / 1<s>
   der s = (10 * x - 10 * s) / 1<s>
   y = x
-  z = {z}
+  z = {measured}
+}}
+"""
+
+PROGRAM = """
+submodel Law {{
+  in  a, b : double
+  out u    : double
+  state i : double = 0
+  next i = 0.5 * i + {ki} * a
+  u = -({ka}) * a - ({kb}) * b - i
 }}
 
 process Carrier {{
@@ -113,7 +115,7 @@ def generated(chance: random.Random) -> str:
         loop = chance.choice(WRAPPERS).format(loop=loop, body=body)
     values = {
         "ka": chance.choice((0.2, 1, 3, 6)), "kb": chance.choice((0, 0.5, 3, 8)), "ki": chance.choice((0, 0, 0.2)),
-        "leak": chance.choice((0, 2, 20, -1)), "z": chance.choice(("x", "s", "0.5 * x")),
+        "leak": chance.choice((0, 2, 20, -1)), "measured": chance.choice(("x", "s", "0.5 * x")),
         "slow": chance.choice(("10 ms", "10 ms", "20 ms", "5 ms")), "gain": chance.choice((1, 2, -1)),
         "output": chance.choice((*["10 ms"] * 6, "10 ms immediate", "10 ms offset 3 ms", "5 ms")),
         "a": chance.choice("yyzvw"), "b": chance.choice("zvwqv"), "composition": loop, "law_u": "law.u",
@@ -132,7 +134,7 @@ def generated(chance: random.Random) -> str:
         text = text.replace("{parallel}", "controller").replace("-> y, r", "-> y")
     else:
         text = text.replace("plant.y -> y, r", "plant.y -> y\n  plant.y -> r")
-    return text.format(**values)
+    return (PLANT + text).format(**values)
 
 
 CHAIN = """
@@ -144,16 +146,6 @@ submodel First {{
   u = -({ka}) * a - i
 }}
 submodel Second {{ in c, z : double  out u : double  u = {gain} * c - ({kb}) * z }}
-submodel Plant {{
-  in u     : double
-  out y, z : double
-  state x : double = 0.1
-  state s : double = 0.05
-  der x = (25 * u - {leak} * x) / 1<s>
-  der s = (10 * x - 10 * s) / 1<s>
-  y = x
-  z = s
-}}
 process Outer {{
   in  y : double @ {period}
   out c : double
@@ -216,8 +208,8 @@ def chained(chance: random.Random) -> str:
     """A random program with two laws in parallel processes, one of which writes for the other."""
     a, written, outer = chance.choice(OUTER)
     c, z, inner = chance.choice(INNER)
-    return CHAIN.format(
-        a=a, written=written, outer=outer, c=c, z=z, inner=inner,
+    return (PLANT + CHAIN).format(
+        measured="s", a=a, written=written, outer=outer, c=c, z=z, inner=inner,
         ki=chance.choice((0, 0.2)), ka=chance.choice((0.3, 1, 3, 6)), kb=chance.choice((0, 1, 3)),
         gain=chance.choice((0.5, 1, 2)), leak=chance.choice((0, 2, 20, -1)),
         period=chance.choice(("10 ms", "10 ms", "20 ms", "5 ms")),

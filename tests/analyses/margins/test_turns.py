@@ -73,6 +73,7 @@ REFUSED = [
     (program("mu (law ; u ! 0)", ka=5), "does not come back to it"),
     (program("mu (z ? v ; if v > 0 then b := 1 else b := -1 ; law)"), "it stands under a condition"),
     (program("mu (z ? v ; b := v * v ; law)"), "compute it in a submodel"),
+    (program("mu (z ? v ; b := v / (2 - 2) ; law)"), "divided by zero"),
     (program("mu (z ? v ; while b > 1 do b := 0.5 * b ; b := v ; law)"), "nothing shows that it ends"),
     (program("mu (law ; law)", ka=3), "is run in several places"),
     (program("mu (wait 3 ms ; law)", ka=3), "the loop waits for a time"),

@@ -7,11 +7,13 @@ hand. So a loop whose margins might be wrong is found here, and refused.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from cspdiag.analyses.margins.composition.regular import Turn, Turns
 from cspdiag.analyses.margins.composition.turns import Composition, Statement, are_active_together
 from cspdiag.analyses.margins.linear import NotLinearError
+from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.base import Span
 from cspdiag.base.graphs import reached
@@ -25,10 +27,10 @@ from cspdiag.network.ir.expressions import (
     Expression,
     FunctionCall,
     UnaryOperation,
+    Value,
     VariableValue,
 )
 from cspdiag.network.ir.network import CoreNetwork, Environment, SubmodelClass
-from cspdiag.network.ir.walk import parts
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import Net
@@ -57,15 +59,8 @@ class FeedbackSearch:
         self.runs = self.composition.laws_run()
         self.nets: dict[str, Net] = self.turns.nets
         self.parameters = {instance.path: dict(instance.arguments) for instance in network.instances}
-        self._ends: dict[str, tuple[list[str], list[str]]] = {}
-        for net in network.nets:
-            for path, _ in net.readers:
-                self._ends.setdefault(path, ([], []))[0].append(net.path)
-            for path, _ in net.writers:
-                self._ends.setdefault(path, ([], []))[1].append(net.path)
         self._plant = _responses(environment.system, [net for net in network.nets if net.external is not None])
         self._found: dict[str, Feedback] = {}
-        self._late: tuple[str, Span] | bool | None = False
 
     def period(self, law: str) -> int:
         """The period of the loop that runs a law, in nanoseconds; 0 if it is not known."""
@@ -136,9 +131,8 @@ class FeedbackSearch:
         return edges
 
     def _add_process(self, path: str, add: Callable[[Iterable[str], str], None]) -> None:
-        reads, writes = self._ends.get(path, ([], []))
-        add(reads, path)
-        for written in writes:
+        add(self.turns.read_by.get(path, ()), path)
+        for written in self.turns.written_by.get(path, ()):
             add((path,), written)
 
     def _check_run(self, law: str, cut: str) -> None:
@@ -169,14 +163,17 @@ class FeedbackSearch:
 
     def _check_in_time(self) -> None:
         """Refuse if samples may be missed, or partners may wait for each other, even if computing takes no time."""
-        if self._late is False:
-            times = dict.fromkeys(self.runs, 0) | dict.fromkeys(self.composition.written_by_hand, 0)
-            report = timing_report(self.network, times)
-            first = next(iter(report.refusals), None)
-            self._late = None if first is None else (f"`{first.subject}`: {first.reason}", first.span)
-        if isinstance(self._late, tuple):
-            reason, span = self._late
-            raise NotLinearError(f"it may miss samples: {reason}; `cspdiag verify --timing` shows this too", span)
+        if self._late is not None:
+            reason = f"`{self._late.subject}`: {self._late.reason}"
+            raise NotLinearError(
+                f"it may miss samples: {reason}; `cspdiag verify --timing` shows this too", self._late.span
+            )
+
+    @cached_property
+    def _late(self) -> Refusal | None:
+        """Why samples may be missed even if computing takes no time."""
+        times = dict.fromkeys(self.runs, 0) | dict.fromkeys(self.composition.written_by_hand, 0)
+        return next(iter(timing_report(self.network, times).refusals), None)
 
     def _check_place(self, path: str) -> None:
         if path in self.composition.written_by_hand:
@@ -230,7 +227,7 @@ class FeedbackSearch:
         """Refuse values that a loop takes besides its samples, if it is not known whether before or after them."""
         for turn in turns:
             for part in turn.leading:
-                written = self._ends[part.law][1] if part.law is not None else [part.target or ""]
+                written = self.turns.written_by.get(part.law, ()) if part.law is not None else [part.target or ""]
                 if any(net in members and self._is_rendezvous(net) for net in (*self.turns.reads(part), *written)):
                     raise NotLinearError(
                         "this communication comes before the loop has taken its samples, so it may belong to the "
@@ -244,7 +241,7 @@ class FeedbackSearch:
                 taken = self.turns.reads(branch[0])
                 writers = [
                     other for other in turns for part in other.main
-                    for net in taken if part.target == net or (part.law and net in self._ends[part.law][1])
+                    for net in taken if part.target == net or self.turns.is_written_by(part, net)
                 ]  # fmt: skip
                 others = [self.nets.get(net) for net in taken]
                 if not turn.loop.prioritized:
@@ -298,16 +295,16 @@ def rank(turn: Turn) -> tuple[int, ...]:
 
 
 def coefficients(
-    part: Statement, members: frozenset[str], composition: Composition, parameters: Mapping[str, object]
+    part: Statement, members: frozenset[str], composition: Composition, parameters: Mapping[str, Value]
 ) -> dict[str, float]:
     """The factors with which the members of a loop enter what is assigned or written. Raises NotLinearError."""
     from cspdiag.network.elaborate.constant_value import constant_value
 
     def is_member(expression: Expression) -> bool:
-        return any(path in members for path in _variables(part.process, composition, expression))
+        return any(path in members for path in composition.variables(part.process, expression))
 
     def constant(expression: Expression) -> float:
-        value = constant_value(expression, lambda name: parameters.get(name.name))  # type: ignore[arg-type,return-value]
+        value = constant_value(expression, lambda name: parameters.get(name.name))
         if not isinstance(value, float):
             raise NotLinearError("this factor of a value of the loop is not a constant", expression.span or part.span)
         return value
@@ -317,7 +314,7 @@ def coefficients(
             return {}
         match expression:
             case VariableValue():
-                return {_variables(part.process, composition, expression)[0]: 1.0}
+                return {composition.variables(part.process, expression)[0]: 1.0}
             case UnaryOperation(operator="-"):
                 return _scaled(found(expression.operand), -1.0)
             case Conversion() if isinstance(expression.operand.type, RealType) and isinstance(
@@ -335,7 +332,10 @@ def coefficients(
             case BinaryOperation(operator="*") if not is_member(expression.right):
                 return _scaled(found(expression.left), constant(expression.right))
             case BinaryOperation(operator="/") if not is_member(expression.right):
-                return _scaled(found(expression.left), 1 / constant(expression.right))
+                divisor = constant(expression.right)
+                if not divisor:
+                    raise NotLinearError("a value of the loop is divided by zero", expression.span or part.span)
+                return _scaled(found(expression.left), 1 / divisor)
             case _:
                 raise NotLinearError(
                     "a composition computes this from values of the loop, and not by adding them and multiplying them "
@@ -345,10 +345,6 @@ def coefficients(
 
     assert part.value is not None
     return found(part.value)
-
-
-def _variables(process: str, composition: Composition, expression: Expression) -> list[str]:
-    return [composition.variable(process, one.channel) for one in parts(expression) if isinstance(one, VariableValue)]
 
 
 def _scaled(factors: dict[str, float], factor: float) -> dict[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
-from cspdiag.analyses.margins.composition.turns import Composition, Loop, Position, Statement, statements_of
+from cspdiag.analyses.margins.composition.turns import Composition, Loop, Statement, statements_of
 from cspdiag.base import Span
 from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.network import CoreNetwork, Net
@@ -39,10 +39,14 @@ class Turns:
 
     def __init__(self, network: CoreNetwork, composition: Composition) -> None:
         self.nets = {net.path: net for net in network.nets}
-        self.read_by: dict[str, tuple[str, ...]] = {}
+        self.read_by: dict[str, list[str]] = {}
+        """The nets that each process reads, by path."""
+        self.written_by: dict[str, list[str]] = {}
         for net in network.nets:
             for path, _ in net.readers:
-                self.read_by[path] = (*self.read_by.get(path, ()), net.path)
+                self.read_by.setdefault(path, []).append(net.path)
+            for path, _ in net.writers:
+                self.written_by.setdefault(path, []).append(net.path)
         self.composition = composition
         self.found = {position: self._turn(loop) for position, loop in composition.loops.items()}
         self._find_driven()
@@ -130,18 +134,13 @@ class Turns:
         return net is not None and net.kind != "var"
 
     def _writer_period(self, path: str) -> int:
-        writers = [s for s in self.composition.statements if s.target == path or self._is_writing(s, path)]
+        writers = [s for s in self.composition.statements if s.target == path or self.is_written_by(s, path)]
         periods = {self.found[s.turn].period if s.turn is not None and not s.reason else 0 for s in writers}
         return periods.pop() if len(periods) == 1 and len(writers) == 1 else 0
 
-    def _is_writing(self, statement: Statement, path: str) -> bool:
-        net = self.nets.get(path)
-        return statement.law is not None and net is not None and any(law == statement.law for law, _ in net.writers)
-
-
-def turn_at(turns: Turns, position: Position | None) -> Turn | None:
-    """The turn of a loop at a position."""
-    return None if position is None else turns.found[position]
+    def is_written_by(self, statement: Statement, path: str) -> bool:
+        """Whether the law that a statement runs writes to a net."""
+        return statement.law is not None and path in self.written_by.get(statement.law, ())
 
 
 def _rotated(turn: Turn, first: int) -> Turn:

@@ -15,6 +15,7 @@ from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.expressions import Expression, LiteralValue, VariableValue
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass
 from cspdiag.network.ir.walk import actions_inside, parts
+from cspdiag.network.relations import end_key
 
 Branching = tuple[str, int]
 """A step down the composition: ``parallel``, ``loop`` or ``other``, and the number of the part."""
@@ -26,8 +27,8 @@ class Statement:
     """One thing that the composition does: it runs a law, or moves a value from ``sources`` to ``target``.
 
     Sources and targets are paths of nets and variables. ``value`` is what is assigned or written; None where a value is
-    read. ``deciding`` are the variables of the conditions that it depends on. ``side`` is the number of the branch of
-    the turn's alternative, ``main`` whether that is the branch which takes the samples.
+    read. ``deciding`` are the variables of the conditions that it depends on. ``branch`` is the number of its branch of
+    the turn's alternative.
     """
 
     uncompared: ClassVar[frozenset[str]] = frozenset()
@@ -79,7 +80,8 @@ class Composition:
     def __init__(self, network: CoreNetwork) -> None:
         self._classes = {entry.name: entry for entry in network.classes}
         self._class_of = {instance.path: instance.class_name for instance in network.instances}
-        self._net_of = {end: net.path for net in network.nets for end in (*net.writers, *net.readers)}
+        self.net_of = {end: net.path for net in network.nets for end in (*net.writers, *net.readers)}
+        """The path of the net at a port or channel, by the paths of processes and names."""
         self._sampled = {net.path for net in network.nets if net.external == "in" and net.sampling is not None}
         self.loops: dict[Position, Loop] = {}
         self.statements: list[Statement] = []
@@ -97,14 +99,15 @@ class Composition:
 
     def place(self, process: str, end: ir.End) -> str:
         """The path of the net or variable behind a port or channel of a process."""
-        name = end_name(end)
-        return self._net_of.get((process, name), f"{process}.{name}")
+        name = end_key(end)
+        return self.net_of.get((process, name), f"{process}.{name}")
 
     def variable(self, process: str, name: str) -> str:
         """The path of a variable of a process."""
         return self.place(process, ir.ChannelEnd(name))
 
-    def _variables(self, process: str, *items: object) -> tuple[str, ...]:
+    def variables(self, process: str, *items: object) -> tuple[str, ...]:
+        """The paths of the variables of a process that expressions read, each once."""
         names = (part.channel for part in parts(items) if isinstance(part, VariableValue))
         return tuple(self.variable(process, name) for name in dict.fromkeys(names))
 
@@ -142,9 +145,9 @@ class Composition:
             case ir.ReadValue() | ir.InputEvent():
                 self._target(context, action.target, (self.place(process, action.source),), None, action.span)
             case ir.AssignValue():
-                self._target(context, action.target, self._variables(process, action.value), action.value, action.span)
+                self._target(context, action.target, self.variables(process, action.value), action.value, action.span)
             case ir.WriteValue() | ir.OutputEvent():
-                sources = self._variables(process, action.value)
+                sources = self.variables(process, action.value)
                 self._add(
                     context, action.span, sources=sources, target=self.place(process, action.sink), value=action.value
                 )
@@ -155,7 +158,7 @@ class Composition:
         self, context: _Context, target: ir.Target, sources: tuple[str, ...], value: Expression | None, span: Span
     ) -> None:
         place = self.place(context.process, ir.ChannelEnd(target.channel))
-        inner = replaced(context, deciding=(*context.deciding, *self._variables(context.process, target.indexes)))
+        inner = replaced(context, deciding=(*context.deciding, *self.variables(context.process, target.indexes)))
         reason = "it writes an element of an array" if target.indexes else ""
         self._add(inner, span, sources=sources, target=place, value=value, reason=reason)
 
@@ -185,7 +188,7 @@ class Composition:
         reason, decisive = _irregularity(action)
         within = replaced(
             _stopped(context, reason),
-            deciding=(*context.deciding, *self._variables(context.process, decisive)),
+            deciding=(*context.deciding, *self.variables(context.process, decisive)),
             is_in_loop=context.is_in_loop or isinstance(action, ir.WhileLoop | ir.CountedLoop),
         )
         if context.turn is not None and not actions_inside(action) and not isinstance(action, ir.SkipStep):
@@ -233,7 +236,7 @@ class Composition:
                 inner = replaced(inner, branch=number)
             if branch.condition is not None:
                 inner = _stopped(
-                    replaced(inner, deciding=(*inner.deciding, *self._variables(context.process, branch.condition))),
+                    replaced(inner, deciding=(*inner.deciding, *self.variables(context.process, branch.condition))),
                     "its guard has a condition",
                 )
             if isinstance(branch.event, ir.AfterEvent | ir.SkipEvent):
@@ -297,15 +300,6 @@ def are_active_together(one: Position, other: Position) -> bool:
         if kind == "loop":
             return True
     return True
-
-
-def end_name(end: ir.End) -> str:
-    """The name of a port or channel of a process, as nets have it."""
-    match end:
-        case ir.ChannelEnd():
-            return end.channel
-        case ir.PortEnd():
-            return end.port if end.index is None else f"{end.port}[{end.index}]"
 
 
 def statements_of(statements: list[Statement], turn: Position) -> Iterator[Statement]:
