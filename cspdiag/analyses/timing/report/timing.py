@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import lcm
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour, behaviour
 from cspdiag.analyses.timing.flow.contention import Contention
 from cspdiag.analyses.timing.flow.demands import Demand, Demands, merged
-from cspdiag.analyses.timing.flow.partners import JointWork, Partners
-from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.flow.restarts import restart_intervals
 from cspdiag.analyses.timing.flow.spinning import Spinning
-from cspdiag.analyses.timing.flow.steady import (
-    may_pause,
-    passed_in_each_sample,
-    passed_while_loops_last,
-    written_in_each_sample,
-)
-from cspdiag.analyses.timing.flow.value_flow import Stage, ValueFlow
+from cspdiag.analyses.timing.flow.steady import may_pause
+from cspdiag.analyses.timing.flow.value_flow import ValueFlow
 from cspdiag.analyses.timing.refusal import Refusal
 from cspdiag.analyses.timing.report.chains import chains
+from cspdiag.analyses.timing.report.loops import Loop, loops_of, work_of_partners
 from cspdiag.analyses.timing.report.outputs import Outputs, port_names
+from cspdiag.analyses.timing.report.stages import stage_of
 from cspdiag.analyses.timing.result import Chain, LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE, Task, last_in_time
 from cspdiag.analyses.timing.tasks import edf
@@ -32,29 +27,12 @@ from cspdiag.analyses.timing.tasks.witness import find_witness, is_overloaded
 from cspdiag.analyses.timing.threads.graph import Thread
 from cspdiag.analyses.timing.threads.offers import capacities
 from cspdiag.analyses.timing.threads.threads import Threads
-from cspdiag.base import Span
 from cspdiag.base.record import replaced
 from cspdiag.model.sampling import Sampling
 from cspdiag.network.ir.network import CoreNetwork
 
 LARGEST_NUMBER_OF_ROUNDS = 50
 """The number of iterations after which response times that depend on each other are considered unbounded."""
-
-
-@dataclass
-class _Loop:
-    """A sampled loop of a thread before it is analysed."""
-
-    name: str
-    owner: Behaviour
-    waits: tuple[int, ...]
-    period: int
-    span: Span
-    jobs: list[Job]
-    joint_work: JointWork
-    delays: int
-    delay_time: int
-    has_one_step: bool
 
 
 def timing_report(network: CoreNetwork, measured: Mapping[str, int] | None = None) -> TimingReport:
@@ -137,11 +115,12 @@ def _analysis(
     demands = Demands(behaviours, grid, capacities(network), restart_intervals(all_threads, behaviours, grid), refusals)
     contention = Contention(all_threads, demands.by_thread)
     order = {instance.path: k for k, instance in enumerate(network.instances)}
+    by_number = {one.number: one for one in behaviours}
     loops = sorted(
-        (loop for one in behaviours for loop in _loops(one, demands, contention, refusals)),
+        (loop for one in behaviours for loop in loops_of(one, by_number, demands, contention, refusals)),
         key=lambda loop: order.get(loop.name, len(order)),
     )
-    partner_work = {one.number: _partner_work_between(one, demands, contention, refusals) for one in behaviours}
+    partner_work = {one.number: work_of_partners(one, demands, contention, refusals) for one in behaviours}
     return _Analysis(contention, behaviours, demands, loops if are_loops_known else [], partner_work)
 
 
@@ -175,63 +154,13 @@ def _level(thread: Thread) -> tuple[int, ...]:
     return priority
 
 
-def _partner_work_between(
-    one: Behaviour, demands: Demands, contention: Contention, refusals: list[Refusal]
-) -> tuple[int, int]:
-    """How much partners compute at most for what a thread does between its samples, and the level of the least urgent
-    of them.
-    """
-    longest, level = 0, one.level
-    for job in one.jobs:
-        if job.follows_samples and job.path.meets and job.offer is not None and job.offer.kind != "sample":
-            partners = Partners(demands, contention, one, 0, one.thread.places[job.wait].span, refusals)
-            joint_work = partners.joint_work(job.path)
-            longest, level = max(longest, joint_work.work - job.path.work), max(level, joint_work.level)
-    return longest, level
-
-
-def _loops(one: Behaviour, demands: Demands, contention: Contention, refusals: list[Refusal]) -> Iterator[_Loop]:
-    """The sampled loops of a thread: waits for samples that it reaches again, or after which it still follows their
-    inputs.
-    """
-    grouped: dict[tuple[str, int], list[Job]] = {}
-    for job in one.jobs:
-        if job.offer is None or job.offer.kind != "sample":
-            continue
-        if job.wait in one.loop_of or job.offer.period in job.path.still_followed:
-            of_wait = [
-                other for other in one.jobs_after(job.wait)
-                if other.offer is not None and other.offer.kind == "sample" and other.offer.period == job.offer.period
-            ]  # fmt: skip
-            heaviest = max(of_wait, key=lambda other: other.path.heaviest[0]).path.heaviest
-            name = heaviest[1] or one.thread.places[job.wait].path
-            grouped.setdefault((name, job.offer.period), []).append(job)
-    for (name, period), jobs in grouped.items():
-        span = one.thread.places[jobs[0].wait].span
-        partners = Partners(demands, contention, one, period, span, refusals)
-        pieces = [partners.joint_work(job.path) for job in jobs]
-        joint_work = max(pieces, key=lambda piece: piece.work)
-        joint_work.step = max(piece.step for piece in pieces)
-        joint_work.level = max(piece.level for piece in pieces)
-        for piece in pieces:
-            joint_work.members |= piece.members
-            joint_work.included |= piece.included
-        alone = len(joint_work.members) == 1
-        yield _Loop(
-            name, one, tuple(dict.fromkeys(job.wait for job in jobs)), period, span, jobs, joint_work,
-            max(job.path.delays for job in jobs),
-            max(job.path.delay_time for job in jobs),
-            alone and all(not job.path.switches for job in jobs),
-        )  # fmt: skip
-
-
 class _Analysis:
     def __init__(
         self,
         contention: Contention,
         behaviours: Sequence[Behaviour],
         demands: Demands,
-        loops: Sequence[_Loop],
+        loops: Sequence[Loop],
         partner_work: Mapping[int, tuple[int, int]],
     ) -> None:
         self.behaviours = {one.number: one for one in behaviours}
@@ -287,10 +216,10 @@ class _Analysis:
         self._tasks.clear()
         self._by_group.clear()
 
-    def _row(self, ports: Outputs, loop: _Loop) -> LoopTiming:
+    def _row(self, ports: Outputs, loop: Loop) -> LoopTiming:
         task = self.task(loop)
         response = self._response(loop, task)
-        jobs = [*loop.jobs, *self._partner_jobs(loop)]
+        jobs = [job for jobs in loop.jobs_by_thread.values() for job in jobs]
         written = frozenset(net for job in jobs for net in job.path.outputs)
         leaves = frozenset(leaf for job in jobs for leaf in job.path.leaves)
         places = frozenset(loop.owner.thread.places[wait].path for wait in loop.waits)
@@ -299,7 +228,7 @@ class _Analysis:
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period,
             loop.joint_work.level,
             loop.joint_work.work, task.step, response.blocking, response.worst, response.start,
-            outputs, ports.interval(written, loop.period, response.worst, self._steady(loop)),
+            outputs, ports.interval(written, loop.period, response.worst, loop.written_in_each_sample),
             tuple(
                 self.behaviours[k].thread.path.partition(".")[2]
                 for k in sorted(loop.joint_work.members - {loop.owner.number})
@@ -307,7 +236,7 @@ class _Analysis:
             leaves | places, task,
         )  # fmt: skip
 
-    def _response(self, loop: _Loop, task: Task) -> Response:
+    def _response(self, loop: Loop, task: Task) -> Response:
         """The bound of a loop; loops that are alone in the branches of a parallel composition are bounded together."""
         number = loop.owner.number
         group = self.contention.group_of(number)
@@ -331,45 +260,15 @@ class _Analysis:
         below = max((other.step for other in others if other.priority > task.priority), default=0)
         return response_time(task, [*others, *(self._as_own_task(part, below) for part in merged([beside]))])
 
-    def _partner_jobs(self, loop: _Loop) -> list[Job]:
-        """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
-        partners = [self.behaviours[number] for number in loop.joint_work.members]
-        return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
-
     def chains(self, network: CoreNetwork, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
         """The chains of values through the loops, and whether these are all."""
         bounded = [(loop, row.response) for loop, row in zip(self.loops, rows, strict=True) if row.response is not None]
-        stages = [self._stage(loop, response) for loop, response in bounded]
+        stages = [stage_of(loop, response, self.contention) for loop, response in bounded]
         pausing = {number for number, one in self.behaviours.items() if may_pause(one, self.contention)}
         flow = ValueFlow(network, self.behaviours, stages, pausing)
         return chains(flow, stages, [loop.name for loop, _ in bounded], Outputs(network).latency)
 
-    def _stage(self, loop: _Loop, response: int) -> Stage:
-        wait = loop.waits[0]
-        mode = (loop.owner.number, loop.owner.loop_of.get(wait, -1 - wait))
-        stage = Stage(loop.period, response, mode, self._steady(loop))
-        stage.jobs[loop.owner.number] = list(loop.jobs)
-        for number in loop.joint_work.members:
-            one = self.behaviours[number]
-            if not one.has_samples:
-                stage.jobs[number] = [job for job in one.jobs if job.wait in one.waits]
-        stage.locations = {
-            (number, place) for number, jobs in stage.jobs.items() for job in jobs for place in job.path.moves
-        }
-        number = loop.owner.number
-        stage.while_loops = passed_while_loops_last(loop.owner, loop.period, loop.jobs)
-        stage.certain = frozenset((number, place) for places in stage.while_loops.values() for place in places)
-        if not may_pause(loop.owner, self.contention):
-            stage.lasting = frozenset(
-                (number, place) for place in passed_in_each_sample(loop.owner, loop.period, loop.jobs)
-            )
-        return stage
-
-    def _steady(self, loop: _Loop) -> frozenset[str]:
-        """The outputs that a loop writes in each of its samples."""
-        return written_in_each_sample(loop.owner, self.contention, loop.period, loop.jobs)
-
-    def task(self, loop: _Loop) -> Task:
+    def task(self, loop: Loop) -> Task:
         """The loop with its partners as a task."""
         joint_work = loop.joint_work
         final = joint_work.work if loop.has_one_step else 0
@@ -411,7 +310,7 @@ class _Analysis:
         suspension = part.suspension + part.delays * below + part.meets * self.partner_work[part.thread][0]
         return replaced(task, work=task.work + suspension, final=0 if suspension else task.final, priority=-1)
 
-    def _other_demands_of_thread(self, loop: _Loop) -> list[Demand]:
+    def _other_demands_of_thread(self, loop: Loop) -> list[Demand]:
         """What else the thread of a loop may demand while the loop runs."""
         return [
             part for part in self.demands.by_thread[loop.owner.number]
@@ -419,7 +318,7 @@ class _Analysis:
             or self._of_same_loop(loop, part)
         ]  # fmt: skip
 
-    def _of_same_loop(self, loop: _Loop, part: Demand) -> bool:
+    def _of_same_loop(self, loop: Loop, part: Demand) -> bool:
         """Whether a demand is that of samples with another period in the same loop."""
         if part.origin != loop.owner.number or part.is_triggered or part.period == loop.period:
             return False
