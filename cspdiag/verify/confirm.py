@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from cspdiag import pipeline
 from cspdiag.base.record import replaced
+from cspdiag.base.render.snippet import on_one_line
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import answered, not_followed, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
@@ -122,7 +123,7 @@ class Verifier:
                 network = self._obligations.network(process)
                 interrupt = None if network is None else guard_met_by_its_body(network)
                 if interrupt is not None:
-                    place = f"{interrupt.span.file.rpartition('/')[2]}:{interrupt.span.line}"
+                    place = f"{on_one_line(interrupt.span.file.rpartition('/')[2])}:{interrupt.span.line}"
                     what = f"the body of the interrupt in {place} may communicate with its guard"
                     reason = f"{what}, which proofs do not follow"
                     return replaced(answer, outcome="unknown", reason=reason)

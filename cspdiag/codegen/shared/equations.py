@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
+from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue
 from cspdiag.network.ir.network import ProcessClass, SubmodelClass, SubmodelState
@@ -77,9 +78,16 @@ def held(class_: SubmodelClass) -> list[str]:
     return [name for name in read if name not in moving]
 
 
-def changes(class_: ProcessClass | SubmodelClass) -> dict[str, SubmodelState]:
-    """The states by name, each at the place where its next value or derivative is given."""
-    return {state.name: replaced(state, span=state.change or state.span) for state in class_.states}
+def changes(class_: ProcessClass | SubmodelClass, run: RunLaw | None = None) -> dict[str, SubmodelState]:
+    """The states by name, each at the place where its next value or derivative is given; with ``run`` only those that
+    an inlined law changes.
+    """
+    changed = None if run is None else {name for name, _ in (*run.next_values, *run.derivatives)}
+    return {
+        state.name: replaced(state, span=state.change or state.span)
+        for state in class_.states
+        if changed is None or state.name in changed
+    }
 
 
 def read_after_change(next_values: Iterable[tuple[str, Expression]]) -> dict[str, int]:

@@ -103,8 +103,6 @@ class _Values:
                 self._need(equation.name, equation.value)
         for name, value in law.next_values:
             self._need(name, value)
-        for name, _ in law.derivatives:
-            self._need(name, (law.derivative_equations, law.derivatives))
 
     def may_fault(self, expression: Expression) -> bool:
         """Whether computing the expression may fault, including by a read of an unwritten variable."""

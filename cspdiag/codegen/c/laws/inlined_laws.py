@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 
 from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter, LocalVariable, Target, record_fault_place
@@ -18,7 +19,7 @@ from cspdiag.model.types import RealType, Type
 from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall
-from cspdiag.network.ir.network import ProcessClass
+from cspdiag.network.ir.network import ProcessClass, SubmodelState
 
 
 @record
@@ -127,8 +128,12 @@ class _Run:
     def _writer(self, printer: Printer) -> EquationWriter:
         return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name)
 
+    @cached_property
+    def _changes(self) -> dict[str, SubmodelState]:
+        return changes(self.class_, self.action)
+
     def _state_place(self, name: str) -> str:
-        return self.place(changes(self.class_)[name])
+        return self.place(self._changes[name])
 
     def _hoisted(self) -> list[str]:
         """States that are read after they have changed."""
@@ -152,7 +157,7 @@ class _Run:
             held=tuple(name for name in read if name not in moving and name not in own),
             equations=action.derivative_equations,
             derivatives=action.derivatives,
-            changes=changes(self.class_),
+            changes=self._changes,
             method=action.method,
         )
 

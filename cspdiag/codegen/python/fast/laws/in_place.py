@@ -32,7 +32,7 @@ from cspdiag.network.ir.actions import RunLaw
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import FunctionCall
-from cspdiag.network.ir.network import ProcessClass
+from cspdiag.network.ir.network import ProcessClass, SubmodelState
 
 _SECOND = 1_000_000_000
 
@@ -110,8 +110,12 @@ class InlineLaw:
         targets = [self.printer.signal(local) for _, local, _ in item.outputs]
         return unpack(targets, calculated, self.place(item))
 
+    @cached_property
+    def _changes(self) -> dict[str, SubmodelState]:
+        return changes(self.class_, self.law)
+
     def _place_of_state(self, name: str) -> str | None:
-        return next((self.place(state) for state in changes(self.class_).values() if state.name == name), None)
+        return self.place(self._changes[name]) if name in self._changes else None
 
     # Integration
 
@@ -157,7 +161,7 @@ class InlineLaw:
             states=self._continuous,
             equations=self.law.derivative_equations,
             derivatives=dict(self.law.derivatives),
-            changes=changes(self.class_),
+            changes=self._changes,
             method=self.law.method,
             printer=self.printer,
             local=local.__getitem__,
