@@ -21,7 +21,9 @@ run: $(VENV)/.stamp-run ## Compile JIWY, drive the plant, leave a picture and a 
 	@cat build/jiwy.txt
 	@echo "the picture is build/jiwy.svg, the summary build/jiwy.txt, the controller build/jiwy/"
 
+# Tests start hundreds of commands; where Python is told to write no bytecode, each would compile all modules again.
 test: $(VENV)/.stamp-dev ## Run the whole test suite
+	@$(BIN)/python -m compileall -q cspdiag
 	$(BIN)/pytest -n 2 --dist worksteal
 
 hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for some hours
