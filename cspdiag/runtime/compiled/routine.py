@@ -179,6 +179,8 @@ class RoutineTask(Task):
         while generator is not None:
             frame: FrameType | None = getattr(generator, "gi_frame", None)
             for value in () if frame is None else frame.f_locals.values():
+                if value is self.ready_queue:
+                    continue  # There are only parties in it, and many.
                 for item in value if isinstance(value, list | tuple) else (value,):
                     if isinstance(item, Rendezvous):
                         seen[id(item)] = item

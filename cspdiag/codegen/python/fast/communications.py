@@ -91,9 +91,8 @@ class Communications:
 
     def push(self, party: Code) -> Statement:
         """Make a task ready."""
-        if self.levels:
-            return run(party.field("ready_queue").call("append", party))
-        return run(call(self.spelling.of_run("push"), party))
+        queue = party.field("ready_queue") if self.levels else self.spelling.of_run("queue")
+        return run(queue.call("append", party))
 
     def report(self, channel: Code, value: Code, writer: Code, reader: Code) -> Statements:
         """Report a communication to the observer, if communications are traced."""

@@ -195,8 +195,8 @@ class _ProcessWriter(ConstructorWriter):
         if "scheduler" in spelling.run:
             yield assign(spelling["scheduler"], scheduler)
             scheduler = spelling["scheduler"]
-        if "push" in spelling.run:
-            yield assign(spelling["push"], scheduler.field("queue").field("append"))
+        if "queue" in spelling.run:
+            yield assign(spelling["queue"], scheduler.field("queue"))
 
     @staticmethod
     def _generator(body: Statements) -> Statements:
