@@ -125,5 +125,5 @@ class Law:
 
 def _finite(x: float) -> float:
     if not math.isfinite(x):
-        raise FaultError("a real value is infinite or no number")
+        raise FaultError("a real value is infinite or not a number")
     return x

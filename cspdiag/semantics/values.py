@@ -207,7 +207,7 @@ def _function(function: str, arguments: list[Any]) -> Any:
             return type(x)((x > 0) - (x < 0))
         case "finite", [x]:
             if not math.isfinite(x):
-                raise FaultError("a real value is infinite or no number")
+                raise FaultError("a real value is infinite or not a number")
             return x
         case "until", [instant, now]:
             return max(instant - now, 0)

@@ -154,7 +154,7 @@ def sqrt(x: float) -> float:
 def finite(x: float) -> float:
     """``x``. Raises Fault for an infinity or a NaN: every real value of a program is a number."""
     if x - x != 0.0:
-        raise Fault("a real value is infinite or no number")
+        raise Fault("a real value is infinite or not a number")
     return x
 
 

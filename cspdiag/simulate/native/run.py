@@ -118,7 +118,7 @@ def _run(
         stopping,
         ProgramMonitor() as monitor,
         subprocess.Popen(
-            [*command, "--looks", str(monitor.descriptor)],
+            [*command, "--checks", str(monitor.descriptor)],
             stdout=subprocess.PIPE,
             stderr=errors,
             start_new_session=True,

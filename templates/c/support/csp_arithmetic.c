@@ -138,7 +138,7 @@ double csp_real_division_fails(void)
 
 double csp_real_fails(void)
 {
-    note(csp_describe_no_number, pair(0, 0));
+    note(csp_describe_not_a_number, pair(0, 0));
     return 0.0;
 }
 

@@ -23,7 +23,7 @@ CSP_SILENT(csp_describe_power_value)
 CSP_SILENT(csp_describe_outside)
 CSP_SILENT(csp_describe_real_outside)
 CSP_SILENT(csp_describe_index)
-CSP_SILENT(csp_describe_no_number)
+CSP_SILENT(csp_describe_not_a_number)
 CSP_SILENT(csp_describe_not_finite)
 CSP_SILENT(csp_describe_not_written)
 
@@ -185,11 +185,11 @@ void csp_describe_real_division(const csp_operands *operands, char *text, size_t
     csp_append(text, size, "division by zero");
 }
 
-void csp_describe_no_number(const csp_operands *operands, char *text, size_t size)
+void csp_describe_not_a_number(const csp_operands *operands, char *text, size_t size)
 {
     (void)operands;
     text[0] = '\0';
-    csp_append(text, size, "a real value is infinite or no number");
+    csp_append(text, size, "a real value is infinite or not a number");
 }
 
 void csp_describe_outside(const csp_operands *operands, char *text, size_t size)

@@ -15,7 +15,7 @@ void csp_describe_power_value(const csp_operands *operands, char *text, size_t s
 void csp_describe_outside(const csp_operands *operands, char *text, size_t size);
 void csp_describe_real_outside(const csp_operands *operands, char *text, size_t size);
 void csp_describe_index(const csp_operands *operands, char *text, size_t size);
-void csp_describe_no_number(const csp_operands *operands, char *text, size_t size);
+void csp_describe_not_a_number(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_finite(const csp_operands *operands, char *text, size_t size);
 void csp_describe_not_written(const csp_operands *operands, char *text, size_t size);
 

@@ -87,7 +87,7 @@ static bool collect(csp_offer *offer)
     return progress == CSP_DONE;
 }
 
-static bool has_come(const csp_offer *offer)
+static bool has_arrived(const csp_offer *offer)
 {
     if (offer->medium->kind == (uint8_t)CSP_EVENT_END) {
         return ((const csp_event_end *)(const void *)offer->medium)->fresh;
@@ -106,7 +106,7 @@ static void collect_all(csp_offers *offers, csp_offer *readied)
         if (offer == readied) {
             (void)collect(offer);
         } else if (offer->collects) {
-            if (has_come(offer)) {
+            if (has_arrived(offer)) {
                 if (!csp_withdraw(offer->medium, &offer->party)) {
                     csp_unready(&offer->party);
                 }

@@ -62,7 +62,7 @@ bool csp_is_driving(void);
 /* Gives up the outputs: from now on nothing is written to them. */
 void csp_forget_outputs(void);
 /* The number of iterations of all runs so far, for observers that check whether the present run makes progress. */
-uint32_t csp_turns(void);
+uint32_t csp_iterations(void);
 
 /* ---- Reports ---- */
 

@@ -13,7 +13,7 @@ enum { STEPS_IN_REAL_TIME = (CSP_LEVELS > 1U) ? 1 : 64, STEPS_IN_VIRTUAL_TIME = 
 
 static bool built;
 static volatile bool stop_requested;
-static volatile uint32_t turns;
+static volatile uint32_t iterations;
 static uint32_t awaited; /* the port for which something waited last */
 
 void csp_begin_building(void)
@@ -92,14 +92,14 @@ static csp_ending environment_failed(void)
     return CSP_FAILED;
 }
 
-uint32_t csp_turns(void)
+uint32_t csp_iterations(void)
 {
-    return CSP_LOAD(turns);
+    return CSP_LOAD(iterations);
 }
 
 static void begin_turn(void)
 {
-    CSP_NOTE(turns, turns + 1U);
+    CSP_NOTE(iterations, iterations + 1U);
     csp_port_alive();
 }
 

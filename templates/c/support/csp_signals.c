@@ -26,7 +26,7 @@ static const int harmless[] = {SIGCHLD, SIGCONT, SIGURG, SIGTSTP, SIGTTIN, SIGTT
 };
 static const int crashes[] = {CSP_CRASHES};
 
-static bool ours[SIGNALS]; /* which signals have a handler of this file */
+static bool has_handler[SIGNALS]; /* which signals have a handler of this file */
 static sigset_t held_before;
 static stack_t stack_before;
 
@@ -34,7 +34,7 @@ static volatile uint32_t begun; /* the depth of nested csp_signals_begin */
 static pthread_t owner;         /* the thread of the run */
 static pthread_key_t end_of_owner;
 static volatile uint32_t first; /* the signal that stopped the run; 0: none */
-static struct timespec asked_at;
+static struct timespec stop_requested_at;
 static volatile bool leaving; /* another thread will end the process when the outputs are released */
 
 static bool contains(const int *numbers, size_t count, int number)
@@ -87,19 +87,19 @@ bool csp_signals_leaving(void)
 }
 
 /* Whether the first request is long enough ago that everything should have been reported. */
-static bool asked_before(void)
+static bool is_request_old(void)
 {
     struct timespec present = {0, 0};
     (void)clock_gettime(CLOCK_MONOTONIC, &present);
-    return (present.tv_sec - asked_at.tv_sec) > (time_t)CSP_GRACE;
+    return (present.tv_sec - stop_requested_at.tv_sec) > (time_t)CSP_GRACE;
 }
 
 void csp_signals_ask_to_stop(int number)
 {
     if (CSP_LOAD(first) == 0U) {
-        (void)clock_gettime(CLOCK_MONOTONIC, &asked_at);
+        (void)clock_gettime(CLOCK_MONOTONIC, &stop_requested_at);
         CSP_STORE(first, (uint32_t)number);
-    } else if (!csp_is_driving() && asked_before()) {
+    } else if (!csp_is_driving() && is_request_old()) {
         _exit((int)CSP_SIGNALLED + (int)CSP_LOAD(first));
     } else {
         /* The run has already been requested to stop. */
@@ -125,8 +125,8 @@ static void release(void)
     if (!in_owner()) {
         CSP_STORE(leaving, true);
         csp_request_stop();
-        for (uint32_t looks = 0U; csp_is_driving() && (csp_watch_runs() || (looks < (CSP_GRACE * (uint32_t)CSP_LOOKS))); looks++) {
-            csp_watch_wait_a_look();
+        for (uint32_t checks = 0U; csp_is_driving() && (csp_watch_runs() || (checks < (CSP_GRACE * (uint32_t)CSP_CHECKS))); checks++) {
+            csp_watch_wait_for_check();
         }
     }
     csp_release_outputs();
@@ -156,7 +156,7 @@ static void crash(int number)
 void csp_signals_end_with_parent(long number)
 {
     csp_signals_handle(SIGTERM, stop, SA_RESTART);
-    ours[SIGTERM] = true;
+    has_handler[SIGTERM] = true;
     csp_watch_parent((uint32_t)number);
 }
 
@@ -166,11 +166,11 @@ static void give_back_signals(void)
 {
     struct sigaction present;
     for (int number = 1; number < (int)SIGNALS; number++) {
-        if (ours[number] && (sigaction(number, NULL, &present) == 0) &&
+        if (has_handler[number] && (sigaction(number, NULL, &present) == 0) &&
             ((present.sa_handler == stop) || (present.sa_handler == crash))) {
             csp_signals_handle(number, SIG_DFL, 0);
         }
-        ours[number] = false;
+        has_handler[number] = false;
     }
 }
 
@@ -180,7 +180,7 @@ static void take_signals(void)
         if (!has_default(number) || contains(harmless, sizeof harmless / sizeof harmless[0], number)) {
             continue;
         }
-        ours[number] = true;
+        has_handler[number] = true;
         if (contains(crashes, sizeof crashes / sizeof crashes[0], number)) {
             csp_signals_handle(number, crash, SA_ONSTACK | SA_NODEFER);
         } else {
@@ -213,13 +213,13 @@ static void take_stack(void)
 /* Unblocks the signals that are needed here: a crash whose signal is blocked would end the process immediately. */
 static void let_through(void)
 {
-    sigset_t wanted;
-    (void)sigemptyset(&wanted);
-    (void)sigaddset(&wanted, SIGURG);
+    sigset_t needed;
+    (void)sigemptyset(&needed);
+    (void)sigaddset(&needed, SIGURG);
     for (size_t index = 0U; index < (sizeof crashes / sizeof crashes[0]); index++) {
-        (void)sigaddset(&wanted, crashes[index]);
+        (void)sigaddset(&needed, crashes[index]);
     }
-    (void)pthread_sigmask(SIG_UNBLOCK, &wanted, &held_before);
+    (void)pthread_sigmask(SIG_UNBLOCK, &needed, &held_before);
 }
 
 static void in_child(void)

@@ -50,31 +50,31 @@ static bool read_observed(const char *text, csp_observed *observed)
     return false;
 }
 
-static bool read_options(int count, char **options, request *asked)
+static bool read_options(int count, char **options, request *parsed)
 {
     for (int index = 1; index < count; index += 2) {
         const char *const option = options[index];
         const char *const value = (index + 1 < count) ? options[index + 1] : NULL;
-        bool understood = value != NULL;
-        if (!understood) {
+        bool valid = value != NULL;
+        if (!valid) {
             /* Every option has a value. */
         } else if (strcmp(option, "--environment") == 0) {
-            asked->environment = value;
+            parsed->environment = value;
         } else if (strcmp(option, "--for") == 0) {
-            understood = read_duration(value, &asked->until);
+            valid = read_duration(value, &parsed->until);
         } else if (strcmp(option, "--parent") == 0) {
-            understood = read_duration(value, &asked->parent);
-        } else if (strcmp(option, "--looks") == 0) {
-            understood = read_duration(value, &asked->listener);
+            valid = read_duration(value, &parsed->parent);
+        } else if (strcmp(option, "--checks") == 0) {
+            valid = read_duration(value, &parsed->listener);
         } else if (strcmp(option, "--observe") == 0) {
-            understood = read_observed(value, &asked->observed);
+            valid = read_observed(value, &parsed->observed);
         } else {
-            understood = false;
+            valid = false;
         }
-        if (!understood) {
+        if (!valid) {
             (void)fprintf(stderr,
                           "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none] [--parent PID] "
-                          "[--looks DESCRIPTOR]\n",
+                          "[--checks DESCRIPTOR]\n",
                           options[0]);
             return false;
         }
@@ -153,12 +153,12 @@ static void show(const csp_program *program, csp_ending ending, double duration)
 int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count)
 {
-    request asked = {NULL, -1, 0, -1, CSP_SILENT};
-    if (!read_options(count, options, &asked)) {
+    request parsed = {NULL, -1, 0, -1, CSP_SILENT};
+    if (!read_options(count, options, &parsed)) {
         return EXIT_WRONG_OPTION;
     }
     const csp_scenario *const scenario =
-        (asked.environment == NULL) ? scenarios : find(scenarios, scenario_count, asked.environment);
+        (parsed.environment == NULL) ? scenarios : find(scenarios, scenario_count, parsed.environment);
     if (scenario == NULL) {
         return EXIT_WRONG_OPTION;
     }
@@ -174,16 +174,16 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
         count_misses(&run);
     }
     csp_signals_begin();
-    if (asked.parent != 0) {
-        csp_signals_end_with_parent((long)asked.parent);
+    if (parsed.parent != 0) {
+        csp_signals_end_with_parent((long)parsed.parent);
     }
-    csp_signals_report((int)asked.listener);
-    csp_stream_begin(&run, names, asked.observed);
+    csp_signals_report((int)parsed.listener);
+    csp_stream_begin(&run, names, parsed.observed);
     const double began = seconds_now();
-    const csp_ending ending = csp_run(&run, asked.until);
+    const csp_ending ending = csp_run(&run, parsed.until);
     const double duration = seconds_now() - began;
     const int status = csp_exit_status(ending);
-    if (asked.observed == CSP_SILENT) {
+    if (parsed.observed == CSP_SILENT) {
         show(&run, ending, duration);
     } else if (!csp_stream_end(&run, ending, duration)) {
         (void)fprintf(stderr, "could not write everything to standard output\n");

@@ -94,10 +94,10 @@ static void attend(bool last)
         return;
     }
     const size_t end = CSP_LOAD(complete);
-    bool goes_on = true;
-    while (goes_on && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
+    bool continues = true;
+    while (continues && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
         const size_t rest = end - sent; /* a pipe with room accepts a part of it without waiting */
-        goes_on = send_some(&buffer[sent], (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF, &sent);
+        continues = send_some(&buffer[sent], (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF, &sent);
     }
     (void)pthread_mutex_unlock(&sending);
 }

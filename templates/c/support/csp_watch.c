@@ -15,7 +15,7 @@
 #include "csp_internal.h"
 #include "csp_shared.h"
 
-enum { TEXT = 512, LOOK = 1000000000 / CSP_LOOKS, THREAD_STACK = 1 << 17 };
+enum { TEXT = 512, CHECK_INTERVAL = 1000000000 / CSP_CHECKS, THREAD_STACK = 1 << 17 };
 
 static pthread_t owner; /* the thread of the run */
 static pthread_t watcher;
@@ -30,10 +30,10 @@ static volatile uint32_t parent;   /* 0: any */
 static volatile int listener = -1; /* the descriptor for a line about each check; negative: none */
 static void (*volatile attendant)(bool last); /* NULL: none */
 
-void csp_watch_wait_a_look(void)
+void csp_watch_wait_for_check(void)
 {
-    const struct timespec look = {0, LOOK};
-    (void)nanosleep(&look, NULL);
+    const struct timespec interval = {0, CHECK_INTERVAL};
+    (void)nanosleep(&interval, NULL);
 }
 
 void csp_watch_attend(bool last)
@@ -107,7 +107,7 @@ static void report_what_hangs(void)
     (void)written;
 }
 
-/* On a processor that stores its halves separately they may be of two instants, but not the same wrong value twice. */
+/* A processor may store the two halves separately. Then they may belong to two instants, but are not the same wrong value twice. */
 static int64_t instant_now(void)
 {
     const volatile int64_t *const now = &csp.now;
@@ -142,12 +142,12 @@ static void report_check(int64_t *reported)
 
 /* ---- The thread ---- */
 
-/* Waits until the next check; false: there is none any more. */
+/* Waits until the next check; false: there will be none. */
 static bool wait_for_a_check(void)
 {
     struct timespec next;
     (void)clock_gettime(CLOCK_MONOTONIC, &next);
-    next.tv_nsec += LOOK;
+    next.tv_nsec += CHECK_INTERVAL;
     if (next.tv_nsec >= 1000000000) {
         next.tv_nsec -= 1000000000;
         next.tv_sec++;
@@ -157,42 +157,42 @@ static bool wait_for_a_check(void)
     while (!over && (waited == 0)) {
         waited = pthread_cond_timedwait(&ended, &lock, &next);
     }
-    const bool goes_on = !over;
+    const bool continues = !over;
     (void)pthread_mutex_unlock(&lock);
-    return goes_on;
+    return continues;
 }
 
 static void *watch(void *nothing)
 {
-    uint32_t turns = 0U;
+    uint32_t iterations = 0U;
     uint32_t released = 0U;
-    uint32_t looks = 0U;
+    uint32_t checks = 0U;
     int64_t reported = -1;
     bool in_vain = false;
     while (wait_for_a_check()) {
         report_check(&reported);
         csp_watch_attend(false);
-        const uint32_t looked_for = CSP_LOAD(parent);
-        if ((looked_for != 0U) && (getppid() != (pid_t)looked_for)) {
+        const uint32_t expected_parent = CSP_LOAD(parent);
+        if ((expected_parent != 0U) && (getppid() != (pid_t)expected_parent)) {
             CSP_STORE(parent, 0U);
             csp_signals_ask_to_stop(SIGTERM);
         }
-        const bool asked = (csp_signals_first() != 0U) || csp_signals_leaving() || CSP_LOAD(hangs);
-        const uint32_t turns_now = csp_turns();
+        const bool must_end = (csp_signals_first() != 0U) || csp_signals_leaving() || CSP_LOAD(hangs);
+        const uint32_t iterations_now = csp_iterations();
         const uint32_t released_now = csp_calls_now().released;
-        const bool goes_on = (released_now != released) || (!asked && (turns_now != turns));
+        const bool progresses = (released_now != released) || (!must_end && (iterations_now != iterations));
         in_vain = in_vain && (released_now == released);
-        turns = turns_now;
+        iterations = iterations_now;
         released = released_now;
-        looks = (goes_on || !csp_is_driving() || !(asked || CSP_LOAD(patient))) ? 0U : (looks + 1U);
-        if (looks >= ((asked ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)CSP_LOOKS)) {
-            if (!asked) {
+        checks = (progresses || !csp_is_driving() || !(must_end || CSP_LOAD(patient))) ? 0U : (checks + 1U);
+        if (checks >= ((must_end ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)CSP_CHECKS)) {
+            if (!must_end) {
                 report_what_hangs();
                 CSP_STORE(hangs, true);
             }
             force(in_vain);
             in_vain = true;
-            looks = 0U;
+            checks = 0U;
         }
     }
     return nothing;

@@ -6,7 +6,7 @@
 
 #include "csp_signals.h"
 
-enum { CSP_LOOKS = 10 /* checks per second */, CSP_SIGNALLED = 128 };
+enum { CSP_CHECKS = 10 /* checks per second */, CSP_SIGNALLED = 128 };
 
 /* To be called before and after a run; `run` is its thread. */
 void csp_watch_begin(pthread_t run);
@@ -15,7 +15,7 @@ void csp_watch_end(void);
 void csp_watch_forget(void);
 bool csp_watch_runs(void);
 void csp_watch_parent(uint32_t number);
-void csp_watch_wait_a_look(void);
+void csp_watch_wait_for_check(void);
 /* Calls the function of csp_signals_attend. */
 void csp_watch_attend(bool last);
 

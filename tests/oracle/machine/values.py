@@ -40,7 +40,7 @@ def stored(value: Value) -> Value:
     """A value that is stored or written, where a real has to be a finite number."""
     for part in value if isinstance(value, tuple) else (value,):
         if isinstance(part, float) and not math.isfinite(part):
-            raise FaultError("infinite or no number")
+            raise FaultError("infinite or not a number")
     return value
 
 

@@ -21,7 +21,7 @@ FAULTS = {
     "n / zero": "division by zero",
     "n % zero": "division by zero",
     "table[n]": "index 3000000000 is outside 0 .. 1",
-    "int(sqrt(-x))": "a real value is infinite or no number",
+    "int(sqrt(-x))": "a real value is infinite or not a number",
     "int(x / double(zero))": "division by zero",
 }
 PROGRAM = """process Main {

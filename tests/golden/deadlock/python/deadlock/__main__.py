@@ -10,18 +10,18 @@ if TYPE_CHECKING:
 
 
 def main() -> int:
-    """Run as the command line says; the exit code."""
+    """Run as the command line says, and return the exit code."""
     try:
         from .runtime.command_line import main as run
 
         return run("deadlock", _load)
     except KeyboardInterrupt:
-        # Ctrl-C came while the runtime was imported; a run reports it itself.
+        # Ctrl-C was pressed while the runtime was being imported; a run handles it itself.
         return 130
 
 
 def _load() -> Program:
-    """Import the program; a signal that comes meanwhile is handled by the runtime."""
+    """Import the program; a signal that arrives meanwhile is handled by the runtime."""
     from .environments import ENVIRONMENTS
     from .network import PORTS, build
     from .runtime.command_line import Program
