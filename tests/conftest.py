@@ -34,7 +34,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
-    """No test leaves a process behind, its own or one that its own has left, or a thread: it may yet raise."""
+    """No test leaves behind a process, its own or one that its own has left, or a thread, which might still raise."""
     before = _processes()
     threads = set(threading.enumerate())
     try:
@@ -55,18 +55,18 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
 
 
 def _is_kept(thread: threading.Thread) -> bool:
-    """Whether it is of the layout engine, which waits for the next drawing."""
+    """Whether it belongs to the layout engine, which waits for the next drawing."""
     return thread.name.startswith(("layout", "quickjs-worker"))
 
 
 def _goes_on(thread: threading.Thread, deadline: float) -> bool:
-    """Whether it has not ended at the deadline. When it has, pytest knows what it has raised."""
+    """Whether it has not ended by the deadline. If it has ended, pytest knows what it has raised."""
     thread.join(max(0, deadline - time.monotonic()))
     return thread.is_alive()
 
 
 def _processes() -> set[int]:
-    """Children of this process that run."""
+    """Child processes that are running."""
     found = set()
     for task in Path("/proc/self/task").glob("*/children"):
         with suppress(OSError):

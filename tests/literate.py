@@ -1,9 +1,9 @@
-"""Literate cases: Markdown files whose sections hold a program and what the compiler says about it.
+"""Literate cases: Markdown files whose sections contain a program and what the compiler says about it.
 
 Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the
 files it imports, then a ``diagnostics`` block, a ``network`` block or both, or a ``composition`` block: the elements of
-the composition diagrams. ``network -O1`` is the network after all passes of the optimizer,
-``network specialize,variables`` after those, ``network flatten.Main`` the class ``Main`` of it alone.
+the composition diagrams. ``network -O1`` is the network after all passes of the optimizer, ``network
+specialize,variables`` the network after these passes, ``network flatten.Main`` only its class ``Main``.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _FENCE = re.compile(r"^```(?P<language>\w+)(?: +(?P<name>\S+))?\n(?P<text>.*?)^`
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: ``start`` and ``end`` enclose its text within the file."""
+    """A fenced block: its text is from ``start`` to ``end`` in the file."""
 
     language: str
     name: str | None
@@ -77,7 +77,7 @@ def all_cases() -> list[Case]:
 
 
 def check_files(files: dict[str, str]) -> pipeline.Checked:
-    """Check the program ``case.csp`` with imports found among ``files``."""
+    """Check the program ``case.csp``, with imports from ``files``."""
 
     def read(path: str) -> SourceFile:
         if path not in files:
@@ -93,7 +93,7 @@ def _place(span: Span) -> str:
 
 
 def describe(diagnostics: list[Diagnostic]) -> str:
-    """Diagnostics as a ``diagnostics`` block holds them."""
+    """Diagnostics in the form of a ``diagnostics`` block."""
     lines = []
     for diagnostic in diagnostics:
         lines.append(f"{_place(diagnostic.span)} {diagnostic.severity}[{diagnostic.code}] {diagnostic.message}")
@@ -105,7 +105,7 @@ def describe(diagnostics: list[Diagnostic]) -> str:
 
 
 def actual(case: Case, block: Block) -> str:
-    """What the compiler says now where ``block`` stands."""
+    """What the compiler says now for ``block``."""
     if block.language == "proofs":
         answers = answers_to(case.files, MAIN)
         return "".join(f"{answer_text(answer)}{describe(diagnostics_of([answer]))}" for answer in answers)
@@ -129,7 +129,7 @@ def actual(case: Case, block: Block) -> str:
 
 
 def _compositions(checked: pipeline.Checked) -> str:
-    """The elements of the composition diagrams, errors or not."""
+    """The elements of the composition diagrams, with or without errors."""
     from cspdiag.draw.elements.composition import outline
     from cspdiag.draw.elements.read_composition import composition_diagram
     from cspdiag.syntax import ast
@@ -153,7 +153,7 @@ def update(path: Path) -> None:
     replacements = []
     for case in cases_of(path):
         for block in case.expectations:
-            # A case that makes the compiler fail keeps its block, and its own test shows the traceback.
+            # A case for which the compiler fails keeps its block, and its own test shows the traceback.
             with contextlib.suppress(Exception):
                 replacements.append((block, actual(case, block)))
     for block, found in sorted(replacements, key=lambda pair: pair[0].start, reverse=True):

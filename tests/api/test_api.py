@@ -1,4 +1,4 @@
-"""The use from Python."""
+"""The Python interface."""
 
 from __future__ import annotations
 
@@ -175,6 +175,6 @@ def test_timing_and_margins_are_objects() -> None:
     report = program.timing()
     assert report.is_schedulable is True
     slow = program.timing(measured={"Jiwy.vertical.homing.servo": 2e-3})
-    assert slow.is_schedulable is None  # it may never come to homing
+    assert slow.is_schedulable is None  # it may never reach homing
     found = program.margins(set={"Tsh": "10 ms", "Tsv": "10 ms"})
     assert {loop.margins.is_stable for loop in found.loops if "servo" in loop.opened.cut.name} == {False}

@@ -1,4 +1,4 @@
-"""Every argument of the use from Python with values that it has no meaning for."""
+"""Every argument of the Python interface, with values that have no meaning for it."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ PATHS: dict[str, Callable[[Any], object]] = {
 }
 
 HUGE = 10**5000
-"""Longer than Python turns into a text."""
+"""More digits than Python converts to a text."""
 
 
 def cases(functions: dict[str, Callable[[Any], object]]) -> pytest.MarkDecorator:

@@ -24,13 +24,13 @@ CAUGHT_INSIDE = {
     "NotStaticError", "NoResultError", "UsageError", "RaisedError", "CancelledError", "DeclaredError", "FaultError",
     "MissedSampleError", "FailureError",
 }  # fmt: skip
-"""What is always caught by who calls: UsageError by the command line, LimitError as no ``Exception``, the last six by
-the interpreter.
+"""What the callers always catch: the command line catches UsageError, LimitError is not an ``Exception``, and the
+interpreter catches the last six.
 """
 
 
 def exceptions_of_the_library() -> dict[str, type[BaseException]]:
-    """Those that are not private, and not of the runtime, which generated packages carry without the library."""
+    """Exceptions that are not private, and not of the runtime, which generated packages contain without the library."""
     found = {}
     for path in PACKAGE.rglob("*.py"):
         if path.is_relative_to(PACKAGE / "runtime"):

@@ -209,7 +209,9 @@ def test_a_name_that_cannot_be_set_is_refused_with_a_reason(setting: str, reason
 
 
 def test_fields_are_set_in_values_from_other_settings() -> None:
-    """``panGains.kp`` is computed from ``base``; what is set of it counts, and the rest follows ``base``."""
+    """``panGains.kp`` is computed from ``base``; a setting of one of its fields has priority, and the others follow
+    ``base``.
+    """
     built = pipeline.build(
         SourceFile(name="set.csp", text=PROGRAM),
         read_source,
@@ -253,7 +255,7 @@ OVERLAPPING = [
     ("tab[01]", "[7, 8, 9]", "const.tab[1][0]", "100"),
     ("rows[0].gains", "[3, 4]", "rows[0].gains[1]", "5"),
 ]
-"""The whole and a part of it."""
+"""A constant as a whole, and a part of it."""
 
 
 @pytest.mark.parametrize("part_first", [False, True])
@@ -261,7 +263,7 @@ OVERLAPPING = [
 def test_a_whole_and_a_part_of_it_are_not_both_set(
     whole: str, value: str, part: str, part_value: str, *, part_first: bool
 ) -> None:
-    """Whichever came last would silently undo the other, or not."""
+    """Otherwise the setting that came last might silently undo the other."""
     given = [(whole, value), (part, part_value)]
     program = SourceFile(name="set.csp", text=PROGRAM if "table" in whole else NESTED)
     with pytest.raises(SettingError) as refused:
@@ -322,7 +324,7 @@ environment Bench for Main {
   gains.y -> x
 }
 """
-"""``T`` and ``gains.n`` are a constant, or a part of one, and parameters."""
+"""``T`` and ``gains.n`` are both a constant, or a part of one, and parameters."""
 
 
 @pytest.mark.parametrize(
@@ -434,7 +436,7 @@ def test_python_refuses_a_path_that_leads_nowhere(tmp_path: Path) -> None:
 
 
 def test_an_error_shows_what_was_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The program has no errors without that, so that what was set is where to look."""
+    """The program has no errors without the setting, so the setting is where to look."""
     path = tmp_path / "narrow.csp"
     path.write_text("const n = 3\nconst m : int8 = int8(n * 100 - 200)\n" + PROGRAM)
     assert main(["check", str(path)]) == 0

@@ -1,4 +1,4 @@
-"""Components and circles, held against networkx."""
+"""Components and cycles, compared with networkx."""
 
 from __future__ import annotations
 

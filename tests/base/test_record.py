@@ -1,4 +1,4 @@
-"""Records say at the call what is wrong with their fields, compare as they promise, and do not change."""
+"""Records report at the call what is wrong with their fields, compare as they promise, and do not change."""
 
 from __future__ import annotations
 
@@ -284,7 +284,7 @@ def test_fields_that_follow_from_others_are_completed_and_checked():
 
 
 def declared(pattern: str) -> set[tuple[str, str]]:
-    """What matches in the package, but for the runtime, which stands alone, and the file that it is in."""
+    """The places in the package that match, except in the runtime, which stands alone, and in the given file."""
     package = Path(cspdiag.__file__).parent
     return {
         (name, path.relative_to(package).as_posix())
@@ -295,7 +295,7 @@ def declared(pattern: str) -> set[tuple[str, str]]:
 
 
 def test_plain_data_is_a_record_everywhere_but_in_the_runtime_which_stands_alone():
-    """What keeps a list of temporaries while it prints is no plain data."""
+    """A class that collects temporaries while it prints is not plain data."""
     assert {path for _, path in declared(r"^@dataclass\(.*frozen=True")} == {
         "codegen/c/text/evaluation.py",
         "codegen/python/fast/expressions.py",

@@ -14,7 +14,7 @@ PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
 HOSTED = ("csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
-"""Around a run on a host: not of the kernel."""
+"""Files for a run on a host, which are not part of the kernel."""
 
 
 def run(*command: str | Path, cwd: Path | None = None) -> str:

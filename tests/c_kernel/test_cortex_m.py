@@ -1,7 +1,8 @@
-"""The kernel on an emulated microcontroller: words of 32 bits, nothing below it.
+"""The kernel on an emulated microcontroller: words of 32 bits, and no operating system.
 
 A generated program with its simulated plant runs against the clock of the emulation, and its trace is that of the
-reference. The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
+reference. The emulator derives its clock from the number of instructions, so the run does not depend on the machine of
+the test.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from tests.conformance.targets import GeneratedPython
 from tests.conformance.traces import compare
 
 UNTIL = 3_000_500_000
-"""Nanoseconds, amid two ticks: both joints of JIWY find their end stops."""
+"""Nanoseconds, between two ticks: by then both joints of JIWY have found their end stops."""
 
 PROCESSOR = ("-mcpu=cortex-m3", "-mthumb")
 LINKED = ("-nostartfiles", "--specs=nosys.specs", "-Wl,--gc-sections", "-T", SUPPORT / "csp_port_cortex_m.ld", "-lm")
 FLAGS = ("-std=c99", "-Os", "-Wall", "-Wextra", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
 MACHINE = ("qemu-system-arm", "-machine", "mps2-an385", "-nographic", "-semihosting-config", "enable=on,target=native")
 CLOCK = ("-icount", "shift=3,sleep=off")
-"""Eight nanoseconds an instruction; sleeping takes no time of the host."""
+"""Eight nanoseconds per instruction; sleeping takes no time on the host."""
 
 
 def firmware(network: Network, level: int, folder: Path) -> Path:

@@ -1,7 +1,7 @@
-"""A generated program with own devices on an emulated board: events from a real interrupt, faults of the processor, no
-heap.
+"""A generated program with its own devices on an emulated board: events from a real interrupt, faults of the processor,
+no heap.
 
-The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
+The emulator derives its clock from the number of instructions, so the run does not depend on the machine of the test.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def image(package: Path, trouble: str) -> Path:
 
 
 def emulated(package: Path, trouble: str, *options: str) -> tuple[int, list[str]]:
-    """The status of the emulator, and what came by the serial line."""
+    """The exit status of the emulator, and what arrived on the serial line."""
     command: list[str | Path] = [*MACHINE, *CLOCK, *options, "-kernel", image(package, trouble)]
     completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     return completed.returncode, completed.stdout.splitlines()
@@ -134,7 +134,7 @@ def test_firmware_has_no_heap(package: Path) -> None:
 
 
 def test_without_a_debugger_the_program_continues(package: Path) -> None:
-    """What is written for debuggers is then a fault of the processor, which is no fault of the program."""
+    """Writing for debuggers is then a fault of the processor, which is not a fault of the program."""
     board = ("qemu-system-arm", "-machine", "mps2-an385", "-nographic")
     command: list[str | Path] = [*board, *CLOCK, "-kernel", image(package, "fault")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

@@ -1,7 +1,7 @@
-"""A generated program with own devices, against the clock of a POSIX system: events, slow devices, and every way out of
-a run.
+"""A generated program with its own devices, against the clock of a POSIX system: events, slow devices, and every way in
+which a run ends.
 
-Nothing here depends on how fast the machine is.
+Nothing here depends on the speed of the machine.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ TERMINATED, FAILED, STOPPED, NOT_INITIALIZED = 0, 1, 4, 5
 
 
 class Ended(NamedTuple):
-    """How the machine came to its end, and what it said."""
+    """How the machine ended, and what it printed."""
 
     status: int
     lines: Sequence[str]
@@ -35,7 +35,7 @@ class Ended(NamedTuple):
 
     @property
     def releases(self) -> list[str]:
-        """The safe values that were handed over, in order."""
+        """The safe values that were written, in order."""
         return [line for line in self.lines if line.startswith("released")]
 
 
@@ -68,7 +68,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def ended(machine: Path, *arguments: str, signals: Sequence[int] = (), later: Sequence[int] = ()) -> Ended:
-    """Runs the machine; ``signals`` are sent to it when it drives, ``later`` when it lingers after its run."""
+    """Run the machine; ``signals`` are sent to it while it drives, ``later`` while it lingers after its run."""
     sent = {"drives 5": signals, "lingers 1": later}
     lines: list[str] = []
     with (
@@ -137,7 +137,7 @@ def test_signals_of_crashes_release_the_outputs(machine: Path, sent: int) -> Non
 
 @pytest.mark.parametrize("number", ["INT", "HUP", "TERM"])
 def test_ignored_signals_stay_ignored(machine: Path, number: str) -> None:
-    """As a shell starts what is to run in the background, and as ``nohup`` does."""
+    """As a shell starts a job in the background, and as ``nohup`` does."""
     script = machine.with_name(f"ignores_{number}")
     script.write_text(f"#!/bin/sh\ntrap '' {number}\nexec {machine} 'goes on'\n")
     script.chmod(0o755)
@@ -170,7 +170,7 @@ def test_child_processes_of_a_device_end_like_others(machine: Path) -> None:
     ("trouble", "status"), [("exits", 7), ("crashes", -signal.SIGSEGV), ("aborts", -signal.SIGABRT)]
 )
 def test_another_thread_that_ends_the_program_ends_the_run_before(machine: Path, trouble: str, status: int) -> None:
-    """Nothing is handed over to an output after its safe value, even if the release takes its time."""
+    """Nothing is written to an output after its safe value, even if the release takes time."""
     found = ended(machine, f"another thread {trouble}")
     assert found.status == status
     assert [line for line in found.lines if "drive" in line or "lamp" in line] == ["drives 5", *BOTH]
@@ -210,7 +210,7 @@ def test_many_signals_count_as_one(machine: Path, count: int) -> None:
     ],
 )
 def test_a_device_that_hangs_is_detected_and_named(machine: Path, trouble: str, says: str) -> None:
-    """One that spins asks for the time forever."""
+    """A program that spins reads the time forever."""
     found = ended(machine, trouble)
     assert found.status == 1
     assert found.releases == BOTH
@@ -284,7 +284,7 @@ def test_critical_sections_nest(machine: Path) -> None:
 
 
 def test_a_run_leaves_nothing_that_sanitizers_object_to(tmp_path: Path) -> None:
-    """Ends of runs, too: a thread that is cancelled instead of joined leaves its stack poisoned."""
+    """Exits of runs, too: a thread that is cancelled instead of joined leaves its stack poisoned."""
     need("gcc")
     checked = ("-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     sanitized = built(tmp_path, DEVICES / "machine.csp", DEVICES / "machine.c", *checked)

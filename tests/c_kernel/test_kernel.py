@@ -1,8 +1,8 @@
 """The kernel of the C target: scenarios, each a C program of processes that are lists of steps, and the trace that it
-must give.
+must produce.
 
-They are compiled with the strict flags of the generated packages by the compilers that there are, with sanitizers, and
-run under valgrind.
+They are compiled with the strict flags of the generated packages by all available compilers, with sanitizers, and run
+under valgrind.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def test_kernel_has_no_heap() -> None:
 
 
 def test_benchmarks_run(tmp_path: Path) -> None:
-    """That they run and end: how fast is for people to read, not for tests to judge."""
+    """The benchmarks run and end; their speed is for people to read, not for tests to judge."""
     need("gcc")
     executable = tmp_path / "benchmark"
     run("gcc", *STRICT, "-O1", f"-I{SUPPORT}", HERE / "benchmark.c", *kernel_files(), "-lm", "-o", executable)

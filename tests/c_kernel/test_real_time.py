@@ -1,4 +1,4 @@
-"""The kernel against the clock of a POSIX system. Nothing here depends on how fast the machine is."""
+"""The kernel against the clock of a POSIX system. Nothing here depends on the speed of the machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A simulation without an end ends on request, or when its parent does."""
+"""A simulation without a time limit ends on request, or when its parent ends."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ environment Bench for Pulse step 1 ms {
 """
 
 STOPPED = bytes([10, 4])
-"""How the last 24 bytes of the stream of a run that was stopped begin: the kind of record, and ``csp_ending``."""
+"""The beginning of the last 24 bytes in the stream of a run that was stopped: the kind of record, and
+``csp_ending``.
+"""
 
 PARENT = """
 import os, subprocess, sys
@@ -66,7 +68,7 @@ def test_a_signal_ends_it(simulation: Path, number: str) -> None:
 
 
 def test_what_ends_it_for_its_parent_is_not_ignored(simulation: Path) -> None:
-    """A parent that a script has started in the background hands ignored signals down."""
+    """A parent that a script has started in the background passes ignored signals on to its children."""
     command = ["sh", "-c", f"trap '' TERM INT; exec {simulation} --observe ports --parent {os.getpid()}"]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
@@ -77,7 +79,7 @@ def test_what_ends_it_for_its_parent_is_not_ignored(simulation: Path) -> None:
 
 
 def test_two_signals_at_once_count_as_one(simulation: Path) -> None:
-    """It says its end and its status is that of one of them, whichever was handed over first."""
+    """It reports how it ended, and its status is that of one of the signals, whichever was delivered first."""
     for _ in range(5):
         with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
             assert process.stdout is not None
@@ -98,7 +100,7 @@ def test_a_native_run_ends_without_a_reader(simulation: Path) -> None:
 
 
 def test_it_ends_with_its_parent(simulation: Path) -> None:
-    """Its end closes the stream that it has from its parent."""
+    """When the parent ends, it closes the stream that the simulation writes to."""
     command = [sys.executable, "-c", PARENT, str(simulation)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as parent:
         assert parent.stdout is not None

@@ -12,7 +12,7 @@ from cspdiag.cli.main import main
 
 
 class Result(NamedTuple):
-    """What a command did: exit code, standard output, standard error."""
+    """The result of a command: exit code, standard output, standard error."""
 
     code: int
     out: str
@@ -24,7 +24,7 @@ Command = Callable[..., Result]
 
 @pytest.fixture
 def cspdiag(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Command:
-    """Runs a command line within this process."""
+    """Run a command line within this process."""
 
     def command(*arguments: str | Path, stdin: str | bytes | None = None) -> Result:
         if stdin is not None:

@@ -1,5 +1,5 @@
-"""Names of files with line ends and escape sequences: people see pictures of these on the line where the name stands,
-machines get the name.
+"""File names with line ends and escape sequences: for people, control pictures replace these on the line with the name;
+machines get the name itself.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Signals of job control: what a shell does to a program that drives a machine, on a terminal of its own."""
+"""Signals of job control: how a shell treats a program that drives a machine, in a terminal of its own."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def run_on_a_terminal(folder: Path, how: str, *command: str) -> tuple[object, st
         while data := os.read(terminal, 4096):
             shown += data
     except OSError:
-        # Nobody has the other end any more.
+        # The other end is closed everywhere.
         pass
     finally:
         os.close(terminal)
@@ -62,7 +62,7 @@ def run_on_a_terminal(folder: Path, how: str, *command: str) -> tuple[object, st
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    # Its branches have names, for the line of progress.
+    # Its branches have names, which the progress line shows.
     text = DRIVEN.replace("mu (n := n + 1", "blinking_for_a_while : mu (n := n + 1")
     (tmp_path / "blink.csp").write_text(text)
     (tmp_path / "lamp.py").write_text(LAMP)

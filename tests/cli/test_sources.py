@@ -1,4 +1,4 @@
-"""What is no file is refused wherever a file is read: nobody may ever write to a pipe."""
+"""Anything that is not a regular file is refused wherever a file is read: a pipe may never have a writer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cspdiag.base.sources import read_source
 
 PROGRAM = "process Main {\n  composition { skip }\n}\n"
 PATIENCE = 60
-"""Seconds after which a command has waited for a writer."""
+"""After this many seconds, a command has been waiting for a writer."""
 
 
 def cspdiag(folder: Path, *arguments: str, text: str | None = None) -> subprocess.CompletedProcess[str]:

@@ -1,6 +1,4 @@
-"""Standard streams that are closed or full: what is printed there is needed or not, and is never lost without
-a word.
-"""
+"""Standard streams that are closed or full: output is either needed or not, and is never lost silently."""
 
 from __future__ import annotations
 
@@ -48,7 +46,7 @@ FOR_PEOPLE = (
     ("run", "main.csp", "--for", "50ms", "--record", "out.csv"),
     ("verify", "main.csp", "--no-cache"),
 )
-"""They say what they have to say on standard error, and need no standard output."""
+"""These report on standard error, and need no standard output."""
 
 FOR_MACHINES = (
     ("check", "--format", "json", "main.csp"),
@@ -67,7 +65,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def shell(folder: Path, command: tuple[str, ...], redirection: str) -> tuple[int, str, str]:
-    """Runs a command as a shell does; exit code, standard output, standard error."""
+    """Run a command as a shell does; returns exit code, standard output, standard error."""
     line = f'"$@" {redirection}'
     done = subprocess.run(
         ["sh", "-c", line, "sh", sys.executable, *command],

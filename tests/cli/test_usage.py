@@ -1,4 +1,4 @@
-"""Wrong usage and unreadable files: exit 2 and one line; whatever else happens has its code too."""
+"""Wrong usage and unreadable files: exit code 2 and one line; every other outcome has its exit code, too."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def test_a_terminal_without_the_characters_still_shows_the_message(good: Path) -
     ids=" ".join,
 )
 def test_no_option_is_lost(cspdiag: Command, arguments: list[str]) -> None:
-    """What was given first would have been dropped without a word."""
+    """Otherwise the first value would be ignored silently."""
     result = cspdiag(*arguments)
     assert result.code == 2
     assert "is given twice: " in result.err

@@ -1,4 +1,4 @@
-"""The wheel has everything: it works in an environment of its own, from another folder."""
+"""The wheel is complete: it works in an environment of its own, from another folder."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """Runs a program of an empty environment with the wheel, in a folder with the models and nothing else.
+    """Run a program of an otherwise empty environment with the wheel, in a folder with the models and nothing else.
 
-    What cspdiag depends on is borrowed from the environment of the tests, so that nothing is downloaded.
+    The dependencies of cspdiag are borrowed from the environment of the tests, so nothing is downloaded.
     """
     environment = tmp_path_factory.mktemp("environment")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", environment], check=True)

@@ -1,4 +1,4 @@
-"""Texts that would do harm, or break what is generated, if anything took them for more than text."""
+"""Texts that would do harm, or break generated files, if anything took them for more than text."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TEXTS = {
     "shell": "'; touch executed; ' && touch executed | tee -a x > y",
     "long": "word " * 60 + "x" * 300,
 }
-"""By what they aim at."""
+"""Hostile texts, by what they attack."""
 
 FILE_NAMES = [
     'say "hi".csp',
@@ -46,8 +46,8 @@ FILE_NAMES = [
 
 
 def program(text: str, string: str = "plain") -> str:
-    """A program with a doc comment of ``text`` at everything that may have one, comments inside of what is copied, and
-    strings in its arguments.
+    """A program with a doc comment of ``text`` everywhere where one is allowed, comments within text that is copied,
+    and strings in its arguments.
     """
     doc = "\n".join(f"/// {line}" for line in re.split(r"[\r\n]", text))
     inside = "" if "*/" in text else f" /* {text} */"

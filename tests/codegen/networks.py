@@ -1,4 +1,4 @@
-"""Networks made by hand, for tests that should not depend on the phases before."""
+"""Handmade networks, for tests that should not depend on the earlier phases."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Networks and generated packages of the models and of the programs beside this file."""
+"""Networks and generated packages of the models and of the programs in this folder."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def read(path: str) -> SourceFile:
 
 @cache
 def network(name: str) -> Network:
-    """The network of a model, a program or one made by hand."""
+    """The network of a model, of a program, or of a handmade one."""
     if name in networks.ALL:
         return networks.ALL[name]()
     path = str((MODELS | OWN)[name].relative_to(ROOT))

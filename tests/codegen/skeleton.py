@@ -1,4 +1,4 @@
-"""What is left of a file when the text is taken out that stands in its comments, docstrings and strings."""
+"""The structure of a file: what remains when the text in its comments, docstrings and strings is removed."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from html.parser import HTMLParser
 
 
 def skeleton(path: str, text: str) -> object:
-    """The same for two files that differ in comments and strings only."""
+    """Equal for two files that differ only in comments and strings."""
     suffix = path.rpartition(".")[2]
     readers = {"py": _python, "c": _c, "h": _c, "pml": _c, "csp": _cspm, "toml": _toml, "svg": svg, "html": html}
     return readers.get(suffix, len)(text) if suffix in readers else None
 
 
 def docstrings(text: str) -> list[str]:
-    """Every docstring of a Python module."""
+    """All docstrings of a Python module."""
     tree = ast.parse(text)
     owners = (node for node in ast.walk(tree) if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef))
     return [found for owner in owners if (found := ast.get_docstring(owner)) is not None]
@@ -36,9 +36,7 @@ _C_TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|[A-Za-z_]\w*|[\w.
 
 
 def _c(text: str) -> list[str]:
-    """The tokens; what a trigraph or a continued line would hide is seen, as both are undone first, as a
-    compiler does.
-    """
+    """The tokens; trigraphs and continued lines are resolved first, as a compiler does, so they hide nothing."""
     for written, meant in {"??/": "\\", "??'": "^", "??(": "[", "??)": "]", "??!": "|", "??<": "{", "??>": "}"}.items():
         text = text.replace(written, meant)
     tokens = _C_TOKEN.findall(text.replace("\\\n", ""))
@@ -56,7 +54,7 @@ def _toml(text: str) -> object:
 
 
 def svg(text: str) -> list[str]:
-    """The elements in their order."""
+    """The elements in order."""
     return [element.tag for element in ElementTree.fromstring(text).iter()]
 
 

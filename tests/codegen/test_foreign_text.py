@@ -1,5 +1,5 @@
-"""Text from outside — doc comments, strings, lines of the program, names of files — is text in everything that is
-generated, and nothing else.
+"""Text from outside — doc comments, strings, lines of the program, names of files — stays text in everything that is
+generated.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def network(text: str, file: str) -> Network:
 
 
 def generated(text: str, target: str, level: int, file: str = "project/plain.csp") -> Mapping[str, str]:
-    """The files of a package, but for what is the same in every one."""
+    """The files of a package, except those that are the same in every package."""
     files = pipeline.generate(network(text, file), nothing, target, level)
     return {path: text for path, text in files.items() if not {"runtime", "support"} & set(path.split("/"))}
 
@@ -57,7 +57,7 @@ def skeletons(files: Mapping[str, str]) -> dict[str, object]:
 
 
 def assert_readable(files: Mapping[str, str]) -> None:
-    """Every file can be written, and shows what it has."""
+    """Every file can be written, and shows its contents."""
     for path, text in files.items():
         text.encode()
         assert not any(ord(character) < 32 and character not in "\n\t" for character in text), path

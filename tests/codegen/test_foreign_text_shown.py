@@ -1,5 +1,5 @@
-"""Text from outside in everything that is shown: pictures, pages, diagnostics, recordings and traces, and what commands
-say.
+"""Text from outside in everything that is shown: pictures, pages, diagnostics, recordings, traces, and the output of
+commands.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def written(name: str, text: str) -> str:
-    """The name of a file with that text, as a shell would hand it over."""
+    """A file name with that text, as a shell would pass it on."""
     path = name.replace("/", "_")
     Path(path).write_text(text, encoding="utf-8")
     return f"./{path}"
@@ -54,7 +54,7 @@ def kinds(document: str) -> set[tuple[str, tuple[str, ...]]]:
 
 
 def assert_shown(capsys: pytest.CaptureFixture[str]) -> str:
-    """What a command said can be seen, and steers no terminal."""
+    """The output of a command is visible, and does not control the terminal."""
     said = "".join(capsys.readouterr())
     assert UNSEEN.search(said) is None, ascii(said)
     assert "internal error" not in said

@@ -13,7 +13,7 @@ GOLDEN = ROOT / "tests" / "golden"
 
 
 def stored(folder: Path) -> dict[str, str]:
-    """The files as committed, without what linters and the interpreter leave beside them."""
+    """The committed files, without what linters and the interpreter leave next to them."""
     files = {str(path.relative_to(folder)): path for path in folder.rglob("*") if path.is_file()}
     return {
         name: path.read_text(encoding="utf-8")

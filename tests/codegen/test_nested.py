@@ -1,4 +1,4 @@
-"""What is nested deeply runs on all targets as on the reference: Python limits how deep a function can be nested."""
+"""Deeply nested programs run on all targets as on the reference: Python limits how deeply a function can be nested."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ def test_python(form: str, depth: int | None, name: str) -> None:
 
 @pytest.mark.parametrize("name", ["python-O0", "python-O1", "python-O1-observed"])
 def test_parts_do_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Programs that are not nested deeply, as if Python allowed hardly anything in one function."""
+    """Programs that are not nested deeply, with a limit so low that Python seems to allow hardly anything in one
+    function.
+    """
     for limit in ("MOST_BLOCKS", "MOST_LEVELS", "MOST_BRACKETS"):
         monkeypatch.setattr(splitting, limit, 2)
     for path in PROGRAMS[::4]:
@@ -107,7 +109,9 @@ def test_processes_inside_each_other_have_a_limit() -> None:
 def test_no_package_is_written_that_is_not_python(
     form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A mistake of the generator, made here by allowing what Python does not, is found before anything is written."""
+    """A mistake of the generator, provoked here by allowing what Python does not, is found before anything is
+    written.
+    """
     for limit in ("MOST_BLOCKS", "MOST_LEVELS", "MOST_BRACKETS"):
         monkeypatch.setattr(splitting, limit, 1000)
     program = tmp_path / "nested.csp"

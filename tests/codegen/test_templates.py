@@ -1,4 +1,4 @@
-"""Templates of the user's: what they replace, what they are given, and what is said of mistakes in them."""
+"""Templates of the user: what they replace, what they are given, and what is reported about mistakes in them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def section(target: str) -> str:
 
 
 def documented(target: str) -> dict[str, set[str]]:
-    """What the page says that each template is given, to the last field."""
+    """What each template is given according to the page, to the last field."""
     rows = [[re.findall(r"`([^`]+)`", cell) for cell in row.split(" | ")] for row in section(target).splitlines()]
     values = [row[0][0] for row in rows if len(row) == 2 and row[0]]
     found: dict[str, set[str]] = {}

@@ -1,5 +1,5 @@
-"""``python -m tests.conformance TARGET [FOLDER]``: certifies a target and prints a table; ends with 1 where anything
-differs.
+"""``python -m tests.conformance TARGET [FOLDER]``: certifies a target and prints a table; the exit code is 1 if
+anything differs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ FOLDERS = (ROOT / "models", ROOT / "tests" / "conformance" / "programs")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command."""
+    """Run the command."""
     options = _parser().parse_args(arguments)
     name = options.target_option or options.target
     if name is None:
@@ -41,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def show(verdicts: Iterable[Verdict]) -> int:
-    """A line a program as they come, and what is wrong below it; 1 where anything is."""
+    """Print a line for each program as it is compared, and what is wrong below it; returns 1 if anything is wrong."""
     failed = 0
     for verdict in verdicts:
         where = f" in {verdict.environment}" if verdict.environment else ""

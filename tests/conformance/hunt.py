@@ -1,4 +1,4 @@
-"""Looks for random programs that a target does not run as the reference does, and makes them small."""
+"""Searches for random programs that a target does not run as the reference does, and makes them small."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.conformance.targets import REFERENCE, Target
 from tests.properties.drawing import draw_programs
 
 LIMIT = 60_000_000 + JUST_AFTER
-"""Nanoseconds that a random program runs."""
+"""How long a random program runs, in nanoseconds."""
 
 A_START = 15
 """How many programs are drawn from one start."""
@@ -31,12 +31,12 @@ def _network(text: str) -> Network:
 
 @lru_cache(maxsize=64)
 def _done_by_reference(text: str) -> Execution:
-    """The same for every target; they are compared on the same programs."""
+    """This is the same for every target: all are compared on the same programs."""
     return REFERENCE.run(_network(text), None, LIMIT)
 
 
 def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool = True) -> str | None:
-    """The smallest program found that differs, with how it does; None where none of so many does."""
+    """The smallest program found that differs, with the difference; None if none of ``count`` programs differs."""
 
     def look(text: str) -> None:
         details = difference_of(target, text)
@@ -53,6 +53,6 @@ def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool =
 
 
 def difference_of(target: Target, text: str) -> str:
-    """How a program differs; empty where it does not, or where the target takes no such program."""
+    """How a program differs; empty if it does not, or if the target does not support such a program."""
     verdict = judge(target, _network(text), None, LIMIT, wanted=_done_by_reference(text))
     return verdict.details if verdict.result in ("differs", "crashed") else ""

@@ -18,18 +18,18 @@ from tests.conformance.targets import REFERENCE, RefusedError, Target
 from tests.conformance.traces import compare, shown
 
 LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "^"})
-"""The functions that the C standard leaves to the library's accuracy. A target that brings another library than this
-machine's may be one unit in the last place off in programs that use them; everything else (``+ - * /``, ``sqrt``,
+"""The functions for which the C standard leaves the accuracy to the library. A target with another library than this
+machine's may be off by one unit in the last place in programs that use them; everything else (``+ - * /``, ``sqrt``,
 ``fmod``, rounding) is exact everywhere.
 """
 
 Result = Literal["equal", "differs", "crashed", "refused", "invalid"]
-"""``crashed``: the implementation failed, not the program; ``invalid``: it is no correct program."""
+"""``crashed``: the implementation failed, not the program; ``invalid``: it is not a correct program."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came out for one program in one environment; ``details`` are lines for people."""
+    """The result for one program in one environment; ``details`` are lines for people."""
 
     program: str
     environment: str | None
@@ -57,7 +57,7 @@ def _done_by_reference(name: str, environment: str | None, until: int) -> Execut
 
 @lru_cache(maxsize=64)
 def parsed(name: str) -> Network:
-    """The network of a file; targets are many, and it is always the same."""
+    """The network of a file, which is the same for all targets."""
     return network_of(read(name))
 
 
@@ -69,9 +69,9 @@ def judge(
     name: str = "",
     wanted: Execution | None = None,
 ) -> Verdict:
-    """Runs a program, of the file ``name`` if it has one, on a target and on the reference, and compares.
+    """Run a program, of the file ``name`` if it has one, on a target and on the reference, and compare.
 
-    ``wanted`` is what the reference does, where that is known already.
+    ``wanted`` is what the reference does, if that is already known.
     """
     try:
         done = target.run(network, environment, until)
@@ -108,7 +108,7 @@ def _differences(
 
 
 def external_channels(network: Network) -> set[str]:
-    """The external ports as traces call them."""
+    """The external ports under the names that traces use."""
     return {f"{network.top}.{port.name}" for port in network.external_ports}
 
 
@@ -118,7 +118,7 @@ def tolerance(target: Target, network: Network) -> int:
 
 
 def functions_used(network: Network) -> set[str]:
-    """The names of the functions and arithmetic operators that a program computes doubles with."""
+    """The names of the functions and arithmetic operators with which a program computes doubles."""
     found: set[str] = set()
     for part in parts((network.classes, network.environments)):
         if isinstance(part, ex.FunctionCall):
@@ -129,7 +129,7 @@ def functions_used(network: Network) -> set[str]:
 
 
 def _moment(execution: Execution, side: Sequence[Communication], position: int) -> int:
-    """How many communications had been made when the one at ``position`` of a side of the difference was."""
+    """How many communications had taken place when the one at ``position`` of a side of the difference did."""
     if position >= len(side):
         return len(execution.trace)
     return next(index for index, communication in enumerate(execution.trace) if communication is side[position])
@@ -143,7 +143,7 @@ def _state(
     trace: Sequence[Communication],
     moment: int,
 ) -> Iterator[str]:
-    """What each process waits for, and where that is not to be had what it did last."""
+    """What each process waits for; if that is not available, what it did last."""
     waits = side.waits(network, environment, until, moment) if moment > 0 else ()
     if waits:
         yield from waits

@@ -1,4 +1,4 @@
-"""The programs that everything is compared on."""
+"""The programs on which everything is compared."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class InvalidProgramError(Exception):
 
 
 def programs_in(folder: Path) -> list[str]:
-    """The programs at any depth below a folder, as paths of the checkout where they are inside it."""
+    """The programs at any depth below a folder, as paths relative to the checkout if they are inside it."""
     paths = sorted(path.resolve() for path in folder.rglob("*.csp"))
     names = [(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path).as_posix() for path in paths]
     return [name for name in names if name not in LIBRARIES]
@@ -29,16 +29,16 @@ MODELS = programs_in(ROOT / "models")
 PROGRAMS = programs_in(Path(__file__).parent / "programs")
 
 JUST_AFTER = 1
-"""Limits fall between two instants, so that it does not matter whether an instant at the limit still happens."""
+"""Limits are between two instants, so it does not matter whether an instant at the limit still happens."""
 
 
 def read(path: str) -> SourceFile:
-    """A file of the checkout, or anywhere."""
+    """A file of the checkout, or of any other folder."""
     return SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8"))
 
 
 def network_of(source: SourceFile) -> Network:
-    """The network of a program; InvalidProgramError, with the diagnostics, where it has errors."""
+    """The network of a program. Raises InvalidProgramError, with the diagnostics, if it has errors."""
     built = pipeline.build(source, read)
     if built.network is None:
         raise InvalidProgramError(render(built.checked.report.diagnostics))
@@ -46,5 +46,5 @@ def network_of(source: SourceFile) -> Network:
 
 
 def environments(network: Network) -> list[str | None]:
-    """The names of its environments, or None to run without."""
+    """The names of its environments, or None to run without one."""
     return [environment.name for environment in network.environments] or [None]

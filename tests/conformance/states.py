@@ -13,7 +13,7 @@ FIELDS = len(Communication._fields)
 
 
 class ObservedRun(Recorder):
-    """A recorder that looks, once a number of communications has been made, at what every process waits for."""
+    """A recorder that notes, after a certain number of communications, what every process waits for."""
 
     def __init__(self, moment: int) -> None:
         super().__init__()
@@ -21,7 +21,7 @@ class ObservedRun(Recorder):
 
     @property
     def waits(self) -> tuple[str, ...] | None:
-        """What each process waited for then; None where that is not known, or there was no such moment."""
+        """What each process waited for then; None if that is not known, or if there were not so many communications."""
         assert isinstance(self.communication_log, _Log)
         return self.communication_log.waits
 

@@ -1,6 +1,6 @@
-"""What can be certified: the implementations of the language, each behind the same small object.
+"""What can be certified: the implementations of the language, each with the same small interface.
 
-A target of one's own is one more class like these, and an entry in ``TARGETS``.
+To add a target of your own, write another class like these, and add it to ``TARGETS``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.conformance.states import ObservedRun
 
 
 class RefusedError(Exception):
-    """A correct program that the target cannot take, with what it says."""
+    """A correct program that the target does not support, with the reason that it gives."""
 
 
 class Target(Protocol):
@@ -34,44 +34,44 @@ class Target(Protocol):
 
     @property
     def name(self) -> str:
-        """As the command line calls it."""
+        """The name on the command line."""
         ...
 
     @property
     def other_library(self) -> bool:
-        """Whether its mathematical functions are not those of this machine's C library, so that results may differ by
-        one unit in the last place.
+        """Whether its mathematical functions are not those of this machine's C library, so results may differ by one
+        unit in the last place.
         """
         ...
 
     @property
     def inside(self) -> bool:
-        """Whether it tells of the communications inside a program, besides those of external ports."""
+        """Whether it reports the communications inside a program, besides those of external ports."""
         ...
 
     def unavailable(self) -> str | None:
-        """Why it cannot run here, None where it can."""
+        """Why it cannot run here; None if it can."""
         ...
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
-        """What it does with a program, in an environment, up to ``until`` nanoseconds; RefusedError where it takes no
-        such program.
+        """Run a program, in an environment, up to ``until`` nanoseconds. Raises RefusedError if the target does not
+        support the program.
         """
         ...
 
     def waits(
         self, network: Network, environment: str | None, until: int, communication: int
     ) -> tuple[str, ...] | None:
-        """What each process waits for once so many communications have been made; None where it cannot tell."""
+        """What each process waits for after this number of communications; None if the target cannot say."""
         ...
 
 
 @dataclass(frozen=True)
 class GeneratedPython:
-    """The Python that ``cspdiag compile`` makes, imported and run.
+    """The Python that ``cspdiag compile`` generates, imported and run.
 
-    ``observed`` code keeps processes apart that would be fused; code that is not ``traced`` tells of external ports
-    alone.
+    ``observed`` code keeps apart processes that would be fused; code that is not ``traced`` reports only external
+    ports.
     """
 
     level: int
@@ -117,9 +117,9 @@ class GeneratedPython:
 
 @dataclass(frozen=True)
 class NativeSimulation:
-    """The C that ``cspdiag compile --target c`` makes, with its environment compiled in.
+    """The C that ``cspdiag compile --target c`` generates, with its environment compiled in.
 
-    The optimizer of the C compiler is left out, for speed, unless the environment variable CFLAGS asks for it.
+    The optimizer of the C compiler is switched off, for speed, unless the environment variable CFLAGS switches it on.
     """
 
     level: int
@@ -180,14 +180,14 @@ def execution(run: Run) -> Execution:
 READABLE = GeneratedPython(0)
 
 _PLACE = ", in "
-"""Between what a failure says and where it was."""
+"""What separates the message of a failure from its place."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What the language says.
+    """The reference semantics of the language.
 
-    Of bodies in other languages it says nothing, nor in which line a failure is: both are asked of the readable code.
+    It does not define bodies in other languages, or the line of a failure: both come from the readable code.
     """
 
     name: str = "reference"
@@ -195,7 +195,7 @@ class Meaning:
     inside: bool = True
 
     def unavailable(self) -> str | None:
-        """It is always there."""
+        """It is always available."""
         return None
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
@@ -223,7 +223,7 @@ class Meaning:
 
 
 REFERENCE = Meaning()
-"""What everything else is compared with."""
+"""The target with which all others are compared."""
 
 TARGETS: Mapping[str, Target] = {
     target.name: target
@@ -240,5 +240,7 @@ TARGETS: Mapping[str, Target] = {
 
 
 def target_named(name: str) -> Target:
-    """A target by its name, or the name before the level (``c``: at level 1); KeyError if there is none."""
+    """A target by its name, or by the name without the level (``c``: at level 1). Raises KeyError if there is no such
+    target.
+    """
     return TARGETS[name] if name in TARGETS else TARGETS[f"{name}-O1"]

@@ -1,4 +1,4 @@
-"""The kit finds what differs, and says so in a way that helps."""
+"""The kit finds what differs, and reports it in a way that helps."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ process Top {
 
 @dataclasses.dataclass(frozen=True)
 class Changed(GeneratedPython):
-    """The readable code with something changed in what it does."""
+    """The readable code with one change in its behaviour."""
 
     level: int = 0
 
@@ -54,7 +54,7 @@ class Changed(GeneratedPython):
 
 
 def verdict_on(change: Callable[[Execution], Execution], **fields: bool) -> str:
-    """What the kit says of a target that does the changed thing."""
+    """The report of the kit for a target with this change."""
     network = network_of(SourceFile(name="pair.csp", text=PAIR))
     verdict = judge(Changed(change=change, **fields), network, None, 100_000_001)
     assert (verdict.result == "equal") == (verdict.details == "")

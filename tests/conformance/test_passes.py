@@ -1,4 +1,4 @@
-"""Each pass of the optimizer keeps the traces, by comparison of what the specification does before and after it."""
+"""Each pass of the optimizer keeps the traces: what the reference does before and after it is compared."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 
 ALONE: dict[str, tuple[Pass, ...]] = {entry.name: tuple(dict.fromkeys((PASSES[0], entry))) for entry in PASSES}
-"""Each pass on what the first makes, without which no class knows how it is connected."""
+"""Each pass on the result of the first one, without which no class knows how it is connected."""
 
 SELECTIONS = {**{f"{name} alone": passes for name, passes in ALONE.items()}, "all": PASSES}
 
@@ -41,7 +41,7 @@ def before_passes(name: str, environment: str | None, until: int) -> Execution:
 def assert_kept(
     before: Execution, network: Network, passes: Sequence[Pass], environment: str | None, until: int
 ) -> None:
-    """The network does after the passes what it did ``before`` them."""
+    """After the passes the network does what it did ``before`` them."""
     optimized = optimize(network, passes, debug=True)
     after = execute(optimized, environment, until)
     external = {f"{network.top}.{port.name}" for port in network.external_ports}

@@ -1,4 +1,4 @@
-"""Every target does what the reference does, over all models, all disputed cases, and random programs."""
+"""Every target behaves like the reference, on all models, all disputed cases, and random programs."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
 from tests.conformance.targets import TARGETS, Target
 
 EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30"))
-"""How many random programs each target is compared on, rounded down to whole starts; this, and all of
-``tests.conformance``, is meant to take three minutes on two cores.
+"""How many random programs each target is compared on, rounded down to multiples of a start; this, and all of
+``tests.conformance``, should take three minutes on two cores.
 """
 
 
@@ -27,7 +27,7 @@ def target(request: pytest.FixtureRequest) -> Target:
 
 
 def assert_certified(target: Target, name: str, limit: int) -> None:
-    """A program of a file is equal on the target, or not for it."""
+    """The program of a file has equal traces on the target, or the target refuses it."""
     network = parsed(name)
     for environment in environments(network):
         verdict = judge(target, network, environment, limit + JUST_AFTER, name)
@@ -43,7 +43,7 @@ def test_model(target: Target, name: str) -> None:
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_program(target: Target, name: str) -> None:
-    """Programs that implementations have disagreed about."""
+    """Programs on which implementations have disagreed."""
     assert_certified(target, name, 100_000_000)
 
 

@@ -1,5 +1,5 @@
-"""``docs/targets.md`` says what there is: every action, event, medium, pass and member; and its miniature
-is certified.
+"""``docs/targets.md`` lists what exists: every action, event, medium, pass and member; and its miniature target is
+certified.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "targets.md").read_text(encoding="u
 
 
 def rows(heading: str) -> set[str]:
-    """What stands first in the rows of the tables of a section, between backquotes."""
+    """What comes first in the rows of the tables of a section, in backquotes."""
     section = PAGE.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
     return set(re.findall(r"^\| `(\w+)` \|", section, re.MULTILINE))
 

@@ -1,7 +1,7 @@
 """Programs whose traces were worked out from the language reference: they end in lines ``//> 1 ms Top.channel value``
 and ``//> terminated at 1 ms``.
 
-That all other targets do the same as the reference is the matter of ``test_targets``.
+``test_targets`` checks that all other targets do the same as the reference.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ WORKED = {name: worked for name in PROGRAMS if (worked := _LINE.findall(read(nam
 
 
 def trace_lines(execution: Execution) -> list[str]:
-    """An execution as the programs tell it; values as the language writes them."""
+    """An execution in the notation of the programs; values as the language writes them."""
     lines = [f"{_milliseconds(time)} {channel} {_value(value)}" for time, channel, value, *_ in execution.trace]
     return [*lines, f"{execution.ending.ended} at {_milliseconds(execution.ending.time)}"]
 
@@ -41,7 +41,7 @@ def test_the_trace_is_the_worked_one(name: str, target: Target) -> None:
 
 
 LAST = 9_223_372_036 * 10**9
-"""The last instant of all runs in virtual time, after 292 years: what would come later does not."""
+"""The last instant of all runs in virtual time, after 292 years: nothing happens later."""
 
 
 @pytest.mark.parametrize("target", [REFERENCE, *TARGETS.values()], ids=lambda target: target.name)

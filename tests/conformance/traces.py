@@ -1,4 +1,6 @@
-"""Traces and when they are equal (language, "Scheduling and traces"), for all implementations of the language."""
+"""Traces, and when they are equal (language reference, "Scheduling and traces"), for all implementations of the
+language.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,8 @@ from cspdiag.semantics.trace import Communication
 
 @dataclasses.dataclass
 class Difference:
-    """The first communication of ``channel`` (``external ports`` for all of them together) on which two
-    traces differ.
+    """The first communication of ``channel`` (``external ports`` for all of them together) that differs between two
+    traces.
     """
 
     channel: str
@@ -48,7 +50,7 @@ def shown(communication: Communication) -> str:
 
 
 def plain(value: Any) -> object:
-    """A value as traces compare it: to the bit, true apart from 1, structs and arrays as tuples."""
+    """A value as traces compare it: to the bit, true distinct from 1, structs and arrays as tuples."""
     if isinstance(value, bool):
         return value
     if isinstance(value, float):
@@ -59,8 +61,8 @@ def plain(value: Any) -> object:
 
 
 def units_apart(left: float, right: float) -> int:
-    """How many doubles lie from one to the other: the distance in units in the last place; zeros of both signs are the
-    same.
+    """The number of doubles from one to the other: the distance in units in the last place; zeros of both signs are
+    equal.
     """
     if math.isnan(left) or math.isnan(right):
         return 0 if math.isnan(left) and math.isnan(right) else 2**64
@@ -68,13 +70,13 @@ def units_apart(left: float, right: float) -> int:
 
 
 def _rank(x: float) -> int:
-    """Doubles in their order, as whole numbers."""
+    """A whole number for each double, in the same order."""
     bits: int = struct.unpack("<q", struct.pack("<d", x))[0]
     return bits if bits >= 0 else -(bits & 0x7FFF_FFFF_FFFF_FFFF)
 
 
 def equal(left: Any, right: Any, units: int) -> bool:
-    """Whether two values are the same, doubles within so many units in the last place."""
+    """Whether two values are equal, doubles within this number of units in the last place."""
     if plain(left) == plain(right):
         return True
     if isinstance(left, float) and isinstance(right, float):
@@ -87,10 +89,10 @@ def equal(left: Any, right: Any, units: int) -> bool:
 def compare(
     left: Iterable[Communication], right: Iterable[Communication], external: Collection[str] = (), units: int = 0
 ) -> Difference | None:
-    """The earliest difference of two traces; None when they are equal.
+    """The earliest difference of two traces; None if they are equal.
 
-    Each channel has to have the same times and values (doubles within ``units`` in the last place), and the
-    ``external`` ports have to have them in the same order.
+    Each channel must have the same times and values (doubles within ``units`` in the last place), and the ``external``
+    ports must have them in the same order.
     """
     first, second = list(left), list(right)
     differences = []

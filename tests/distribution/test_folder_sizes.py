@@ -1,4 +1,4 @@
-"""``make check`` refuses folders with more entries than a reader takes in at a glance."""
+"""``make check`` refuses folders with more entries than a reader can take in at a glance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The picture of the layers is what the import rules and the imports are now."""
+"""The picture of the layers agrees with the import rules and the imports."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a release is made from agrees: the version, the changelog, the page about it, continuous integration,
-the forms.
+"""The parts of a release agree: the version, the changelog, the page about releasing, continuous integration, the
+forms.
 """
 
 from __future__ import annotations

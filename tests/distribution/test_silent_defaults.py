@@ -1,4 +1,4 @@
-"""``make check`` refuses a ``match`` with a default that is silent."""
+"""``make check`` refuses a ``match`` with a silent default."""
 
 from __future__ import annotations
 

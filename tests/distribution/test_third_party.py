@@ -1,4 +1,4 @@
-"""What others have written is fetched once, verified, and whole or not at all."""
+"""Third-party files are fetched once, verified, and installed whole or not at all."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def third_party(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
-    """The script, which finds no npm, and is to fetch one package, ``tool 1.0``, from beside its folder."""
+    """The script without npm, with one package to fetch, ``tool 1.0``, from a folder next to it."""
     spec = importlib.util.spec_from_file_location("third_party", ROOT / "distribution" / "third_party.py")
     assert spec is not None
     assert spec.loader is not None

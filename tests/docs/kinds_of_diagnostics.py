@@ -1,4 +1,4 @@
-"""All kinds of diagnostics there are."""
+"""All kinds of diagnostics."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LAYERS = ("syntax", "model", "network", "analyses", "proofs")
 
 
 def kinds_of_diagnostics() -> list[type[Diagnostic]]:
-    """Every kind of diagnostic, by code. They stand in the folders ``diagnostics`` of the layers."""
+    """Every kind of diagnostic, by code. They are in the folders ``diagnostics`` of the layers."""
     for layer in _LAYERS:
         folder = f"cspdiag.{layer}.diagnostics"
         for module in walk_packages(import_module(folder).__path__, f"{folder}."):

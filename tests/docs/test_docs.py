@@ -1,4 +1,4 @@
-"""Every program in the documentation compiles, and every fragment can be read."""
+"""Every program in the documentation compiles, and every fragment can be parsed."""
 
 from __future__ import annotations
 

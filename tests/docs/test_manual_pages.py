@@ -1,4 +1,4 @@
-"""Every kind of diagnostic has a manual page that tells the truth."""
+"""Every kind of diagnostic has a manual page, and its programs do what it says."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_page_is_whole(kind: type[Diagnostic]) -> None:
 
 
 def found_in(program: str, kind: type[Diagnostic]) -> list[Diagnostic]:
-    """What is wrong with a program, proofs included where the diagnostic is one of theirs."""
+    """What is wrong with a program, including proofs if the diagnostic is one of theirs."""
     found = check_files({MAIN: program}).report.diagnostics
     return found or (diagnostics_of(answers_to({MAIN: program}, MAIN)) if kind.code.startswith("E11") else [])
 

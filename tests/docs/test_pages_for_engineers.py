@@ -1,6 +1,6 @@
-"""The pages for engineers who carry the project on name what exists: links, sections, files, functions and tests.
+"""What the pages for maintainers refer to exists: links, sections, files, functions and tests.
 
-A place is written `path` or `path::name` in backticks, from the top of the repository; a name may be dotted
+A place is written as `path` or `path::name` in backquotes, relative to the top of the repository; a name may be dotted
 (`Task.cancel`).
 """
 
@@ -36,7 +36,7 @@ def name_of(page: Path) -> str:
 
 
 def anchors(text: str) -> set[str]:
-    """The anchors that GitHub gives the headings of a page."""
+    """The anchors that GitHub gives to the headings of a page."""
     headings = re.findall(r"^#+ (.+)$", _CODE.sub("", text), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -54,7 +54,7 @@ def dead_links(page: Path) -> list[str]:
 
 
 def names_in(body: list[ast.stmt], prefix: str = "") -> Iterator[str]:
-    """The functions, classes and variables of a module, methods and attributes with the name of their class."""
+    """The functions, classes and variables of a module; methods and attributes with the name of their class."""
     for statement in body:
         if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             yield prefix + statement.name

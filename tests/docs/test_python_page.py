@@ -1,4 +1,4 @@
-"""The page about the use from Python: it has every public name, its examples run, and a strict type checker accepts
+"""The page about the Python interface: it has every public name, its examples run, and a strict type checker accepts
 them.
 """
 
@@ -32,14 +32,14 @@ GIVEN_OUT = (
 
 OF_TUPLES = {"count", "index"}
 OF_RECORDS = {"uncompared"}
-"""What a class tells `record`, and no user."""
+"""Parameters of a class for `record`, which no user sees."""
 
 NEEDS = {"to_dataframe": "pandas", "to_xarray": "xarray", ".plot(": "matplotlib", "frame": "pandas"}
 
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
-    """What the page has made, after its examples have run in a folder with the models."""
+    """The variables of the page, after its examples have run in a folder with the models."""
     try:
         cspdiag.load(ROOT / "models/ring/ring.csp").draw()
     except MissingToolError as problem:
@@ -81,7 +81,7 @@ def test_every_name_of_the_package_is_in_an_example() -> None:
 def test_every_public_member_is_in_an_example(session: dict[str, object], variable: str) -> None:
     code = "".join(example.source for example in EXAMPLES)
     given = session[variable]
-    # What a diagnostic has beside is of its kind.
+    # The other members of a diagnostic depend on its kind.
     shown = {*dir(cspdiag.Diagnostic), "span", "code", "title"} if isinstance(given, cspdiag.Diagnostic) else dir(given)
     members = {name for name in shown if not name.startswith("_")} - OF_RECORDS
     if isinstance(given, tuple):

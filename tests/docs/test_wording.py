@@ -41,7 +41,9 @@ REFUSED = {
     "no environment can be had": r"(?:can|cannot) be had",
     "one a line": r"(?:one|dots|row) a (?:line|pixel|process|page|code|state|file)",
 }
-"""By the words as the glossary lists them, what is looked for; ``_`` is no letter, so names are searched too."""
+"""The pattern of each refused word, as the glossary lists them; ``_`` does not count as a letter, so names are
+searched, too.
+"""
 
 
 def refused_in(text: str) -> list[str]:
@@ -152,7 +154,9 @@ def test_the_terms_have_their_names_in_the_code(term: str, names: str) -> None:
 
 
 def _exists(dotted: str) -> bool:
-    """Whether a module, a name in a module, or a name in one of the modules of a package is there."""
+    """Whether there is a module, a name in a module, or a name in one of the modules of a package, with this dotted
+    name.
+    """
     if _has_module(dotted):
         return True
     parent, _, name = dotted.rpartition(".")

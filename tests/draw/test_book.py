@@ -1,4 +1,4 @@
-"""The book of a program: one page that holds everything, and whose links lead somewhere."""
+"""The book of a program: one page that contains everything, and whose links lead somewhere."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ process Clock {
 
 
 class Page(HTMLParser):
-    """The parts of a page that the tests ask for."""
+    """The parts of a page that the tests need."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

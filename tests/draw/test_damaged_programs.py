@@ -1,4 +1,4 @@
-"""Damaged programs are drawn and compared as far as they can be read."""
+"""Damaged programs are drawn and compared as far as they can be parsed."""
 
 from __future__ import annotations
 

@@ -123,7 +123,7 @@ def test_elements_of_the_diagram_carry_the_numbers_of_the_ring() -> None:
 
 
 def marked_steps(text: str, *waiting: StuckProcess) -> dict[str, dict[str, tuple[int, ...]]]:
-    """By process, the texts of the steps that are marked, with the numbers that they carry."""
+    """By process, the texts of the marked steps, with their numbers."""
     program = check(SourceFile(name="steps.csp", text=text), read_source).program
     assert program is not None
     found = {}
@@ -224,7 +224,7 @@ assert Top deadlock free
 
 
 def test_only_the_relationships_of_the_ring_are_highlighted(tmp_path: Path) -> None:
-    """Where elements of one array are connected by several relationships, the one that is waited for is meant."""
+    """If elements of one array are connected by several relationships, the one where processes wait is highlighted."""
     ring = {"node[i].x -> hub.r[i]", "hub.s[i] -> node[i].a", "node[2 * i].y -> node[2 * i + 1].b"}
     path = tmp_path / "neighbours.csp"
     path.write_text(NEIGHBOURS, encoding="utf-8")

@@ -32,7 +32,7 @@ def jiwy() -> networkx.MultiDiGraph:
 
 @pytest.fixture
 def hostile() -> networkx.MultiDiGraph:
-    """A graph in which all texts are such as end strings, lines and tags."""
+    """A graph in which every text would end strings, lines or tags."""
     graph = cspdiag.load(ROOT / "models/buffer/buffer.csp").graph()
     for _, facts in graph.nodes(data=True):
         facts |= {"name": HOSTILE, "file": HOSTILE, "arguments": {HOSTILE: HOSTILE}}
@@ -144,7 +144,7 @@ def test_every_net_of_a_network_is_there(path: Path) -> None:
 
 
 def strings(dot: str) -> list[str]:
-    """The strings of a text in DOT, read by its grammar."""
+    """The strings of a text in DOT, parsed by its grammar."""
     grammar = r"""
         start: "digraph" STRING body
         body: "{" (statement ";" | cluster)* "}"

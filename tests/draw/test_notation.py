@@ -1,4 +1,4 @@
-"""docs/notation.md: a current drawing of every construct."""
+"""docs/notation.md: an up-to-date drawing of every construct."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ def test_an_arrow_points_exactly_at_the_end_of_its_line() -> None:
 
 
 def test_texts_are_measured_as_arial_is() -> None:
-    """Advances of Arial, in thousandths of its size: from its tables."""
+    """Advance widths of Arial, in thousandths of its size: from its tables."""
     assert text_width("W", 1000) == pytest.approx(944, abs=1)
     assert text_width("i", 1000) == pytest.approx(222, abs=1)
     assert text_width("0123456789", 1000) == pytest.approx(5560, abs=2)
@@ -171,7 +171,7 @@ def test_a_pdf_has_a_page_for_each_drawing_and_its_words_as_words() -> None:
     made = render_pdf(pages)
     assert made.startswith(b"%PDF-")
     assert made.count(b"/Type /Page\n") == 2
-    # The typefaces that are shipped bring the table from glyphs to letters; the one of the viewer needs none.
+    # The typefaces that are shipped include the table from glyphs to letters; the viewer's own needs none.
     assert b"/ToUnicode" in made or b"/Helvetica" in made
 
 

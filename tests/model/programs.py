@@ -11,7 +11,7 @@ from cspdiag.syntax.parser import parse
 
 
 def resolved(text: str, overrides: dict[str, Value] | None = None) -> tuple[Program, Report]:
-    """A program in one file after all checks of the model."""
+    """The program of a text after all checks of the model."""
     report = Report()
     tree = parse(SourceFile(name="case.csp", text=text), report)
     assert not report.has_errors, [found.message for found in report.diagnostics]
@@ -21,7 +21,7 @@ def resolved(text: str, overrides: dict[str, Value] | None = None) -> tuple[Prog
 
 
 def correct(text: str, overrides: dict[str, Value] | None = None) -> Program:
-    """A program about which nothing is to be said."""
+    """A program without diagnostics."""
     program, report = resolved(text, overrides)
     assert not report.diagnostics, [(str(found.span), found.message) for found in report.diagnostics]
     return program

@@ -1,4 +1,4 @@
-"""Durations for people."""
+"""Durations written for people."""
 
 from __future__ import annotations
 

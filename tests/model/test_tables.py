@@ -1,4 +1,4 @@
-"""What resolving leaves to later passes: types of all expressions, bindings and members."""
+"""What name resolution leaves to later passes: types of all expressions, bindings and members."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def type_of(program: Program, text: str, at: int = 0) -> str:
 def test_every_expression_has_a_type() -> None:
     program = correct(LAW)
     untyped = {part.span.text for part in expressions(program) if part not in program.types}
-    # The name of an enum before a literal and of an instance before a port, and the value of an option, are no values.
+    # The name of an enum before a literal and of an instance before a port, and the value of an option, are not values.
     assert untyped == {"Mode", "gain", "zoh"}
 
 

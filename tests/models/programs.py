@@ -10,14 +10,14 @@ from cspdiag.simulate.result import Run
 MODELS = Path(__file__).parents[2] / "models"
 
 LIBRARIES = {"jiwy/laws.csp", "jiwy/plant.csp", "dining/table.csp"}
-"""Files that hold definitions only."""
+"""Files that contain only definitions."""
 
 DURATIONS = {"jiwy/jiwy.csp": "8 s", "cascade/cascade.csp": "100 ms"}
-"""How long the programs are run that would take long, or never end; the others end by themselves."""
+"""How long programs are run that would otherwise take long, or never end; the others end by themselves."""
 
 
 def all_files() -> list[str]:
-    """Names of the files below ``models/``, libraries too."""
+    """Names of the files below ``models/``, including libraries."""
     return sorted(path.relative_to(MODELS).as_posix() for path in MODELS.glob("*/*.csp"))
 
 

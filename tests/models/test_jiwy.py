@@ -1,4 +1,4 @@
-"""The figures that a run of JIWY must show, measured on what the ports recorded."""
+"""The figures that a run of JIWY must reach, measured on what the ports recorded."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from cspdiag.simulate.result import Run
 from tests.models.programs import MODELS, run
 
 REACH = 1.25
-"""Angle in rad that the full stick is worth."""
+"""The angle in rad that corresponds to the full stick."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint, its end stops in rad as the encoder counts them from where it was switched on, and what its friction
-    allows.
+    """A joint, its end stops in rad as the encoder counts them from where it was switched on, and the tolerances that
+    its friction requires.
     """
 
     name: str
@@ -60,7 +60,7 @@ def span_of(result: Run, joint: Joint, mode: str) -> tuple[float, float]:
 
 
 def angle_at(result: Run, joint: Joint, instant: float) -> float:
-    """What the encoder showed at an instant."""
+    """The value of the encoder at an instant."""
     time, angle = result.time(f"feedback_{joint.name}"), result[f"feedback_{joint.name}"]
     return float(angle[np.flatnonzero(time <= instant + 1e-9)[-1]])
 
@@ -71,7 +71,7 @@ def found_stops(result: Run, joint: Joint) -> tuple[float, float]:
 
 
 def steps(result: Run, joint: Joint) -> list[tuple[float, float, float, float]]:
-    """Steps of 0.5 rad of the set-point: begin, end, old and new value relative to the centre."""
+    """Steps of the set-point by 0.5 rad: begin, end, old and new value relative to the centre."""
     time, stick = result.time(f"joystick_{joint.name}"), result[f"joystick_{joint.name}"]
     changes = [int(k) + 1 for k in np.flatnonzero(np.diff(stick))]
     ends = [*(float(time[k]) for k in changes[1:]), float(time[-1])]
@@ -83,7 +83,9 @@ def steps(result: Run, joint: Joint) -> list[tuple[float, float, float, float]]:
 
 
 def settling(result: Run, joint: Joint, step: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Time in seconds until the joint stays within the tolerance of a step, and the overshoot as a part of the step."""
+    """Time in seconds until the joint stays within the tolerance of a step, and the overshoot as a fraction of the
+    step.
+    """
     begin, end, old, new = step
     left, right = found_stops(result, joint)
     time, angle = result.time(f"feedback_{joint.name}"), result[f"feedback_{joint.name}"]

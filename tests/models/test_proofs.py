@@ -1,4 +1,4 @@
-"""What the models assert is proved, and what they show to be wrong is refuted by runs of the program."""
+"""What the models assert is proved, and the errors that they demonstrate are refuted by runs of the program."""
 
 from __future__ import annotations
 

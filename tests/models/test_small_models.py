@@ -1,6 +1,6 @@
-"""What each of the small models is there to show.
+"""What each of the small models demonstrates.
 
-The last value of every output of the outermost process is the safe one that it is handed at the end.
+The last value of every output of the outermost process is the safe value that it is set to at the end.
 """
 
 from __future__ import annotations

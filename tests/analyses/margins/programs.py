@@ -125,18 +125,18 @@ environment Bench for Main {{
 
 
 def program(text: str, **values: object) -> LoadedProgram:
-    """A program from one of the texts."""
+    """Load a program from one of the texts."""
     return LoadedProgram(SourceFile(name="loop.csp", text=text.format(**values)))
 
 
 def loops(loaded: LoadedProgram, **options: object) -> LoopReport:
-    """Its loops through its first environment."""
+    """The loops of a program in its first environment."""
     network = loaded.network
     return analyse_loops(network, network.environments[0], **options)  # type: ignore[arg-type]
 
 
 def only_loop(loaded: LoadedProgram) -> AnalysedLoop:
-    """Its single loop."""
+    """The single loop of a program."""
     report = loops(loaded)
     assert report.refusals == ()
     (loop,) = report.loops

@@ -1,4 +1,4 @@
-"""Random small programs around a linear law and a linear plant: a verdict of margins has to agree with a run.
+"""Random small programs around a linear law and a linear plant: the verdict of the margins has to agree with a run.
 
 A longer search: ``python -m tests.analyses.margins.random_turns COUNT [SEED]``.
 """
@@ -193,7 +193,7 @@ OUTER = (
     ("v", "o : double", "mu (y ? v ; law ; c ! o + v)"),
     ("y", "o : double", "mu (law ; if o > 0 then c ! o else c ! -o)"),
 )  # fmt: skip
-"""What the law reads and writes, and the composition."""
+"""The inputs of the law, its output, and the composition."""
 
 INNER = (
     ("c", "z", "mu law"), ("v", "z", "mu (c ? v ; law)"), ("v", "z", "mu (law ; c ? v)"),
@@ -232,12 +232,12 @@ WRAPPERS = (
 
 SAMPLES = 400
 SHORTEST = 190
-"""The number of samples of an input of 20 ms, less those before the first and after the last."""
+"""The number of samples of an input of 20 ms, without those before the first and after the last."""
 BEYOND = 1e100
 
 
 def contradiction(text: str) -> tuple[bool, str | None]:
-    """Whether margins give a verdict on a program, and how a run contradicts it."""
+    """Whether the margins give a verdict on a program, and how a run contradicts it."""
 
     def program(start: str) -> LoadedProgram:
         changed = text.replace("state x : double = 0.1", f"state x : double = {start}")
@@ -246,19 +246,19 @@ def contradiction(text: str) -> tuple[bool, str | None]:
     report = program("0.1").margins()
     if not report.loops or report.refusals:
         return False, None
-    # The slowest loop is that with all the others inside closed.
+    # The slowest loop is the one opened with all the others closed inside it.
     margins = max(report.loops, key=lambda loop: loop.opened.period).margins
     if abs(margins.radius - 1) < 0.03:
         return False, None
     try:
-        # The difference of two runs: what a constant makes of both does not count.
+        # The difference of two runs, so that contributions of constants to both cancel out.
         runs = [program(start).run(until=f"{SAMPLES * 10} ms")["y"] for start in ("0.1", "0.2")]
     except CspdiagError:
-        # A value beyond all numbers is a fault.
+        # A value beyond the range of numbers is a fault.
         return True, "a fault" if margins.is_stable else None
     signal = numpy.abs(runs[1][: len(runs[0])] - runs[0][: len(runs[1])])
     if max(signal) > BEYOND:
-        # Such a run may end early by a fault.
+        # A fault may end such a run early.
         return True, "it grows beyond all bounds" if margins.is_stable else None
     if len(runs[0]) != len(runs[1]) or len(signal) < SHORTEST:
         return True, f"a run ends after {len(signal)} samples"
@@ -271,7 +271,7 @@ def contradiction(text: str) -> tuple[bool, str | None]:
 
 
 def search(count: int, seed: int) -> tuple[int, list[str]]:
-    """How many of ``count`` programs have a verdict, and those that contradict their runs."""
+    """The number of ``count`` programs that have a verdict, and the programs whose verdicts contradict their runs."""
     chance = random.Random(seed)
     verdicts, wrong = 0, []
     for _ in range(count):

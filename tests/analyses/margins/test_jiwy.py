@@ -1,4 +1,4 @@
-"""JIWY loses stability between sample periods of 5 and 10 ms, and the margins know it without running."""
+"""JIWY loses stability between sample periods of 5 and 10 ms, and the margins show it without a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Margins: against formulas, against the eigenvalues, and against what the program itself does when it runs."""
+"""Margins, compared with formulas, with eigenvalues, and with what the program itself does when it runs."""
 
 from __future__ import annotations
 
@@ -182,8 +182,8 @@ def test_constant_inputs_have_their_values_from_the_beginning() -> None:
 
 
 def test_a_plant_that_steps_much_more_often_than_the_law() -> None:
-    """A filter f' = a f + (1 - a) u on a grid of 1 us: over a period T it goes the part 1 - a^n of the way, and L = K
-    (1 - a^n) / (z (z - a^n)).
+    """A filter f' = a f + (1 - a) u on a grid of 1 us: over a period T it covers the fraction 1 - a^n of a step, and L
+    = K (1 - a^n) / (z (z - a^n)).
     """
     pole = 0.9999
     text = INTEGRATOR.replace("der x = u / 1<s>", f"next x = {pole} * x + {1 - pole:.4f} * u")

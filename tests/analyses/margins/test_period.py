@@ -1,4 +1,4 @@
-"""The largest sample period that leaves a margin."""
+"""The largest sample period that keeps a margin."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cspdiag.analyses.margins.period import RequiredMargin, Variant, largest_per
 from tests.analyses.margins.programs import INTEGRATOR, only_loop, program
 
 GRAIN = 10_000
-"""Four digits of a period of 10 ms, in nanoseconds."""
+"""Four significant digits of a period of 10 ms, in nanoseconds."""
 
 
 def variants_of(gain: float) -> Variant:
@@ -40,7 +40,9 @@ def test_a_period_that_is_a_number_in_the_text_has_none() -> None:
 
 @pytest.mark.parametrize("gain", [3.0, 400.0])
 def test_it_is_where_the_formula_says(gain: float) -> None:
-    """K T = 1 is the limit of stability, K T = 1/2 leaves a gain of 2; from shorter and from longer periods alike."""
+    """K T = 1 is the limit of stability, K T = 1/2 leaves a gain margin of 2; the search starts from shorter and from
+    longer periods.
+    """
     present = {"T": 10_000_000}
     stable = largest_period(variants_of(gain), present, RequiredMargin("stable", 0))
     halved = largest_period(variants_of(gain), present, RequiredMargin("gain", 2.0))

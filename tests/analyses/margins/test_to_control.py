@@ -1,4 +1,4 @@
-"""Loops as systems of python-control, with the sign of negative feedback."""
+"""Loops as systems of python-control, with the sign convention of negative feedback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a period of a loop does with its values besides running laws: followed, or refused, never passed over.
+"""What a period of a loop does with its values besides running laws: it is followed or refused, never ignored.
 
 Every verdict is compared with runs of the program; a law without margins is named with the reason and its place.
 """
@@ -109,7 +109,7 @@ INNER = "mu (reference ? target -> skip []> current -> law)"
 
 
 def cascade(inner: str) -> str:
-    """The cascade with another composition of the current loop."""
+    """The cascade with a different composition of the current loop."""
     assert INNER in CASCADE
     return CASCADE.replace(INNER, inner).replace("var target", "var t2 : double<A> = 0<A>\n    var target")
 

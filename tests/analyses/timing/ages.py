@@ -1,4 +1,4 @@
-"""Holds the ages, reactions and shortest latencies that are reported of a random chain against runs of it."""
+"""Compares the ages, reactions and shortest latencies that are reported for a random chain with runs of it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from tests.analyses.timing.random.aged import QUARTER, Aged
 from tests.analyses.timing.seen import seen_in
 
 UNTIL = 130 * MS
-"""Twice the common multiple of the periods, and some."""
+"""A little more than twice the common multiple of the periods."""
 
 
 @dataclass
 class Compared:
-    """What came of one program: whether it was proved, what no run may show, whether a run reaches the bounds, and
-    which of them are given."""
+    """The result for one program: whether it was proved, what is wrong in a run, whether a run reaches the bounds, and
+    which bounds there are.
+    """
 
     is_proved: bool
     wrong: str = ""
@@ -30,8 +31,8 @@ class Compared:
 
 
 def compared(seed: int) -> Compared:
-    """Compare the bounds of the program of a seed with runs in which laws take their longest times, no time, and
-    others.
+    """Compare the bounds of the program of a seed with runs in which laws take their longest times, no time, and other
+    times.
     """
     program = Aged(seed)
     network = with_bench(program.text, program.inputs, ["y"], "1 ms")
@@ -44,7 +45,7 @@ def compared(seed: int) -> Compared:
     ages, reactions = [chain.age for chain in ours], [chain.reaction for chain in ours]
     age = max((each for each in ages if each is not None), default=0) if None not in ages else None
     reaction = max((each for each in reactions if each is not None), default=0) if None not in reactions else None
-    # From a sample that went through other loops before, more time passes.
+    # More time passes from a sample that went through other loops before.
     shortest = min((loop.latency[0] for loop in report.loops if loop.latency is not None), default=0)
     found = Compared(is_proved=True, is_age_bounded=age is not None, is_reaction_bounded=reaction is not None)
     with on_processor():

@@ -1,13 +1,13 @@
-"""Holds what is proved of random programs against runs of them: ``python -m tests.analyses.timing.hunt --random 5000``
-looks at so many.
+"""Compares what is proved of random programs with runs of them: ``python -m tests.analyses.timing.hunt --random 5000``
+tries 5000 programs.
 
-Each program that is proved schedulable is run four times on a processor that takes time (nothing, the longest times,
-and others between), with inputs that change in a random way. It is wrong if a sample is missed, or if nothing or no
-time goes on. Prints what is wrong, how many were proved, and why others were not.
+Each program that is proved schedulable is run four times on a processor that takes time (no time, the longest times,
+and times in between), with inputs that change randomly. It is wrong if a sample is missed, or if the run or its time
+stands still. Prints what is wrong, how many programs were proved, and why others were not.
 
-As many random chains whose samples carry their instants are run so too, with hops that end exactly at each other's
-ticks: an output that is older than its age, a change that is seen later than the reaction, and an output younger than
-the shortest latency are wrong.
+As many random chains whose samples carry their instants are run in the same way, with hops that end exactly at each
+other's ticks: an output that is older than its age, a change that is seen later than the reaction, and an output
+younger than the shortest latency are wrong.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from tests.analyses.timing.random.shapes import Shapes
 
 @dataclass
 class Found:
-    """What came of some programs: how many were answered in each way, those that are wrong, and the reasons of those
-    that were not proved.
+    """The results for some programs: how many got each answer, those that are wrong, and the reasons why others were
+    not proved.
     """
 
     answers: Counter[str] = field(default_factory=Counter)
@@ -36,7 +36,7 @@ class Found:
 
 
 def hunt(first: int, count: int) -> Found:
-    """Look at the valid programs with sampled loops of so many seeds, from a first one on; in every third some loops
+    """Try the valid programs with sampled loops of ``count`` seeds, from a first one on; in every third, some loops
     meet.
     """
     found = Found()
@@ -59,7 +59,7 @@ def hunt(first: int, count: int) -> Found:
 
 
 def hunt_ages(first: int, count: int) -> Found:
-    """Look at the chains of so many seeds, from a first one on; the answers count the bounds that runs reach too."""
+    """Try the chains of ``count`` seeds, from a first one on; also count the bounds that runs reach."""
     found = Found()
     for seed in range(first, first + count):
         one = compared(seed)
@@ -74,7 +74,7 @@ def hunt_ages(first: int, count: int) -> Found:
 
 
 def main() -> int:
-    """The command."""
+    """Run the command."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--random", type=int, default=500, help="how many programs")
     parser.add_argument("--first", type=int, default=0, help="the seed of the first of them")

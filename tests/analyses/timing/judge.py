@@ -1,7 +1,6 @@
-"""Runs programs on a processor that takes time, and says whether a sample was missed.
+"""Runs programs on a processor that takes time, and reports whether a sample was missed.
 
-Computing takes nothing, the longest time that is stated, or something in between; the runtime itself decides what
-happens.
+Computing takes no time, the longest stated time, or something in between; everything else is up to the runtime itself.
 """
 
 from __future__ import annotations
@@ -31,18 +30,18 @@ class HungError(Exception):
 
 
 class _StandsStillError(BaseException):
-    """The same, which nothing in a program catches."""
+    """The same, for which no program has a handler."""
 
 
 def build(text: str) -> Network | None:
-    """The network of a program, None where it has errors."""
+    """The network of a program; None if it has errors."""
     return pipeline.build(SourceFile(name="main.csp", text=text), read).network
 
 
 def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, patience: float = 20) -> str:
-    """What went wrong in some runs of a program, empty where every sample was taken in time.
+    """What went wrong in some runs of a program; empty if every sample was taken in time.
 
-    Runs that take more seconds than ``patience`` stand still.
+    Runs that take more than ``patience`` seconds are taken to stand still.
     """
     stated = wcets(network)
     files = pipeline.generate(network, read)
@@ -68,7 +67,7 @@ def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, 
 
 @contextmanager
 def _alarm(seconds: float) -> Iterator[list[bool]]:
-    """Gives a list that is no longer empty once it has rung: a run that is ended by it may come to its end as if it had
+    """Return a list that is no longer empty once the alarm has rung: a run that the alarm ends may look as if it had
     failed.
     """
 

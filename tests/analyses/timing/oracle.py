@@ -1,7 +1,7 @@
-"""A processor simulated unit by unit, from the instants that are worst for one task: what the analysis of response
-times must agree with.
+"""A processor simulated unit by unit, starting at the worst instants for one task: the analysis of response times must
+agree with it.
 
-Nothing is shared with the analysis: there are no fixed points here, only queues.
+It shares nothing with the analysis: there are no fixed points here, only queues.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ class _Job:
         self.remaining = task.work
 
     def next_step(self) -> int:
-        """How long it runs now without being preempted."""
+        """How long the job runs now without being preempted."""
         return min(self.remaining, self.task.step)
 
 
@@ -29,15 +29,15 @@ def worst_response(task: Task, others: list[Task], horizon: int) -> int:
 
 
 def _longest(task: Task, others: list[Task], phase: int, horizon: int) -> int:
-    """All others arrive together as late and then as densely as they may; the longest step below began one
-    unit before.
+    """All other tasks arrive together as late, and then as often, as they can; the longest step with a lower priority
+    began one unit before.
     """
     jobs: list[tuple[int, int, Task]] = []
     for other in others:
         if other.priority <= task.priority:
             arrivals = (max(0, k * other.period - other.jitter) for k in range(horizon // other.period + 2))
             jobs += [(arrival, 0, other) for arrival in arrivals]
-    # Of those that come at one instant within a level, the task is served last.
+    # Of the jobs of one level that arrive at one instant, those of the task are served last.
     jobs += [(phase + k * task.period, 1, task) for k in range((horizon - phase) // task.period + 1)]
     jobs.sort(key=lambda job: job[:2])
     below = [other.step for other in others if other.priority > task.priority]
@@ -49,7 +49,7 @@ def _longest(task: Task, others: list[Task], phase: int, horizon: int) -> int:
             ready.append(_Job(jobs[position][2], jobs[position][0], position))
             position += 1
         if not ready:
-            break  # The busy period is over; what comes later finds it no worse.
+            break  # The busy period is over; what comes later is no worse.
         job = min(ready, key=lambda job: (job.task.priority, job.order))
         length = job.next_step()
         now += length

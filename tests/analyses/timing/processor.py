@@ -1,8 +1,8 @@
-"""A processor of ours that takes time: the runtime runs programs on a clock that stands still but for what laws compute
-and for waiting.
+"""A test processor that takes time: the runtime runs programs on a clock that advances only while laws compute and
+processes wait.
 
-So this is the real scheduler, the real order of ports, and the real composition. An instant is met when the clock
-reaches it, also while a law computes, and before anything that happens at this instant: a law that ends at a tick
+So this is the real scheduler, the real order of ports, and the real composition. An instant is executed when the clock
+reaches it, even while a law computes, and before anything else that happens at this instant: a law that ends at a tick
 writes after the tick.
 """
 
@@ -24,13 +24,13 @@ from cspdiag.simulate.run.probes import parts_of
 
 
 class TimeIsUp(Exception):  # noqa: N818 - it says what is the case
-    """The time limit has passed. A process that finds each sample when it needs it never waits, and the runtime looks
-    at the limit only between steps.
+    """The time limit has passed. A process that finds each sample when it needs it never waits, and the runtime checks
+    the limit only between steps.
     """
 
 
 class _Run(cspdiag.runtime.network._Run):
-    """A run that meets its instants while laws compute."""
+    """A run that executes its instants while laws compute."""
 
     def _start(self) -> None:
         Processor.run = self
@@ -46,7 +46,7 @@ class _Run(cspdiag.runtime.network._Run):
 
 
 class Processor:
-    """A clock that goes on while laws compute, and jumps to what is waited for."""
+    """A clock that advances while laws compute, and jumps to the next instant that is waited for."""
 
     real = True
     present = 0
@@ -68,13 +68,13 @@ class Processor:
 
     @classmethod
     def compute(cls, duration: int) -> None:
-        """Let the running law take so long."""
+        """Let the running law take this duration."""
         cls.run.compute(duration)
 
 
 @contextmanager
 def on_processor() -> Iterator[None]:
-    """Within it programs that run in real time run on this processor."""
+    """Within this context, programs that run in real time run on this processor."""
     runtime = cspdiag.runtime.network
     kept = runtime.RealClock, runtime._Run
     runtime.RealClock, runtime._Run = Processor, _Run  # type: ignore[misc, assignment]
@@ -91,8 +91,8 @@ def read(path: str) -> SourceFile:
 def run(
     network: Network, times: Callable[[str], int], until: int, ended: Callable[[str, int], None] | None = None
 ) -> Run:
-    """Run a program whose laws, by their paths, take some times; ``ended`` is told of each law that has computed, and
-    when it began.
+    """Run a program whose laws take the given times, by their paths; ``ended`` is called with each law that has
+    computed, and when it began.
     """
 
     def slow(running: Any) -> None:

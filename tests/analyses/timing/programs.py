@@ -1,4 +1,4 @@
-"""Programs whose timing is known, put together from processes."""
+"""Programs with known timing, put together from processes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MS = 1_000_000
 
 
 def law(name: str, wcet: str | None, inputs: str = "x", outputs: str = "y") -> str:
-    """A submodel with that execution time."""
+    """A submodel with this execution time."""
     clause = "" if wcet is None else f"wcet {wcet} "
     equations = "\n".join(f"  {output.strip()} = 2 * {inputs.partition(',')[0]}" for output in outputs.split(","))
     return f"submodel {name} {clause}{{\n  in  {inputs} : double\n  out {outputs} : double\n{equations}\n}}\n"
@@ -31,15 +31,15 @@ def loops_of(*loops: tuple[str, str, str | None], order: str = "||", latch: str 
 
 
 def network_of(text: str) -> Network:
-    """The network of a program in a text."""
+    """The network of a program text."""
     return LoadedProgram(SourceFile(name="main.csp", text=text)).network
 
 
 def report_of(text: str, measured: Mapping[str, int] | None = None) -> TimingReport:
-    """The timing of a program in a text."""
+    """The timing of a program text."""
     return timing_report(network_of(text), measured)
 
 
 def by_name(report: TimingReport) -> dict[str, LoopTiming]:
-    """Its loops by name."""
+    """The loops of a program by name."""
     return {loop.name: loop for loop in report.loops}

@@ -1,5 +1,5 @@
-"""What is seen in a run of a program whose samples carry their instants: the ages of its outputs, and how long changes
-take.
+"""What is observed in a run of a program whose samples carry their instants: the ages of its outputs, and how long
+changes take.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from cspdiag.simulate.result import Run
 
 class Seen(NamedTuple):
     """The largest age of a sample behind an output, the longest time from a change right after a sample to an output
-    that is based on a later one, and the smallest age; in nanoseconds.
+    that is based on a later sample, and the smallest age; in nanoseconds.
     """
 
     age: int
@@ -20,7 +20,9 @@ class Seen(NamedTuple):
 
 
 def seen_in(found: Run, output: str) -> Seen:
-    """What is seen at an output of the program that carries the instant of a sample in seconds; zero is no sample."""
+    """What is observed at an output of the program that carries the instant of a sample in seconds; zero is no
+    sample.
+    """
     reaction = last = 0
     ages: list[int] = []
     for passed in found.communications:

@@ -1,5 +1,5 @@
-"""A slice of the hunt: of random programs that are proved none misses a sample, and of random chains no output is
-older, and no change seen later, than was reported.
+"""A part of the hunt: no random program that is proved misses a sample, and in random chains no output is older, and no
+change seen later, than was reported.
 """
 
 from __future__ import annotations
@@ -20,6 +20,6 @@ def test_ages_and_reactions_of_random_chains_hold_where_hops_end_at_ticks() -> N
     assert found.answers["proved"] >= 60
     assert found.answers["age reached"] >= 15
     assert found.answers["reaction reached"] >= 15
-    # Some may keep values or pass on only some samples: those have no bound.
+    # Some may keep values or pass on only some samples: these have no bound.
     assert 30 <= found.answers["age bounded"] <= found.answers["proved"] - 15
     assert 25 <= found.answers["reaction bounded"] <= found.answers["age bounded"] - 5

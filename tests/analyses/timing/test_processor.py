@@ -1,5 +1,5 @@
 """The program itself on a processor that takes time: its laws never take longer than the bounds, and some take exactly
-as long.
+that long.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is kept is believed later, and so kept where nobody else can write."""
+"""What a cache keeps is trusted later, so it is kept where no other user can write."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Diagnostics made by hand, for tests of how they are shown."""
+"""Handmade diagnostics, for tests of how they are shown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cspdiag.base.record import record
 
 @record
 class Sample(Diagnostic):
-    """Two ends of an arrow differ; the code is a real one, since what has a code has a page."""
+    """Two ends of an arrow differ; the code is a real one, because whatever has a code has a manual page."""
 
     code: ClassVar[str] = "E0316"
     title: ClassVar[str] = "ends differ"
@@ -51,6 +51,6 @@ def source(text: str, name: str = "arm.csp") -> SourceFile:
 
 
 def at(file: SourceFile, words: str) -> Span:
-    """Where ``words`` first stand in a file."""
+    """Where ``words`` first occur in a file."""
     start = file.text.index(words)
     return Span(file, start, start + len(words))

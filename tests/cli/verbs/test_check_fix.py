@@ -1,4 +1,4 @@
-"""``cspdiag check --fix`` and ``--diff``: which files change, how, and what is said."""
+"""``cspdiag check --fix`` and ``--diff``: which files change, how, and what is reported."""
 
 from __future__ import annotations
 

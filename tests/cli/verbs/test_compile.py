@@ -228,7 +228,7 @@ def test_a_hand_written_module_goes_into_the_package(cspdiag: Command, tmp_path:
 
 @pytest.mark.parametrize("name", ["math", "typing", "time", "asyncio", "json", "Signal", "class"])
 def test_a_package_does_not_take_a_name_of_python(cspdiag: Command, tmp_path: Path, name: str) -> None:
-    """``python -m math`` would find another module, and generated code would find itself instead of ``typing``."""
+    """``python -m math`` would find another module, and generated code would import itself instead of ``typing``."""
     path = tmp_path / f"{name}.csp"
     path.write_text("process Main { out y : int\n composition { y ! 1 } }\n")
     result = cspdiag("compile", path, "-o", tmp_path)

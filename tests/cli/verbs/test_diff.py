@@ -35,7 +35,7 @@ process Loop {
 
 @pytest.fixture
 def repository(tmp_path: Path) -> Path:
-    """A git repository with a program in a folder, committed once."""
+    """A git repository with a program in a folder, and one commit."""
     folder = tmp_path / "the models"
     folder.mkdir()
     (folder / "law.csp").write_text(LIBRARY)
@@ -57,7 +57,7 @@ def commit(folder: Path, message: str) -> None:
 
 @pytest.fixture
 def versions(tmp_path: Path) -> tuple[Path, Path]:
-    """A program, and the same with another period, in two files."""
+    """A program, and the same program with another period, in two files."""
     (tmp_path / "law.csp").write_text(LIBRARY)
     old, new = tmp_path / "old.csp", tmp_path / "new.csp"
     old.write_text(PROGRAM)

@@ -120,7 +120,7 @@ def test_no_loop_is_reported(cspdiag: Command, loop: Path) -> None:
 
 
 def test_a_law_without_margins_is_no_success(cspdiag: Command, loop: Path) -> None:
-    """Neither beside a loop that is stable nor alone."""
+    """Neither together with a stable loop nor alone."""
     text = loop.read_text()
     loop.write_text(text.replace("mu law", "mu (law ; u ! 0)"))
     result = cspdiag("margins", loop)

@@ -18,7 +18,7 @@ PAGE = manual_page(CanDeadlock.code)
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """What is remembered, apart from everybody else's."""
+    """A cache of answers that is not shared with other tests."""
     cache = tmp_path / "cache"
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
     return cache
@@ -418,7 +418,7 @@ assert P deadlock free
 
 
 def waiting_lines(reported: str) -> list[str]:
-    """Who waits for what, and where, without the folder of the file."""
+    """Which process waits for what, and where, without the folder of the file."""
     return [
         f"{who}{file}"
         for who, file in re.findall(r"^  (`.*` waits to .* \()(?:.*/)?(.*:\d+\))", reported, re.MULTILINE)

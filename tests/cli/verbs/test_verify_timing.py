@@ -17,7 +17,7 @@ JIWY = MODELS / "jiwy" / "jiwy.csp"
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is remembered, apart from everybody else's."""
+    """A cache of answers that is not shared with other tests."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
 

@@ -21,7 +21,7 @@ _REAL_OF_ONE = ("exp", "log", "sin", "cos", "tan", "sign")
 
 
 def compilers() -> list[str]:
-    """The C compilers of this machine."""
+    """The C compilers on this machine."""
     return [name for name in ("gcc", "clang") if shutil.which(name)]
 
 
@@ -56,12 +56,12 @@ def _source() -> str:
 
 
 class Arithmetic:
-    """The functions by name; ``fault`` gives the text of the last fault, or "", and forgets it."""
+    """The functions by name; ``fault`` gives the text of the last fault, or "", and clears it."""
 
     def __init__(self, folder: Path, compiler: str) -> None:
         source, library = folder / "exported.c", folder / f"arithmetic_{compiler}.so"
         source.write_text(_source())
-        # The process that raises is the kernel's concern, and csp_core.h has the type of what faults are about.
+        # Raising is the kernel's task; csp_core.h declares the operands of faults.
         options = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", f"-I{SUPPORT}"]
         sources = [source, SUPPORT / "csp_arithmetic.c", SUPPORT / "csp_fault_text.c", SUPPORT / "csp_text.c"]
         subprocess.run([compiler, *options, *map(str, sources), "-lm", "-o", str(library)], check=True)
@@ -89,7 +89,7 @@ class Arithmetic:
         return lambda *values: function(*(argument(value) for value in values))
 
     def fault(self) -> str:
-        """What went wrong since the last question."""
+        """The fault since the last call."""
         buffer = ctypes.create_string_buffer(4096)
         self._library.t_fault(buffer, ctypes.c_size_t(len(buffer)))
         return buffer.value.decode()

@@ -1,4 +1,4 @@
-"""Arithmetic in C gives what it gives in Python, faults included: the same bits and the same words."""
+"""Arithmetic in C has the results that it has in Python, faults included: the same bits and the same messages."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def library(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 
 
 def outcome(evaluate: Callable[[], object]) -> tuple[object, str]:
-    """The value, or the words of the fault."""
+    """The value, or the message of the fault."""
     try:
         return evaluate(), ""
     except Fault as fault:

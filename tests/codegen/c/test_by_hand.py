@@ -1,4 +1,6 @@
-"""Control laws and processes that are written by hand in C have the types of their ports, or are refused in words."""
+"""Control laws and processes written by hand in C must have the types of their ports; otherwise a message says what is
+wrong.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +73,7 @@ def network_of(text: str, folder: Path) -> Network:
 
 
 def compiled(folder: Path, compiler: str, members: str, *, nested: bool, dialect: str = "-std=c99") -> str:
-    """What a compiler says of the package, with these members in the header by hand."""
+    """What a compiler says of the package, with these members in the hand-written header."""
     (folder / "valve.c").write_text('#include "valve.h"\n')
     (folder / "valve.h").write_text(LAW.replace("MEMBERS", members))
     law, count = ("Doubled", "") if nested else ("Valve(gain = 2)", "var n : int = 1  n -> valve.count")
@@ -111,7 +113,7 @@ def test_other_types_are_refused_with_a_reason(
 @NEEDS_COMPILER
 @pytest.mark.parametrize("flags", [["-std=c11", "-U__GNUC__"], ["-std=c99", "-U__GNUC__"]])
 def test_other_compilers_find_it_too(flags: list[str], tmp_path: Path) -> None:
-    """Those without the words of GNU: by C11, or by the sizes."""
+    """Compilers without the GNU extensions: checks by C11, or by the sizes."""
     source = tmp_path / "law.c"
     body = (
         'struct law {{ {type} level; }};\nCSP_REQUIRE_MEMBER(struct law, level, double, level_must_be_double, "no");\n'

@@ -1,4 +1,4 @@
-"""The tree of C: parentheses, opposites, bodies that are not empty, and lines that fit."""
+"""The tree of C: parentheses, negations, bodies that are not empty, and lines that fit."""
 
 from __future__ import annotations
 
@@ -138,8 +138,8 @@ MODELS = ("jiwy", "cascade", "dining", "emergency", "watchdog", "buffer")
 
 @pytest.mark.parametrize(("name", "level"), [*product(MODELS, (0, 1))])
 def test_a_reviewer_finds_none_of_these(name: str, level: int) -> None:
-    """Long lines, empty bodies, comparisons in the wrong sense, commas that evaluate, pointers to what is pointed to,
-    double parentheses.
+    """Finds long lines, empty bodies, comparisons in the wrong direction, comma operators, addresses of dereferenced
+    pointers, and double parentheses.
     """
     package = pipeline.generate(network(name), read, "c", level)
     objections = {

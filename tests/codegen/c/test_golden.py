@@ -13,7 +13,7 @@ from tests.codegen.test_golden import GOLDEN, stored
 
 @pytest.mark.parametrize(("name", "level"), [("commstime", 0), ("emergency", 0), ("jiwy", 0), ("jiwy", 1)])
 def test_packages_are_as_they_were_read(name: str, level: int, pytestconfig: pytest.Config) -> None:
-    """All but the kernel, which is the same for every program."""
+    """All files except the kernel, which is the same for every program."""
     folder = GOLDEN / name / ("c" if level == 0 else "c-O1")
     package = pipeline.generate(network(name), read, "c", level)
     files = {path: text for path, text in package.items() if not path.startswith("support/")}

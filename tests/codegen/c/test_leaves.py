@@ -1,4 +1,4 @@
-"""Processes that are written by hand in C do what the same processes in the language do."""
+"""Processes written by hand in C behave like the same processes in the language."""
 
 from __future__ import annotations
 

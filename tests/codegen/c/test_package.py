@@ -1,4 +1,6 @@
-"""Packages in C: they compile without a warning, build by make and by CMake, and tell what memory they take."""
+"""Packages in C: they compile without a warning, are built by make and by CMake, and report the memory that
+they need.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +89,7 @@ def test_make_works_when_headers_are_removed(tmp_path: Path) -> None:
 @needs_compiler
 @pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
 def test_make_compiles_again_with_other_options(tmp_path: Path) -> None:
-    """As after a library for the host one for the board: nothing of the first is in the second."""
+    """A library for the host is followed by one for the board: nothing of the first is in the second."""
     written(pipeline.generate(network_of("ring/ring.csp"), read_source, "c"), tmp_path)
     for options, compiled in (("-O0", True), ("-O0", False), ("-O1 -DNDEBUG", True)):
         make = ["make", f"CC={COMPILERS[0]}", f"CFLAGS={options}", "libring.a"]

@@ -1,4 +1,4 @@
-"""Process classes in C: they do what -O0 does, with nothing that sanitizers or compilers would object to."""
+"""Process classes in C: they behave as at -O0, and neither sanitizers nor compilers object."""
 
 from __future__ import annotations
 
@@ -116,11 +116,11 @@ def test_branches_of_a_parallel_share_a_step_function_however_many_they_are(size
     ("branch", "functions"),
     [
         ("wait i * 1 ms ; ask[i] ! i", 1),
-        ("ask[i] ! 7 - 2 ; ask[4 - i] ! 3", 5),  # the second element goes down
-        ("wait 1 ms ; ask[i] ! (i * i) % 5", 1),  # computed of the number
+        ("ask[i] ! 7 - 2 ; ask[4 - i] ! 3", 5),  # the second element counts down
+        ("wait 1 ms ; ask[i] ! (i * i) % 5", 1),  # computed from the number
         ("wait 1 ms ; ask[(2 * i) % 5] ! i", 3),  # the elements 0, 2 and 4 count
         ("wait 1 ms ; (if i < 2 then ask[i] ! 1 else ask[i] ! 2 * i)", 3),  # the last three count
-        ("begun: (wait 1 ms ; ask[i] ! i)", 5),  # each group has a place among the groups of the process
+        ("begun: (wait 1 ms ; ask[i] ! i)", 5),  # each group has an index among the groups of the process
     ],
 )
 def test_branches_share_a_step_function_where_they_differ_in_even_steps(branch: str, functions: int) -> None:
@@ -154,7 +154,7 @@ def test_a_long_law_is_one_function_wherever_it_runs() -> None:
     main = pipeline.generate(network, read_source, "c", 1)["main_.c"]
     assert main.count("static bool main__law_calculate(struct main_ *self)") == 1
     assert main.count("(void)main__law_calculate(self);") == 3
-    assert "    const int8_t error = " in main  # its variables are called as in the text
+    assert "    const int8_t error = " in main  # its variables have the names in the text
 
 
 def test_iterations_of_a_fused_loop_are_counted_without_overflow_checks() -> None:

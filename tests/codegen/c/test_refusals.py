@@ -1,4 +1,4 @@
-"""Programs with parts in Python are refused by the C target, all parts at once."""
+"""The C target refuses programs with parts in Python, and reports all such parts at once."""
 
 from __future__ import annotations
 

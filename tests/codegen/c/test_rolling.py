@@ -1,4 +1,4 @@
-"""Loops behind statements that were unrolled."""
+"""Statements that were unrolled become loops again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Generated submodels and environments calculate what the reference interpreter says, sample by sample."""
+"""Generated submodels and environments compute what the reference interpreter computes, sample by sample."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def same(one: Any, other: Any) -> bool:
 
 
 def in_python(value: Any, kind: Type, loaded: LoadedPackage) -> Any:
-    """A value of the network as generated code has it."""
+    """A value of the network in the form that it has in generated code."""
     if isinstance(kind, StructType):
         parts = (in_python(part, field, loaded) for part, (_, field) in zip(value, kind.fields, strict=True))
         return getattr(loaded.module("types"), kind.name)(*parts)

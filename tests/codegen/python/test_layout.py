@@ -1,4 +1,4 @@
-"""Long statements break over lines exactly where ``ruff format`` breaks them."""
+"""Long statements are broken over lines exactly as ``ruff format`` breaks them."""
 
 from __future__ import annotations
 

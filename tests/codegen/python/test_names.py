@@ -1,4 +1,4 @@
-"""Names in generated code stay clear of Python's, of the runtime's, and of each other."""
+"""Names in generated code never clash with those of Python, of the runtime, or with each other."""
 
 from __future__ import annotations
 

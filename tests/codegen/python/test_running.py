@@ -19,7 +19,7 @@ Trace = list[tuple[int, str, Any]]
 
 
 class Watcher(Observer):
-    """Keeps the communications of a run."""
+    """Records the communications of a run."""
 
     def __init__(self) -> None:
         self.trace: Trace = []

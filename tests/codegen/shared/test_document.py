@@ -1,4 +1,4 @@
-"""Documents: what is on one line, and where it is broken if it does not fit."""
+"""Documents: what is on one line, and where a line that does not fit is broken."""
 
 from __future__ import annotations
 

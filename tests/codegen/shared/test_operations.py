@@ -1,4 +1,4 @@
-"""Decisions about operations that both languages take over."""
+"""Decisions about operations that both languages adopt."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def printed(expression: UnaryOperation) -> str:
     ],
 )
 def test_the_opposite_of_an_order_is_an_order_but_of_reals(operator: str, type_: Type, text: str) -> None:
-    """A NaN is in no order with anything."""
+    """A NaN is unordered with respect to everything."""
     condition = compared(operator, type_)
     assert (opposite(condition) is None) == text.startswith("not ")
     assert printed(UnaryOperation(type=BOOL, operator="not", operand=condition)) == text

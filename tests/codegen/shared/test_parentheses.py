@@ -1,4 +1,4 @@
-"""Parentheses in both languages: none that are not wanted, and all that keep the meaning."""
+"""Parentheses in both languages: all that the meaning needs, and no others."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_python_reads_what_was_built(outer: str, inner: str) -> None:
         (python.infix(outer, OPERATORS[outer], z, inside), f"z {outer} (x {inner} y)"),
     ):
         same = ast.dump(ast.parse(built.flat)) == ast.dump(ast.parse(wanted))
-        chained = outer == inner in ("and", "or")  # Python itself makes one node of a row of them
+        chained = outer == inner in ("and", "or")  # Python itself makes one node of a chain of them
         assert same or chained, built.flat
 
 

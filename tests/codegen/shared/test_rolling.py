@@ -1,4 +1,4 @@
-"""Loops found behind unrolled code, and what looking for them costs."""
+"""Loops found in unrolled code, and the cost of finding them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Generators decide on trees: nothing looks into text that has been generated."""
+"""Generators decide on trees: nothing inspects text that has been generated."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CODEGEN = Path(__file__).parents[3] / "cspdiag" / "codegen"
 
 
 def containing(language: str, pattern: str) -> set[str]:
-    """The modules of a language, apart from those that print its trees, in which a pattern is found."""
+    """The modules of a language that contain a pattern, except for those that print its trees."""
     paths = (path.relative_to(CODEGEN / language) for path in (CODEGEN / language).rglob("*.py"))
     found = {path.as_posix() for path in paths if re.search(pattern, (CODEGEN / language / path).read_text("utf-8"))}
     return {path for path in found if not path.startswith("text/")}
@@ -25,7 +25,7 @@ def test_only_the_length_of_an_expression_is_needed() -> None:
 @pytest.mark.parametrize(
     ("language", "parsing"),
     [
-        # Indexes in the names of instances, and modules that people have written.
+        # Indexes in the names of instances, and hand-written modules.
         ("python", {"plain/instances.py", "plain/external.py"}),
         ("c", set()),
     ],

@@ -1,9 +1,10 @@
 """``python -m tests.conformance.random --count 5000``: random programs with at least five communications on every
 target.
 
-Each is run as readable and as optimized Python, and in C at ``-O0`` and ``-O1`` under each compiler; one in twenty with
-the address and undefined behaviour sanitizers too. What differs is made smaller, printed and written to a folder; then
-it ends with 1. One process; with ``--seconds`` it stops by itself, and says from which seed to go on.
+Each is run as readable and as optimized Python, and in C at ``-O0`` and ``-O1`` with each compiler; one in twenty with
+the address and undefined behaviour sanitizers too. A program that differs is made smaller, printed and written to a
+folder; the exit code is then 1. Uses one process; with ``--seconds`` it stops by itself, and reports the seed from
+which to continue.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from tests.conformance.random.nested import nested
 
 PYTHON = ("python-O0", "python-O1")
 REPORTED = 100
-"""After so many programs it is said how many differ."""
+"""The number of differences is reported every time after this number of programs."""
 GENERATORS = {"meetings": meetings, "known": known, "nested": nested}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command."""
+    """Run the command."""
     options = _parser().parse_args(arguments)
     until = time.monotonic() + options.seconds if options.seconds else None
     seed, looked, found = options.first, 0, 0

@@ -18,7 +18,7 @@ from tests.support.alarm import alarm_after
 
 LIMIT = 60_000_000 + JUST_AFTER
 LONGEST = 60
-"""Seconds after which a run on one target counts as one that hangs."""
+"""Seconds after which a run on one target is taken to hang."""
 LEAST = 5
 """Programs with fewer communications are not counted."""
 
@@ -27,11 +27,11 @@ SANITIZED = "-fsanitize=address,undefined -fno-sanitize-recover=all"
 
 
 class HangError(Exception):
-    """A target did not come to an end."""
+    """A target did not finish."""
 
 
 def communications(text: str) -> int | None:
-    """How many there are on the reference; None for a program with errors."""
+    """The number of communications on the reference; None for a program with errors."""
     try:
         network = network_of(SourceFile(name="random.csp", text=text))
     except InvalidProgramError:
@@ -40,7 +40,7 @@ def communications(text: str) -> int | None:
 
 
 def difference(text: str, names: Sequence[str], compiler: str | None = None, *, sanitized: bool = False) -> str:
-    """The first target that does something else than the reference, and what; empty where all do the same."""
+    """The first target that behaves differently from the reference, and how; empty if all behave the same."""
     network = network_of(SourceFile(name="random.csp", text=text))
     wanted = REFERENCE.run(network, None, LIMIT)
     for name in names:
@@ -69,10 +69,10 @@ def smallest(
     *,
     sanitized: bool = False,
 ) -> tuple[Program, str]:
-    """A smaller program that differs in the same way as ``program`` was told to, as small as it is found in so many
-    seconds, and how it does.
+    """The smallest program found within ``seconds`` that differs in the same way as was ``reported`` for ``program``,
+    and how it differs.
 
-    What differs once and not again is given back as it is.
+    A program whose difference cannot be reproduced is returned unchanged.
     """
     until = time.monotonic() + seconds
     way, going = reported.partition("\n")[0], True

@@ -1,8 +1,8 @@
 """Random programs that compute with what is known before they run: parameters near the limits of their types,
 replicators, constants, arrays of them.
 
-Nearly everything stands below a ``catch Fault``, and much of it faults: in assignments, conditions, indices, times of
-delays and guards, and equations of laws. Each process and each law is there with several arguments, for which other
+Nearly everything is below a ``catch Fault``, and much of it faults: in assignments, conditions, indexes, durations of
+delays and guards, and equations of laws. Each process and each law occurs with several arguments, for which different
 parts of it fault.
 """
 
@@ -73,21 +73,21 @@ FORMS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
 
 @dataclass
 class Scope:
-    """Where expressions stand: what they may name."""
+    """The context of an expression: the names that it may use."""
 
     draw: Random
     names: dict[str, list[str]]
-    """By type."""
+    """Names by type."""
     varies: bool = False
-    """Whether the value of some name is no constant, so that it may stand wherever one would be refused."""
+    """Whether the value of some name is not constant, so the compiler cannot refuse an expression with it."""
     indices: list[str] = field(default_factory=list)
 
     def within(self, index: str) -> Scope:
-        """Below a replicator."""
+        """The scope below a replicator."""
         return Scope(self.draw, self.names, self.varies, [*self.indices, index])
 
     def value(self, kind: str, depth: int = 2) -> str:
-        """An expression of which the compiler does not say beforehand that it faults."""
+        """An expression that the compiler does not report to fault."""
         draw = self.draw
         named = [*self.names.get(kind, ()), *(self.indices * 2 if kind == "int" else ())]
         if kind == "bool" and depth <= 0:
@@ -168,25 +168,25 @@ class Unit:
     numbers: int = 0
 
     def fresh(self) -> int:
-        """A number that is written where a fault was caught."""
+        """A number to be written where a fault was caught."""
         self.numbers += 1
         return self.numbers
 
     def scope(self) -> Scope:
-        """Parameters, and variables now and then."""
+        """Parameters, and variables here and there."""
         names = {kind: [*found * 2, f"v_{kind}"] for kind, found in BY_TYPE.items()}
         names["int"] += ["own[at]", "given[1]"]
         return Scope(self.draw, names, varies=True)
 
     def step(self, depth: int) -> Node:
-        """A statement, which may fault, and what is written if it did."""
+        """A statement, which may fault, and what is written if it does."""
         inner = self.plain(depth)
         if self.draw.random() < 0.04:
             return inner
         return Node(f"({{}} catch Fault -> o ! {self.fresh() + 1000})", (inner,))
 
     def turns(self, index: str, within: Scope, depth: int) -> Node:
-        """A replicated sequence that computes with its index, of few turns or of so many that it is a loop."""
+        """A replicated sequence that computes with its index, either short or so long that it is a loop."""
         draw = self.draw
         array = draw.choice(["own", "table", "given", "[7, 8, 9]"])
         forms = [

@@ -1,7 +1,7 @@
 """Random programs of processes that meet: short compositions over all kinds of channels that communicate often.
 
-They nest what ``tests.properties`` seldom does: interrupts in interrupts, parallels in alternatives in loops, handlers
-that fault, ends that nobody uses. A program is drawn from ``random.Random``: the same one for the same seed.
+They nest what ``tests.properties`` seldom nests: interrupts in interrupts, parallels in alternatives in loops, handlers
+that fault, ends that nothing uses. A program is drawn from ``random.Random``: the same one for the same seed.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ OFFSETS = (" offset 300 us", " offset 500 us", "")
 
 
 def external_ports(seed: int) -> dict[str, tuple[str, str, str]]:
-    """The external ports, in half of the programs some with an offset, which is drawn by itself."""
+    """The external ports, in half of the programs some with an offset, which is drawn separately."""
     draw = Random(f"offsets {seed}")
     if draw.random() < 0.5:
         return EXTERNAL
@@ -86,7 +86,7 @@ class Leaf:
 
     name: str
     ports: dict[str, tuple[str, str]] = field(default_factory=dict)
-    """Direction and type."""
+    """Direction and type of each port."""
     shared: set[str] = field(default_factory=set)
     """Ports that parallel parts may use at once."""
     periods: dict[str, str] = field(default_factory=dict)
@@ -94,11 +94,11 @@ class Leaf:
     laws: list[str] = field(default_factory=list)
     """Control laws and the variables that they are connected to."""
     indexes: list[str] = field(default_factory=list)
-    """Of the replicators around what is being drawn."""
+    """Indexes of the replicators around what is being drawn."""
     numbers: int = 0
 
     def fresh(self, stem: str) -> str:
-        """A name that nothing else has."""
+        """A name that is not used yet."""
         self.numbers += 1
         return f"{stem}{self.numbers}"
 
@@ -145,11 +145,11 @@ class Part:
         return form.format(*inner)
 
     def others(self, *gone: str) -> Part:
-        """The same without some ports."""
+        """The same part without some ports."""
         return Part(self.draw, self.leaf, [p for p in self.ports if p not in gone], self.suffix)
 
     def split(self, count: int) -> list[Part]:
-        """What parallel branches may use."""
+        """The parts that parallel branches may use."""
         parts = [Part(self.draw, self.leaf, [], self.leaf.fresh("_")) for _ in range(count)]
         for port in self.ports:
             for part in parts if port in self.leaf.shared else [self.draw.choice(parts)]:
@@ -187,7 +187,7 @@ def guarded(part: Part, free: list[str], depth: int) -> Node:
 
 
 def law(part: Part) -> str:
-    """A control law between variables, which runs nowhere else; one of them may be what it reads and writes."""
+    """A control law between variables that is used only there; one of them may be both read and written by it."""
     leaf, name, variable = part.leaf, part.leaf.fresh("law"), part.variable("int")
     if part.draw.random() < 0.3:
         leaf.laws.append(f"    {name} : Counts  {name}.y -> {variable}")
@@ -203,7 +203,7 @@ COMPOSED = (
 
 
 def plain(text: str) -> str:
-    """Text in a form."""
+    """The text of a form."""
     return text.replace("{", "{{").replace("}", "}}")
 
 
@@ -269,7 +269,9 @@ def _counted(part: Part, form: str, depth: int) -> Node:
 
 
 def _replicated(part: Part, depth: int) -> Node:
-    """A replicated sequence whose index may be used inside, many turns only outermost; often one in another."""
+    """A replicated sequence whose index may be used inside, with many iterations only if it is outermost; often one in
+    another.
+    """
     draw, indexes = part.draw, part.leaf.indexes
     index = part.leaf.fresh("each")
     turns = draw.choice((2, 3, 3, 20, 70)) if not indexes else draw.choice((2, 3, 3, 4))
@@ -341,7 +343,7 @@ DEEP = (
 
 
 def _deep(draw: Random, leaf: Leaf, inner: Node) -> Node:
-    """A composition deeper inside others than Python nests in one function."""
+    """A composition nested more deeply than Python allows in one function."""
     for _ in range(draw.randint(15, 60)):
         counter = leaf.fresh("deep")
         leaf.variables[counter] = ("int", "0")

@@ -1,7 +1,7 @@
-"""Random programs of nested interrupts whose guards meet: each other in one process, those of interrupts beside it, an
-offer in the body of theirs, or another process.
+"""Random programs of nested interrupts whose guards meet: each other in one process, those of interrupts in parallel,
+an offer in their own body, or another process.
 
-Each nest has an outermost guard that is a time-out, so that what waits for itself is left at last.
+Each nest has an outermost guard that is a time-out, so a nest that waits for itself is left in the end.
 """
 
 from __future__ import annotations
@@ -53,14 +53,16 @@ def channel(part: Part) -> End:
 
 @dataclass
 class Nest:
-    """Interrupts in one another, the innermost first: what their guards offer, and what is offered inside each."""
+    """Nested interrupts, the innermost first: what their guards offer, and what is offered inside each."""
 
     part: Part
     guards: list[End | None]
     inside: list[list[End]] = field(default_factory=list)
 
     def offer(self, end: End, below: int) -> None:
-        """Offers an end somewhere inside the interrupt of a level: at a guard, in the innermost body, or a handler."""
+        """Offer an end somewhere inside the interrupt of a level: at a guard, in the innermost body, or in a
+        handler.
+        """
         draw = self.part.draw
         free = [level for level in range(below) if self.guards[level] is None]
         if free and draw.random() < 0.6:
@@ -70,7 +72,7 @@ class Nest:
 
 
 def nest(part: Part, depth: int, given: list[End]) -> Node:
-    """Nested interrupts, of which some place offers each end that is given."""
+    """Nested interrupts that offer each of the given ends somewhere."""
     draw = part.draw
     made = Nest(part, [None] * depth, [[] for _ in range(depth + 1)])
     for end in given:
@@ -89,7 +91,7 @@ def nest(part: Part, depth: int, given: list[End]) -> Node:
 
 
 def interrupted(part: Part, body: Node, end: End | None, inside: list[End]) -> Node:
-    """A body with one guard, whose variables nothing beside it uses."""
+    """A body with one guard, whose variables nothing in parallel with it uses."""
     draw = part.draw
     watching = Part(draw, part.leaf, list(part.ports), part.leaf.fresh("_"))
     condition = f"when {watching.value('bool')} & " if draw.random() < 0.1 else ""
@@ -131,7 +133,7 @@ def between(part: Part, inner: Node) -> Node:
 
 
 def repeated(part: Part, inner: Node) -> Node:
-    """Twice or three times."""
+    """A composition, two or three times."""
     counter = part.leaf.fresh("k")
     part.leaf.variables[counter] = ("int", "0")
     form = f"({counter} := 0 ; (mu ({{}} ; {counter} := {counter} + 1) until {counter} >= {part.draw.randint(2, 3)}))"
@@ -139,7 +141,7 @@ def repeated(part: Part, inner: Node) -> Node:
 
 
 def body(draw: Random, leaf: Leaf) -> Node:
-    """What a process does: one nest, or two beside each other that meet, several times."""
+    """What a process does: one nest, or two parallel ones that meet, several times."""
     part = Part(draw, leaf, list(leaf.ports))
     if draw.random() < 0.5:
         made = nest(part, draw.choice([1, 2, 2, 3]), [])

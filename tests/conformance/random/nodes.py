@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 @dataclass(frozen=True)
 class Node:
-    """A composition, as an operand: ``form`` with a ``{}`` for each child, or the children joined by ``operator`` where
+    """A composition, as an operand: ``form`` with a ``{}`` for each child, or the children joined by ``operator`` if
     there is one.
     """
 
@@ -16,7 +16,7 @@ class Node:
     children: tuple[Node, ...] = ()
     operator: str = ""
     guarded: bool = False
-    """A guarded process, which stands where it does or not at all."""
+    """A guarded process, which can be removed but not replaced by one of its parts."""
 
     def __str__(self) -> str:
         if not self.operator:
@@ -29,7 +29,7 @@ class Node:
         return 1 + sum(child.size() for child in self.children)
 
     def smaller(self) -> Iterator[Node]:
-        """Smaller ones, the smallest first: nothing, a part, one with a smaller part."""
+        """Smaller trees, the smallest first: nothing, a part, one with a smaller part."""
         if not self.guarded:
             if self.form != "skip":
                 yield Node()
@@ -44,15 +44,15 @@ class Node:
 
 @dataclass(frozen=True)
 class Program:
-    """Processes by name with their declarations and compositions, and the rest of the text: ``before`` and ``after``
-    them.
+    """Processes by name with their declarations and compositions, and the rest of the text: what comes ``before`` and
+    ``after`` them.
     """
 
     before: str
     leaves: tuple[tuple[str, str, Node], ...]
     after: str
     top: Node = field(default_factory=Node)
-    """What the outermost process does; its text is the one ``{top}`` in ``after``."""
+    """The composition of the outermost process; its text replaces ``{top}`` in ``after``."""
 
     def __str__(self) -> str:
         processes = [

@@ -1,5 +1,5 @@
-"""The generator of programs that compute with what is known before they run, and a few of its programs on the targets
-in Python.
+"""The generator of programs that compute with what is known before they run, and a few of its programs on the Python
+targets.
 """
 
 from __future__ import annotations

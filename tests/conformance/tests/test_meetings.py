@@ -1,4 +1,4 @@
-"""The generator of programs that communicate often, and a few of its programs on the targets in Python."""
+"""The generator of programs that communicate often, and a few of its programs on the Python targets."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_a_quarter_of_the_programs_runs_laws_between_variables() -> None:
 
 @pytest.mark.parametrize("seed", [2, 13, 181])
 def test_law_of_a_cancelled_process_does_not_run(seed: int) -> None:
-    """Programs with such laws beside interrupts."""
+    """Programs with such laws in parallel with interrupts."""
     assert difference(str(meetings(seed)), ("python-O0",)) == ""
 
 

@@ -1,4 +1,4 @@
-"""The generator of programs with nested interrupts that meet, and a few of its programs on the targets in Python."""
+"""The generator of programs with nested interrupts that meet, and a few of its programs on the Python targets."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_guards_of_interrupts_are_both_ends_of_one_channel() -> None:
 
 
 def _guards(text: str, way: str) -> set[str]:
-    """The channels of a process itself with which guards of interrupts communicate."""
+    """The channels inside a process with which guards of interrupts communicate."""
     return set(re.findall(rf"interrupt (?:when [^&]*& )?(own\d+) {way}", text))
 
 

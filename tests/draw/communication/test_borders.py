@@ -1,4 +1,4 @@
-"""Boxes that show their inside: what is connected outside goes on inside, element by element in arrays of ports."""
+"""Boxes that show their inside: outside connections continue inside, element by element in arrays of ports."""
 
 from __future__ import annotations
 

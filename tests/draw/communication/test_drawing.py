@@ -1,4 +1,6 @@
-"""Drawn communication diagrams: everything is shown, distinguished without colour, and can be hidden or marked."""
+"""Drawn communication diagrams: everything is shown, can be distinguished without colour, and can be hidden
+or marked.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +97,7 @@ def test_labels_are_hidden_all_or_one_by_one(joint: CommunicationDiagram) -> Non
 
 
 def outline(items: tuple[Item, ...]) -> tuple[object, ...]:
-    """What is left of shapes in black and white."""
+    """What remains of shapes in black and white."""
 
     def parts() -> Iterator[object]:
         for item in items:
@@ -144,7 +146,7 @@ MARKED = ["dining/dining.csp", "emergency/emergency.csp", "buffer/buffer.csp", "
 
 
 def random_marks(generator: random.Random, keys: Iterable[str]) -> dict[str, Mark]:
-    """Marks of all kinds on every fifth to every one of the elements, with up to five messages each."""
+    """Marks of all kinds on a fifth, half or all of the elements, with up to five messages each."""
     share = generator.choice((0.2, 0.5, 1))
     return {
         key: Mark(

@@ -1,4 +1,4 @@
-"""What communication diagrams consist of, before anything has a place."""
+"""What communication diagrams consist of, before layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Symbols where arrows of several kinds leave one place: each stands where its arrow runs alone."""
+"""Symbols where arrows of several kinds leave one place: each is where its arrow runs alone."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ KINDS = ["overwrite 2", "buffer 3", "any", "broadcast", "sync"]
 
 
 def program(kinds: tuple[str, ...]) -> str:
-    """A variable that is written to channels of some kinds and to an event, and an environment of such forks."""
+    """A variable that is written to channels of several kinds and to an event, and an environment with such forks."""
     names = range(len(kinds))
     channels = "  ".join(f"channel c{i} : int {kind}  var k{i} : int = 0" for i, kind in enumerate(kinds))
     writes = "".join(f" ; c{i} ! m" for i in names)

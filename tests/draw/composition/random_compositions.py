@@ -1,4 +1,4 @@
-"""Random compositions as text: every construct within every other. They need not mean anything."""
+"""Random compositions as text: every construct within every other. They need not have a meaning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Composition diagrams: what they consist of, and that a reader can follow them."""
+"""Composition diagrams: what they consist of, and that readers can follow them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def diagrams(text: str) -> list[CompositionDiagram]:
 
 
 def diagram(composition: str) -> CompositionDiagram:
-    """Of a process with this composition, which needs not mean anything."""
+    """The diagram of a process with this composition, which need not have a meaning."""
     (found,) = diagrams(f"process P {{ composition {{ {composition} }} }}")
     return found
 
@@ -175,7 +175,7 @@ def test_the_head_of_a_priority_points_to_the_lower(operator: str) -> None:
 
 
 def parentheses(scene: Scene) -> int:
-    """How many ends of lines carry the little circle."""
+    """The number of line ends with the little circle."""
     return sum(
         isinstance(item, Ellipse) and item.place.width == PARENTHESIS
         for group in every(scene.items)

@@ -78,7 +78,7 @@ def test_an_added_or_removed_composition_is_one_change() -> None:
 
 
 def edited(seed: int) -> tuple[str, str]:
-    """A composition, and the same after some parts of its chain came, went or became others."""
+    """A composition, and the same after some parts of its chain were added, removed or replaced."""
     random = Random(seed)
     before = [f"({random_composition(seed + number)})" for number in range(random.randint(2, 6))]
     after = list(before)

@@ -1,5 +1,5 @@
-"""What must hold of arrows: each has its symbol where it runs alone, or beside others of its own kind, and none runs
-along the side of a shape.
+"""Rules for arrows: each has its symbol where it runs alone, or next to others of its own kind, and none runs along the
+side of a shape.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from tests.draw.geometry.segments import Segment, crosses, stroked
 
 
 def symbol_faults(scene: Scene) -> list[str]:
-    """Symbols that stand on others, on lines of arrows that do not have them, or on the head of an arrow."""
+    """Symbols that overlap others, lines of other arrows, or the head of an arrow."""
     arrows = list(_arrows(scene.items))
     found = []
     for arrow in arrows:
@@ -22,7 +22,7 @@ def symbol_faults(scene: Scene) -> list[str]:
             place = bounds(symbol)
             for other in arrows:
                 if any((type(its), bounds(its)) == (type(symbol), place) for its in _symbol(other)):
-                    continue  # of one kind; a mark may give it another ink
+                    continue  # of the same kind; a mark may give it another colour
                 if any(place.overlaps(bounds(its)) for its in _symbol(other)):
                     found.append(f"a symbol of {arrow.id!r} lies on one of {other.id!r}")
                 if any(crosses(place, *piece) for piece in _run(other)):
@@ -36,7 +36,7 @@ def symbol_faults(scene: Scene) -> list[str]:
 
 
 def sides_run_along(scene: Scene) -> list[str]:
-    """Arrows of which a part lies on the outline of a box, or of those behind it."""
+    """Arrows of which a part lies on the outline of a box, or of the boxes behind it."""
     sides = [
         (item.id, side)
         for item in every(scene.items)
@@ -54,7 +54,7 @@ def sides_run_along(scene: Scene) -> list[str]:
 
 
 def _on_one_line(one: Segment, other: Segment) -> bool:
-    """Whether two upright or two level pieces have more than a point in common."""
+    """Whether two vertical or two horizontal pieces have more than a point in common."""
     across = [{point.x for point in (*one, *other)}, {point.y for point in (*one, *other)}]
     for same, along in (across, reversed(across)):
         if max(same) - min(same) < 1:
@@ -99,7 +99,7 @@ def _heads(arrow: Group) -> Iterator[Rectangle]:
 
 
 def _head(before: Point, end: Point) -> Rectangle:
-    """The room of an arrow head at the end of a line that comes from ``before``."""
+    """The area of an arrow head at the end of a line that comes from ``before``."""
     length = ARROW_LENGTH
     if before.y == end.y:
         left = end.x - length if before.x < end.x else end.x

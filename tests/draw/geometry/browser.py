@@ -1,4 +1,4 @@
-"""Shows pages in headless Chromium and reads what they have become."""
+"""Shows pages in headless Chromium and reads the result."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OPTIONS = (
 
 
 def chromium(folder: Path, *options: str, page: Path) -> str:
-    """What Chromium writes about a local page, with a profile of its own in ``folder``."""
+    """The output of Chromium for a local page, with a profile of its own in ``folder``."""
     assert BROWSER is not None
     command = [BROWSER, *_OPTIONS, f"--user-data-dir={folder / 'profile'}", *options, page.as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)

@@ -1,4 +1,4 @@
-"""Measures a drawn composition diagram: what overlaps, what crosses what."""
+"""Measures a drawn composition diagram: what overlaps and what crosses."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _relate(items: tuple[Item, ...], relation: Relation) -> None:
 
 
 def faults(scene: Scene) -> list[str]:
-    """Everything that a reader could stumble over; empty for a good drawing."""
+    """Everything in a drawing that could confuse a reader; empty for a good drawing."""
     found = measured(scene)
     return [*_overlaps(found), *_badly_framed(found), *_over_shapes(found), *_crossings(found), *_covered_words(found)]
 
@@ -149,7 +149,7 @@ def _over_shapes(found: Measured) -> Iterator[str]:
 
 
 def _room(start: Point, end: Point) -> Rectangle:
-    """The room of an upright piece of line, as thick as it is drawn."""
+    """The area of a vertical piece of line, as thick as it is drawn."""
     assert min(abs(start.x - end.x), abs(start.y - end.y)) < _TOLERANCE, "lines are orthogonal"
     return around([Rectangle(each.x - 0.5, each.y - 0.5, 1, 1) for each in (start, end)])
 

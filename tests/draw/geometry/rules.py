@@ -1,5 +1,5 @@
-"""What must hold of a drawing wherever its parts stand: no line runs through words, no words lie on each other or leave
-the sheet, no symbol of an arrow lies on another arrow, and no arrow on the side of a box.
+"""Rules for every drawing: no line runs through words, no words overlap or leave the sheet, no symbol of an arrow lies
+on another arrow, and no arrow on the side of a box.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tests.draw.geometry.segments import crosses, stroked
 
 
 def faults(scene: Scene) -> list[str]:
-    """What is wrong with a drawing, in words; empty when nothing is."""
+    """What is wrong with a drawing, in words; empty if nothing is wrong."""
     items = list(every(scene.items))
     texts = [(index, item) for index, item in enumerate(items) if isinstance(item, Text) and words(item)]
     found = [
@@ -40,7 +40,7 @@ def faults(scene: Scene) -> list[str]:
 
 
 def _covers(item: Item, place: Rectangle) -> bool:
-    """Whether an item hides what was drawn at a place before."""
+    """Whether an item hides what was drawn in a place before."""
     return isinstance(item, Box) and item.fill is not None and item.place.contains(place)
 
 
@@ -49,7 +49,7 @@ def words(text: Text) -> str:
 
 
 def ink(text: Text) -> Rectangle:
-    """The room of the capitals and small letters of a text, without the room that descenders and accents may take."""
+    """The area of the capitals and small letters of a text, without that of possible descenders and accents."""
     width = runs_width(text.runs, text.size)
     left = text.at.x - {"start": 0.0, "middle": width / 2, "end": width}[text.anchor.value]
     return Rectangle(left, text.at.y - CAPITAL * text.size, width, CAPITAL * text.size)

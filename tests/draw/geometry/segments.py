@@ -1,4 +1,4 @@
-"""The visible lines of what is drawn as straight pieces, and what they cross."""
+"""The visible lines of a drawing as straight pieces, and what they cross."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _curve(curve: Curve) -> Iterator[Segment]:
 
 
 def crosses(place: Rectangle, first: Point, second: Point) -> bool:
-    """Whether a piece of a line has a point inside a rectangle (Liang and Barsky's clipping)."""
+    """Whether a piece of a line has a point inside a rectangle (clipping by Liang and Barsky)."""
     dx, dy = second.x - first.x, second.y - first.y
     enter, leave = 0.0, 1.0
     for step, distance in (

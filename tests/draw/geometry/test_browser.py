@@ -1,5 +1,5 @@
-"""Drawings of all models as a browser shows them, at three sizes: nothing lies on words, and all words are on the
-sheet.
+"""Drawings of all models as a browser shows them, at three sizes: nothing covers words, and all words are on
+the sheet.
 """
 
 from __future__ import annotations

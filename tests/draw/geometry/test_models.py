@@ -1,4 +1,4 @@
-"""Drawings of all models: nothing lies on anything, in any way of drawing them."""
+"""Drawings of all models: nothing overlaps, in all styles of drawing."""
 
 from __future__ import annotations
 

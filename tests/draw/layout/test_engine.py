@@ -1,4 +1,4 @@
-"""What runs the layout engine, and what is said where nothing can."""
+"""What runs the layout engine, and what is reported if nothing can."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MODEL = "models/commstime/commstime.csp"
 
 @pytest.fixture(autouse=True)
 def fresh_engine() -> Iterator[None]:
-    """Each test finds out anew what is installed."""
+    """Each test determines anew what is installed."""
     engine._runner.cache_clear()
     yield
     engine._runner.cache_clear()

@@ -1,4 +1,4 @@
-"""Layouts of random graphs: what the engine answers is a drawing of the graph that was asked for."""
+"""Layouts of random graphs: the engine returns a drawing of the given graph."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def node(draw: st.DrawFn, name: str, has_parts: bool) -> Node:
 
 
 def sided(each: Node, direction: Direction, order: PortOrder) -> Node:
-    """The node with its ports on the sides that suit the direction; free ones only where there is nothing inside."""
+    """The node with its ports on the sides that suit their directions; free ones only if there is nothing inside."""
     turned = {Side.WEST: Side.NORTH, Side.EAST: Side.SOUTH}
     free = order is PortOrder.FREE and not each.children
 
@@ -130,7 +130,7 @@ def reached(route: Route) -> set[str]:
 
 
 def labels_lie_on_no_box_and_no_other_label(graph: Graph, layout: Layout) -> None:
-    # Letters leave room free at the top of a line.
+    # Letters leave space at the top of a line.
     labels = [layout.labels[edge.label.id].grown(-1.6) for edge in graph.edges if edge.label]
     for label in labels:
         assert not any(label.overlaps(layout.nodes[each.id]) for each in graph.nodes)
@@ -164,7 +164,7 @@ def box(name: str, inputs: int = 1, outputs: int = 1) -> Node:
 
 @needs_engine
 def test_an_additional_box_moves_none_above_it() -> None:
-    """Branches in the order of the text: what is added at the end stands at the end."""
+    """Branches in the order of the text: a branch added at the end is drawn at the end."""
     branches = [box(f"b{index}") for index in range(4)]
 
     def layout_of(count: int) -> Layout:

@@ -1,5 +1,5 @@
-"""What a process does between two samples of an input that it follows, wherever that stands in its composition: proved
-only where all of it is known.
+"""What a process does between two samples of an input that it follows, wherever that is in its composition: it is
+proved only where all of it is known.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ SUPERVISED = (
 
 
 def program(composition: str, parts: str = "", processes: str = "") -> str:
-    """A program with the laws that run; the event goes nowhere if nobody reads it."""
+    """A program with laws that run; the event is discarded if no process reads it."""
     text = WHOLE.format(composition=composition, parts=parts, processes=processes)
     words = set(re.findall(r"\w+", composition))
     unused = [law for law in "abc" if law not in words]
@@ -146,14 +146,14 @@ def test_joints_that_wait_for_a_supervisor() -> None:
 
 
 def test_a_partner_that_may_be_abandoned_at_once() -> None:
-    """The guard is always ready, so that the value is never written."""
+    """The guard is always ready, so the value is never written."""
     text = program("mu (p -> (a ; (s ! n interrupt skip -> skip))) || mu (b ; s ? w)", "channel s : double")
     assert report_of(text).is_schedulable is None
     assert missed(network_of(text), 1)
 
 
 def test_a_branch_that_begins_later_takes_the_sample_of_the_present_tick_first() -> None:
-    """Its process follows the period already, so that two samples may begin work within one."""
+    """Its process already follows the period, so two samples may begin work within one period."""
     text = WHOLE.replace("10 us", "4500 us").format(composition="mu a || (wait 25 ms ; mu b)", parts="", processes="")
     text = "\n".join(
         line for line in text.splitlines() if "c :" not in line and "c.x" not in line and "c.y" not in line
@@ -166,7 +166,7 @@ def test_a_branch_that_begins_later_takes_the_sample_of_the_present_tick_first()
 
 
 def test_a_partner_that_is_less_urgent_than_work_in_between() -> None:
-    """What an event begins waits for a partner below a busy loop: the samples wait for that loop, too."""
+    """What an event begins waits for a partner below a busy loop, so the samples wait for that loop, too."""
     parts = "channel s : double"
     text = program("mu (e ? v -> s ! v [] p -> a) ||> mu b ||> mu s ? w", parts).replace("10 us", "6 ms")
     loops = {loop.name: loop for loop in report_of(text).loops}
@@ -174,7 +174,7 @@ def test_a_partner_that_is_less_urgent_than_work_in_between() -> None:
 
 
 def test_a_pair_that_spins_above_a_loop() -> None:
-    """Time stands still where it computes nothing, so it is not run."""
+    """Time stands still if the loop computes nothing, so it is not run."""
     text = program("(mu (s ! n) || mu (s ? w ; c)) ||> mu a", "channel s : double")
     report = report_of(text)
     assert report.is_schedulable is None
@@ -267,7 +267,7 @@ def test_a_computing_loop_that_is_not_known_to_end(name: str) -> None:
     ],
 )
 def test_a_loop_whose_delays_are_abandoned_at_once(loop: str) -> None:
-    """Not run here: where such a run is broken off, branches have often been made and not begun.
+    """Not run here: where such a run is broken off, branches have often been created but not begun.
 
     Replays of livelocks run them.
     """
@@ -334,7 +334,7 @@ def test_a_process_that_takes_every_sample_is_proved(composition: str) -> None:
 
 
 def test_a_process_that_has_ended_follows_nothing() -> None:
-    """What comes after it may take any time, and it waits for the next sample when it begins anew."""
+    """What comes after it may take any time, and it waits for the next sample when it begins again."""
     rounds = (
         "process Rounds { in x : double communication { law : Law  var n : double = 0  x -> law.x  law.y -> _ } "
         "composition { n := 0 ; mu (law ; n := n + 1) until n > 3 } }"
@@ -376,7 +376,7 @@ OWN = (
 
 @pytest.mark.parametrize("read", ["p ? v", "a", "(p ? v -> skip)", "here: (p ? v)", "(seq s < 1 : p ? v)"])
 def test_iterations_that_wait_after_a_fault_are_added_up(read: str) -> None:
-    """The fault comes after the sample, so that two turns are in time, and three are not."""
+    """The fault comes after the sample, so two iterations are in time, and three are not."""
     few, many = (program(CAUGHT.format(f"{read} ; k := 4 / (k - 1)", turns)) for turns in (2, 3))
     assert report_of(few).is_schedulable is True
     assert not missed(network_of(few), 1)

@@ -28,7 +28,7 @@ def test_a_more_urgent_loop_waits_for_the_step_that_runs() -> None:
 
 def test_what_is_less_urgent_is_overtaken_until_it_starts() -> None:
     loops = by_name(report_of(loops_of(("a", "1 ms", "600 us"), ("b", "10 ms", "900 us"), order="||>")))
-    # 600 us of a, again at 1 ms; what starts after 1.6 ms has to wait for no more before 2 ms.
+    # 600 us of a, again at 1 ms; what starts after 1.6 ms does not have to wait for any more of it before 2 ms.
     assert loops["b"].start == 600 * US
     assert loops["a"].response == 1500 * US - 1
     assert not loops["a"].is_met

@@ -1,4 +1,4 @@
-"""Loops that wait for partners: what is part of a sample, what is passed on, and what has no bound."""
+"""Loops that wait for partners: what belongs to a sample, what is passed on, and what has no bound."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_the_work_of_an_unsampled_partner_is_part_of_the_sample_that_wakes_it() 
     assert loops["sense"].partners == ("computing",)
     assert loops["sense"].work == 300 * US
     assert loops["sense"].response == 350 * US
-    # The log may find the computing of this sample and, late, that of the one before.
+    # The log may meet the computation of this sample and, late, that of the previous one.
     assert 350 * US <= (loops["log"].response or 0) <= 550 * US
 
 

@@ -1,4 +1,6 @@
-"""A server that several loops ask: who asks waits for the answer, and for what the others have asked before."""
+"""A server with several client loops: a client waits for its answer, and for the requests that the others made
+before.
+"""
 
 from __future__ import annotations
 
@@ -89,7 +91,7 @@ def test_loops_with_requests_keep_their_bounds(order: str, choice: str) -> None:
     periods = {"Main.fast": 2 * MS, "Main.slow": 10 * MS, "Main.server.serve": 2 * MS}
     found = longest(network, wcets(network).__getitem__, periods, 60 * MS)
     for name, loop in loops.items():
-        # Its own work, and what the other one may have asked before.
+        # Its own work, and the requests that the other one may have made before.
         assert found[f"Main.{name}"] <= (loop.response or 0)
         assert (loop.response or 0) <= 1600 * US
 

@@ -12,9 +12,9 @@ CHANNELS = ("", "overwrite 1", "overwrite 2", "buffer 1", "buffer 2")
 
 
 class Aged:
-    """A chain of one to three loops from the input ``x0`` to the output ``y``: each has samples of its own, lets time
-    pass or computes, and passes on what it has received, some only under a condition, in every second sample, or for a
-    while. ``inputs`` are the names of the sampled inputs.
+    """A chain of one to three loops from the input ``x0`` to the output ``y``. Each loop has samples of its own, lets
+    time pass or computes, and passes on what it has received; some pass it on only under a condition, in every second
+    sample, or for a while. ``inputs`` are the names of the sampled inputs.
     """
 
     def __init__(self, seed: int) -> None:
@@ -22,9 +22,9 @@ class Aged:
         self.laws: list[str] = []
         self.diagram: list[str] = []
         self.spent = 0
-        """Microseconds that the last loop takes at most from its sample to its write, if nothing else runs."""
+        """The maximum time in microseconds from the sample of the last loop to its write, if nothing else runs."""
         self.threads: list[list[tuple[str, str]]] = []
-        """The branches of each, as guard and body."""
+        """The branches of each thread, as guard and body."""
         self.periods = [self.source.choice([1, 2, 3, 4, 5, 6]) for _ in range(self.source.choice([1, 1, 2, 2, 3]))]
         self.inputs = [f"x{k}" for k in range(len(self.periods))]
         self.text = self._program()
@@ -67,7 +67,7 @@ class Aged:
         return QUARTER * self.source.randrange(0, 4 * period)
 
     def _work(self, k: int, value: str) -> str:
-        """What the loop does with a value; returns where the result is."""
+        """Add what the loop does with a value; returns the name of the result."""
         source = self.source
         self.spent = 0
         longest = self.periods[k] if len(self.periods) == 1 else max(1, self.periods[k] // 2)
@@ -100,7 +100,7 @@ class Aged:
         return self._variable(f"r{k}")
 
     def _received(self, k: int, value: str) -> str:
-        """How the next loop gets a value: by a variable of its own thread, or over a channel."""
+        """Add how the next loop gets a value: in a variable of its own thread, or over a channel."""
         source = self.source
         self._variable(f"u{k}")
         kind = source.choice(["variable", "sample", *CHANNELS])

@@ -27,7 +27,7 @@ class Composed:
     periods: dict[str, int] = field(default_factory=dict)
 
     def law(self, period: int, *, sampled: bool = True, written: bool = True) -> str:
-        """One more law; ``sampled`` from and ``written`` to ports of its own."""
+        """One more law; ``sampled`` and ``written`` are ports of its own."""
         number = len(self.laws)
         self.laws.append(law(f"Law{number}", f"{self.source.randint(20, 250)} us"))
         self.parts.append(f"law{number} : Law{number}")
@@ -41,7 +41,7 @@ class Composed:
         return f"law{number}"
 
     def passed_on(self, period: int) -> tuple[str, str]:
-        """Two laws of which the second goes on with what the first has computed."""
+        """Two laws, the second of which continues with the result of the first."""
         first, second = self.law(period, written=False), self.law(period, sampled=False)
         self.parts.append(f"{first}.y -> {second}.x")
         return first, second
@@ -79,7 +79,7 @@ class Composed:
                 self.runs.append(f"(mu (z{name} ? v{name} ; wait {self.source.randint(50, 200)} us ; {name}))")
 
     def _work_on_arrival(self, period: int) -> None:
-        """A loop that hands on what another one computes with, beside its own samples."""
+        """A loop that passes on the values that another one computes with, in addition to its own samples."""
         first, then = self.law(period, written=False), self.law(period, sampled=False)
         own = self.law(self.source.choice([1, 2, 4, 5]))
         kind = self.source.choice(["", "overwrite 1", "overwrite 2", "buffer 1", "buffer 2"])
@@ -91,7 +91,7 @@ class Composed:
         self.runs += [f"(mu ({first} ; c{first} ! a{first}))", f"(mu ({f' {operator} '.join(guards)}))"]
 
     def _server(self) -> None:
-        """Two loops that ask the same server."""
+        """Two loops that are clients of the same server."""
         serving = self.law(1, sampled=False, written=False)
         self.parts += [f"var q{serving} : double = 0", f"var r{serving} : double = 0"]
         self.parts += [f"q{serving} -> {serving}.x", f"{serving}.y -> r{serving}"]
@@ -119,7 +119,7 @@ class Composed:
         self.runs.append(f"(mu (d{listening} ? n{listening} ; {listening}))")
 
     def _composition(self, runs: list[str]) -> str:
-        """Some of them together within the others, or all side by side."""
+        """Some of the loops together within the others, or all in parallel."""
         operator = self.source.choice([" || ", " ||> "])
         if len(runs) < 3 or self.source.random() < 0.6:
             return operator.join(runs)

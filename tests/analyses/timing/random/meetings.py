@@ -1,5 +1,5 @@
-"""Random programs of loops that meet: rounds of communications in an order that all agree on, or nearly, with and
-without samples of their own.
+"""Random programs of loops that meet: rounds of communications in an order that all of them follow, or nearly all, with
+and without samples of their own.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Meetings(Shapes):
         return f" {self._or()} ".join(branches)
 
     def _changed(self, unit: Unit, step: str, period: int) -> str:
-        """A communication that is not made in every round, or not only."""
+        """A communication that does not take place in every round, or not on its own."""
         match self.source.randint(0, 6):
             case 0:
                 return f"(if {self._condition(unit)} then {step})"

@@ -1,8 +1,8 @@
 """Random programs of every shape that a composition may have: loops one after another, waits and events anywhere,
 modes, handlers, partners.
 
-Most are put together from forms that keep their samples, with now and then something that does not. Nothing here knows
-what the analysis can prove.
+Most are put together from forms that keep up with their samples, with an occasional form that does not. Nothing here
+knows what the analysis can prove.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ OVER_AT_ONCE = ("0 ms", "1 ms - 1 ms", "min(0 ms, 3 ms)")
 
 @dataclass
 class Unit:
-    """A part of a program with ports of its own: a process, or a branch of the one around it."""
+    """A part of a program with its own ports: a process, or a branch of the process around it."""
 
     name: str
     declared: list[str] = field(default_factory=list)
     inputs: dict[str, int | None] = field(default_factory=dict)
-    """Inputs with their periods in milliseconds, None for an event."""
+    """Inputs with their periods in milliseconds; None for an event."""
     reads: list[str] = field(default_factory=list)
     writes: list[str] = field(default_factory=list)
     text: str = "skip"
 
 
 def _used(channels: list[str], unit: Unit) -> list[str]:
-    """Those of some channels that a unit has to do with."""
+    """Ends of some of the channels that the unit uses."""
     lines = "\n".join([unit.text, *unit.declared])
     return [name for name in channels if re.search(rf"\b{name}\b", lines)]
 
 
 class Shapes:
-    """A random program; ``text`` is the whole of it, with an environment whose inputs change in a random way."""
+    """A random program; ``text`` is the entire program, with an environment whose inputs change randomly."""
 
     def __init__(self, seed: int) -> None:
         self.source = random.Random(seed)
@@ -44,7 +44,7 @@ class Shapes:
         self.channels: list[str] = []
         self._names = 0
         self.wildness = self.source.choice([0, 0, 0.05, 0.15, 0.4])
-        """How often something comes where it may do harm."""
+        """How often something appears where it may do harm."""
         self.heaviness = self.source.choice([0.05, 0.2, 0.5, 1.5])
         self.text = self._program()
 
@@ -81,7 +81,7 @@ class Shapes:
         return name
 
     def length(self, unit: Unit, lengths: tuple[str, ...] = LENGTHS) -> str:
-        """A duration; now and then none at all, or a negative one."""
+        """A duration; occasionally zero or negative."""
         kind = self.source.random()
         if kind < 0.06:
             return self.source.choice(OVER_AT_ONCE)
@@ -92,7 +92,7 @@ class Shapes:
         return self.source.choice(lengths)
 
     def _condition(self, unit: Unit) -> str:
-        """On a value that comes from outside."""
+        """A condition on a value that comes from outside."""
         if not unit.declared or self.source.random() < 0.05:
             return self.source.choice(["true", "false"])
         variables = [line.split()[1] for line in unit.declared if line.startswith("var ") and " : time " not in line]
@@ -100,10 +100,10 @@ class Shapes:
             return "true"
         return f"{self.source.choice(variables)} > {self.source.randint(0, 9)}"
 
-    # What a sample, or something else, begins.
+    # What happens after a sample, or after something else.
 
     def _sampled(self, unit: Unit, period: int) -> str:
-        """Takes one sample of a period, and does something with it."""
+        """Take one sample of a period, and do something with it."""
         port = self._port(unit, period)
         match self.source.randint(0, 3):
             case 0:
@@ -114,7 +114,7 @@ class Shapes:
                 return self._law(unit, port)
 
     def _work(self, unit: Unit, period: int, depth: int) -> str:
-        """Something that may be done with a sample, or beside it."""
+        """Something that may be done with a sample, or besides it."""
         if self._wild():
             return self._harm(unit, period, depth)
         if depth == 0:
@@ -172,7 +172,7 @@ class Shapes:
         return self.source.choice(forms)
 
     def _failing(self, unit: Unit, period: int) -> str:
-        """A fault after a sample or before it, in some round, and turns of waiting where it is caught."""
+        """A fault after or before a sample, in some iteration, and iterations that wait where it is caught."""
         i, k = self._count(unit), self.source.randint(1, 6)
         parts = [self._sampled(unit, period), f"{i} := {i} + 1 ; {i} := {i} + 0 / ({i} - {k})"]
         if self.source.random() < 0.2:
@@ -181,7 +181,7 @@ class Shapes:
         return f"(({' ; '.join(parts)}) catch Fault -> ({turns}))"
 
     def _computing(self, unit: Unit) -> str:
-        """A loop of computing, of which nobody knows whether it ends."""
+        """A loop of computing that may or may not end."""
         i, j, k = self._count(unit), self._count(unit), self.source.randint(1, 6)
         add, other = self.source.choice("+-"), self.source.choice("+-")
         steps = [
@@ -202,14 +202,14 @@ class Shapes:
         return f"({first}mu {step} until {i} {compared} {bound})"
 
     def channels_of(self, unit: Unit) -> str:
-        """A communication of the unit, where there is one."""
+        """A communication of the unit, if it has one."""
         ends = [f"{c} ! {self._variable(unit)}" for c in unit.writes] + [
             f"{c} ? {self._variable(unit)}" for c in unit.reads
         ]
         return self.source.choice(ends) if ends else ""
 
     def _harm(self, unit: Unit, period: int, depth: int) -> str:
-        """Something that may well keep a unit from its next sample."""
+        """Something that may well make a unit late for its next sample."""
         below = max(0, depth - 1)
         match self.source.randint(0, 10):
             case 0:
@@ -261,7 +261,7 @@ class Shapes:
                 return "skip"
 
     def _branch(self, unit: Unit, period: int, depth: int) -> str:
-        """A branch of an alternative beside the sample."""
+        """A branch of an alternative next to the sample."""
         body = self.source.choice(
             [lambda: "skip", lambda: self._law(unit, None), lambda: self._work(unit, period, depth)]
         )()
@@ -279,7 +279,7 @@ class Shapes:
         return f"{guard} -> {body}"
 
     def _round(self, unit: Unit, period: int, depth: int) -> str:
-        """A round of a loop that takes a sample."""
+        """An iteration of a loop that takes a sample."""
         match self.source.randint(0, 5):
             case 0 | 1:
                 return f"({self._sampled(unit, period)} ; {self._work(unit, period, depth)})"
@@ -302,7 +302,7 @@ class Shapes:
             case _:
                 return f"({self._sampled(unit, period)})"
 
-    # Loops, modes and what is between them.
+    # Loops, modes and what comes between them.
 
     def _behaviour(self, unit: Unit, period: int, depth: int) -> str:
         parts = []
@@ -330,7 +330,7 @@ class Shapes:
                 return self._law(unit, None)
 
     def _mode(self, unit: Unit, period: int, depth: int) -> str:
-        """A loop with an end, often a process of its own."""
+        """A loop that ends, often in a process of its own."""
         inner = Unit(self._name("P"), reads=unit.reads, writes=unit.writes)
         loop = self._round(inner, period, depth)
         match self.source.randint(0, 3):
@@ -350,7 +350,7 @@ class Shapes:
         return f"({inner.text})"
 
     def _process(self, inner: Unit, around: Unit) -> str:
-        """Makes a unit a process of the one around it."""
+        """Turn a unit into a process of the one around it."""
         reads, writes = _used(inner.reads, inner), _used(inner.writes, inner)
         ports = [f"in {name} : double" for name in [*inner.inputs, *reads]]
         ports += [f"out {name} : double" for name in writes]

@@ -1,5 +1,5 @@
 """Reaction times and data ages: programs whose samples carry their instants run on a processor that takes time, and
-tell how old their outputs are.
+show how old their outputs are.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ def processor() -> Iterator[None]:
 
 @dataclass
 class Chained:
-    """A chain of loops from the input ``x0`` to the output ``y``; each has samples of its own and hands on what it was
-    handed.
+    """A chain of loops from the input ``x0`` to the output ``y``; each has samples of its own and passes on what it
+    received.
     """
 
     source: random.Random
@@ -69,8 +69,8 @@ class Chained:
         return self.text(count)
 
     def taken_up(self, k: int, name: str, value: str) -> None:
-        """A loop of a thread of its own, which takes up what comes between its samples, perhaps by way of a process
-        that hands it on.
+        """A loop in a thread of its own, which takes what arrives between its samples, perhaps by way of a process that
+        passes it on.
         """
         kind = self.source.choice(["", "overwrite 1", "overwrite 3", "buffer 1", "buffer 3"])
         self.diagram += [f"var a{k} : double = 0", f"var b{k} : double = 0", f"channel c{k} : double {kind}"]
@@ -90,7 +90,7 @@ class Chained:
         self.threads.append([f"{taken} -> skip", f"x{k} -> {name}"])
 
     def offset(self, period: int) -> str:
-        """That of the output, in half of the programs."""
+        """The offset of the output, in half of the programs."""
         source = random.Random(repr(self.laws))
         return f"offset {source.randrange(0, 1000 * period, 250)} us" if source.random() < 0.5 else ""
 
@@ -119,8 +119,8 @@ class Chained:
 
 
 def seen(network: Network, times: dict[str, int], source: random.Random | None, until: int) -> tuple[int, int]:
-    """The longest time from a change of the sampled value to an output that knows of it, and the oldest sample behind
-    an output.
+    """The longest time from a change of the sampled value to an output that depends on it, and the age of the oldest
+    sample behind an output.
     """
     found = run(network, lambda path: times[path] if source is None else source.randint(1, times[path]), until)
     age, reaction, _ = seen_in(found, "Main.y")
@@ -130,7 +130,7 @@ def seen(network: Network, times: dict[str, int], source: random.Random | None, 
 def bounds(report: TimingReport) -> tuple[int, int]:
     ours = [chain for chain in report.chains if (chain.source, chain.sink) == ("x0", "y")]
     assert ours, report.chains
-    # What has no bound is not compared.
+    # Where there is no bound, nothing is compared.
     reactions = [LONGEST if chain.reaction is None else chain.reaction for chain in ours]
     return max(reactions), max(LONGEST if chain.age is None else chain.age for chain in ours)
 
@@ -181,7 +181,7 @@ def two_laws(order: str) -> Network:
 
 
 def test_a_value_computed_after_its_use_is_used_a_sample_later() -> None:
-    """In one order the value goes through in one sample, in the other it lies there until the next."""
+    """In one order the value passes through in one sample, in the other it waits until the next."""
     straight = bounds(timing_report(two_laws("mu (first ; second)")))
     assert straight == (4 * MS, 2 * MS)
     late = bounds(timing_report(two_laws("mu (second ; first)")))
@@ -228,7 +228,7 @@ def bounds_of(text: str, name: str) -> tuple[int, int]:
 def test_an_output_of_another_rate_has_the_last_value_written(
     loop: int, output: int, offset: int, reaction: int, age: int
 ) -> None:
-    """A sample is written at once and handed over at the next tick of the output, if no later one is written before."""
+    """A sample is written at once and output at the next tick, unless a later one is written before."""
     text = f"""
         submodel Law wcet 1 us {{ in p : double  out y : double  y = p }}
         process Main {{

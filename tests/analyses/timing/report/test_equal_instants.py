@@ -1,5 +1,5 @@
-"""What happens in the instant of a tick happens after it: a value that is written there is handed over a period later,
-and work that ends there does not end before the next sample.
+"""What happens at the instant of a tick happens after the tick: a value written then is output a period later, and work
+that ends then does not end before the next sample.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tests.analyses.timing.seen import Seen, seen_in
 
 
 def program(loop: str, output: str, steps: str) -> str:
-    """A loop without laws, with those periods."""
+    """A loop without laws, with these periods."""
     return f"""
         process Main {{
           in  x : double @ {loop}
@@ -33,7 +33,7 @@ def program(loop: str, output: str, steps: str) -> str:
 
 
 def simulated(text: str) -> Seen:
-    """What is seen in a run in which nothing takes time but delays."""
+    """What is observed in a run in which only delays take time."""
     network = with_bench(text, ["x"], ["y"], "500 us")
     return seen_in(simulate(network, pipeline.generate(network, read), until=200 * MS), "Main.y")
 
@@ -41,7 +41,7 @@ def simulated(text: str) -> Seen:
 @pytest.mark.parametrize(
     ("loop", "output", "steps", "latency", "reaction"),
     [
-        # The sample of 36 ms is written at 36 ms and handed over at 40 ms, where that of 40 ms is not yet written.
+        # The sample of 36 ms is written at 36 ms and output at 40 ms, when that of 40 ms is not written yet.
         ("4 ms", "5 ms", "x ? v ; y ! v", (1, 4), 9),
         ("2 ms", "3 ms", "x ? v ; y ! v", (1, 2), 5),
         ("3 ms", "2 ms", "x ? v ; y ! v", (1, 2), 5),
@@ -82,7 +82,9 @@ def test_a_value_written_at_a_tick_is_handed_over_at_the_next(
     ],
 )
 def test_what_is_not_written_in_each_sample_may_be_as_old_as_the_period_of_its_output(steps: str, age: int) -> None:
-    """At 60 ms the last value that was written is handed over; written in each sample it would be that of 59 ms."""
+    """At 60 ms the last value that was written is output; if it were written in each sample, it would be that
+    of 59 ms.
+    """
     text = program("1 ms", "10 ms", "x ? v ; y ! v").replace("mu (x ? v ; y ! v)", steps)
     report = report_of(text)
     assert report.is_schedulable
@@ -121,7 +123,7 @@ def test_a_law_that_ends_at_the_tick_of_its_output_is_handed_over_a_period_later
 
 
 def test_a_law_that_takes_its_whole_period_is_late() -> None:
-    """What it computes from the sample of 5 ms is there at 10 ms, after the tick, and handed over at 15 ms."""
+    """What it computes from the sample of 5 ms is ready at 10 ms, after the tick, and is output at 15 ms."""
     text = loops_of(("a", "5 ms", "5 ms")).replace("y = 2 * x", "y = x")
     report = report_of(text)
     assert report.is_schedulable is False
@@ -140,7 +142,7 @@ def test_a_law_that_takes_its_whole_period_is_late() -> None:
 
 
 def test_a_sample_that_is_reached_when_the_next_one_comes_is_missed() -> None:
-    """The loop that computes nothing comes after the slow one, which ends when its next sample overwrites the first."""
+    """The loop that computes nothing runs after the slow one, which ends when its next sample overwrites the first."""
     text = loops_of(("slow", "10 ms", "1 ms"), ("quick", "1 ms", "0 us"))
     assert report_of(text).is_schedulable is None
     network = with_bench(text, ["x_slow", "x_quick"], ["y_slow", "y_quick"], "1 ms")
@@ -150,7 +152,7 @@ def test_a_sample_that_is_reached_when_the_next_one_comes_is_missed() -> None:
 
 
 def is_late_in_a_run(network: Network, periods: dict[str, int], source: random.Random) -> bool:
-    """Whether some law ends at the next sample of its loop or later, or a sample is missed, in one of some runs."""
+    """Whether, in one of some runs, a law ends at the next sample of its loop or later, or a sample is missed."""
     stated, late = wcets(network), []
 
     def ended(path: str, began: int) -> None:

@@ -1,4 +1,4 @@
-"""Gantt charts can be read, whatever the program: names, bars of next to no time, lateness, very many releases."""
+"""Gantt charts are legible for every program: names, bars of almost no time, lateness, very many releases."""
 
 from __future__ import annotations
 

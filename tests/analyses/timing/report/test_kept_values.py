@@ -1,5 +1,5 @@
-"""Where a value may be kept from an earlier sample, or not each sample is passed on, no time is given that a run may
-exceed; bounds in tables are never on the wrong side of what they show.
+"""Where a value may be kept from an earlier sample, or not every sample is passed on, no time is reported that a run
+may exceed; bounds in tables are rounded to the safe side.
 """
 
 from __future__ import annotations

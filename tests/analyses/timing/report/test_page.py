@@ -1,4 +1,4 @@
-"""``docs/timing.md`` shows what the program says."""
+"""``docs/timing.md`` shows what the tool prints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of loops whose bounds are longer than their periods: that they are late only where a run shows it."""
+"""Loops whose bounds are longer than their periods are reported as late only if a run shows it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def processor() -> Iterator[None]:
 def ends_of(network: Network, times: dict[str, int]) -> dict[str, list[int]]:
     """When each law has computed, until the program ends."""
     ends: dict[str, list[int]] = {path: [] for path in times}
-    # It ends with `Timeout` when a sample comes before the one before has been taken.
+    # It ends with `Timeout` if a sample arrives before the previous one has been taken.
     with suppress(AssertionError):
         run(network, times.__getitem__, 60 * MS, lambda path, _: ends[path].append(Processor.present))
     return ends

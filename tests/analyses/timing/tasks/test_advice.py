@@ -49,8 +49,8 @@ def test_an_order_is_found_exactly_where_there_is_one() -> None:
 
 
 def edf_is_late(tasks: list[Task], horizon: int, blocker: Task | None) -> bool:
-    """Earliest deadline first without preemption, simulated; ``blocker`` has begun one unit before all
-    others arrive.
+    """Earliest deadline first without preemption, simulated; ``blocker`` has begun one unit before all others
+    arrive.
     """
     jobs = [
         (k * task.period, k * task.period + task.deadline, task.work)
@@ -126,7 +126,7 @@ def test_a_hyperperiod_without_end_is_cut_short() -> None:
 
 
 def test_nothing_is_advised_that_was_not_decided() -> None:
-    """Every sample of these loops is in time in this very order, whatever the laws take, though the bounds for all
+    """Every sample of these loops is in time in this very order, whatever the laws take, although the bounds for all
     phases are longer.
     """
     text = loops_of(("a", "4 ms", "1 ms"), ("b", "6 ms", "2500 us"), ("c", "12 ms", "3 ms"), order="||>")
@@ -140,7 +140,7 @@ def test_nothing_is_advised_that_was_not_decided() -> None:
 
 
 def test_an_order_is_advised_for_the_branches_of_one_parallel_only() -> None:
-    """It is reported as they would be joined by `||>`."""
+    """The order is reported in the form in which `||>` would join the loops."""
     loops = (("slow", "10 ms", "700 us"), ("fast", "1 ms", "200 us"), ("mid", "4 ms", "600 us"))
     text = loops_of(*loops, order="||>")
     assert report_of(text).advice == ("fast", "mid", "slow")

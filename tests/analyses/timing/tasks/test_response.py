@@ -25,7 +25,7 @@ def test_jobs_that_nothing_preempts_in_the_controller_area_network() -> None:
     """Davis and others, Controller Area Network schedulability analysis: refuted, revisited and revised (2007), section
     3.2.
 
-    Message C has its worst response in its second instance. Its units are those of the paper times two hundred.
+    Message C has its worst response in its second instance. The units are those of the paper multiplied by two hundred.
     """
     tasks = [Task(n, t, 200, t, p) for n, t, p in (("A", 500, 1), ("B", 700, 2), ("C", 700, 3))]
     assert [response.worst for response in response_times(tasks)] == [399, 599, 700]
@@ -67,7 +67,7 @@ def random_tasks(source: random.Random) -> list[Task]:
     for k in range(number):
         period = source.randint(4, 24)
         work = max(1, round(period * share * source.uniform(0.4, 1.6)))
-        # Where a level is shared jobs have one step each: only then is the analysis of the queue exact, not merely
+        # Where tasks share a level, jobs have one step each: only then is the analysis of the queue exact, not merely
         # safe.
         step = work if shared else source.choice([work, 1, *(d for d in range(1, work) if work % d == 0)])
         jitter = source.choice([0, 0, source.randint(0, period - 1)])

@@ -1,4 +1,4 @@
-"""Whole programs with figures that one can add up on paper."""
+"""Entire programs with figures that can be worked out on paper."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_slow_logger_blocks_for_one_step_and_never_makes_the_loop_wait_for_it(
 
 
 def test_a_logger_that_shares_the_level_is_waited_for_as_often_as_it_may_have_been_begun() -> None:
-    """The record of the sample before may still be written when that of this sample is."""
+    """The record of the previous sample may still be written when that of this sample is."""
     (loop,) = report_of(LOGGED.replace("||>", "||")).loops
     assert 800 * US <= (loop.response or 0) <= 1500 * US
 
@@ -161,7 +161,7 @@ def test_a_chain_of_three_loops_adds_periods_and_responses() -> None:
     assert {loop.response for loop in report.loops} == {600 * US}
     (chain,) = [chain for chain in report.chains if chain.source == "a"]
     assert chain.loops == ("first", "second", "third")
-    # Of the first two a period, a response, and the response of who takes the value; the output changes a period after
-    # the last sample.
+    # For each of the first two, a period and a response, and the response of the process that takes the value; the
+    # output changes a period after the last sample.
     passed = 2 * MS + 2 * 600 * US + 5 * MS + 2 * 600 * US
     assert (chain.reaction, chain.age) == (passed + 20 * MS, passed + 10 * MS)

@@ -1,4 +1,4 @@
-"""Programs with many loops: the effort grows with their number, and what is left out of tables is said."""
+"""Programs with many loops: the effort grows with their number, and the output says what tables leave out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.analyses.timing.programs import US, law, loops_of, network_of
 
 
 def steps(work: Callable[[], object]) -> int:
-    """How many lines of Python it takes, each round of a loop counting."""
+    """The number of lines of Python that it executes; each iteration of a loop counts."""
     count = 0
 
     def trace(frame: Any, event: str, argument: Any) -> Any:
@@ -53,7 +53,7 @@ def read_by_hand(count: int) -> Network:
 @pytest.mark.parametrize("form", [lambda n: independent(n, "||"), lambda n: independent(n, "||>"), read_by_hand])
 def test_twice_the_loops_take_little_more_than_twice_the_effort(form: Callable[[int], Network]) -> None:
     small, large = form(30), form(60)
-    timing_report(small)  # Once beforehand: what is imported on the way does not count.
+    timing_report(small)  # Once beforehand, so that imports do not count.
     assert steps(lambda: timing_report(large)) < 2.5 * steps(lambda: timing_report(small))
 
 

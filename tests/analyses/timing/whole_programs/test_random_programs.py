@@ -1,5 +1,5 @@
-"""Random programs: whatever they are made of, the analyses say something, and a run never does more at an instant than
-was bounded.
+"""Random programs: whatever they consist of, the analyses give an answer, and a run never does more at an instant than
+the bound.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def drawn(count: int, start: int) -> list[Network]:
 
 
 def runs_at_instants(network: Network, until: int) -> Counter[int]:
-    """How many laws a run computes at each instant."""
+    """The number of laws that a run computes at each instant."""
     found: Counter[int] = Counter()
 
     def count(running: Any) -> None:
@@ -58,7 +58,7 @@ def runs_at_instants(network: Network, until: int) -> Counter[int]:
 
 @pytest.mark.parametrize("start", [5, 6])
 def test_no_run_does_more_at_an_instant_than_is_bounded(start: int) -> None:
-    """Each law takes one unit: what all threads demand together bounds how many laws run at one instant."""
+    """Each law takes one unit: the demand of all threads together bounds how many laws run at one instant."""
     answered = 0
     for network in drawn(8, start):
         laws = {

@@ -1,4 +1,4 @@
-"""Generated files are written whole or not at all, and never over what was made by hand."""
+"""Generated files are written whole or not at all, and never over files made by hand."""
 
 from __future__ import annotations
 
@@ -248,7 +248,7 @@ def test_a_file_that_is_in_the_way_of_writing_stays(tmp_path: Path, monkeypatch:
 
 @pytest.mark.parametrize("path", [MANIFEST, "README.md", "arm/network.py"])
 def test_a_pipe_in_the_place_of_a_file_is_not_opened(tmp_path: Path, path: str) -> None:
-    """Whoever opens it waits for somebody who writes, forever."""
+    """A reader of the pipe would wait forever for a writer."""
     folder = tmp_path / "arm"
     write_package(str(folder), FILES, "python", force=False)
     (folder / path).unlink()

@@ -1,4 +1,4 @@
-"""Outputs that cannot be written are refused before the work, by their own names."""
+"""Outputs that cannot be written are refused before the work begins, under their own names."""
 
 from __future__ import annotations
 
@@ -63,9 +63,7 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_an_output_is_refused_by_its_own_name(
     cspdiag: Command, program: Path, monkeypatch: pytest.MonkeyPatch, command: str, option: str, name: str
 ) -> None:
-    """What the file system says of the folder is all that matters; whoever runs the tests may be allowed to do
-    anything.
-    """
+    """Only what the file system says of the folder matters; the user who runs the tests may be allowed everything."""
 
     def refuse(path: str, flags: int, mode: int = 0o777) -> int:
         raise PermissionError(13, "Permission denied", path)
@@ -102,7 +100,7 @@ def test_an_output_is_refused_by_its_own_name(
 def test_a_folder_is_not_accepted_as_a_file(
     cspdiag: Command, program: Path, command: str, option: str, name: str, ending: str
 ) -> None:
-    """A path is read without a slash at its end, so the file would have been written."""
+    """A slash at the end of a path is dropped, so the file would have been written."""
     files = [] if command == "bench" else [program]
     result = cspdiag(*command.split(), option, name + ending, *files)
     assert (result.code, result.out) == (2, "")
@@ -111,7 +109,7 @@ def test_a_folder_is_not_accepted_as_a_file(
 
 
 class _Refusing:
-    """The module ``os``, but for opening files."""
+    """The module ``os``, except for opening files."""
 
     def __init__(self, refuse: object) -> None:
         self.open = refuse

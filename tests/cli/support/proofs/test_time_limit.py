@@ -1,4 +1,4 @@
-"""What a proof takes longer for than it may is an answer of the command line, too."""
+"""A proof that reaches its time limit is an answer of the command line, too."""
 
 from __future__ import annotations
 

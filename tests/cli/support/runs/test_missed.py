@@ -1,4 +1,6 @@
-"""A run that ends with a missed sample says what its reader did meanwhile, and what helps: the same on all targets."""
+"""A run that ends with a missed sample reports what its reader did meanwhile, and what helps, in the same way on all
+targets.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run tells of itself while it goes on."""
+"""What a run reports about itself while it continues."""
 
 from __future__ import annotations
 

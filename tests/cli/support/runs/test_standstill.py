@@ -17,7 +17,7 @@ from cspdiag.simulate.record.recorder import Recorder
 
 
 class _Clock:
-    """Stands at an instant, or goes on by a nanosecond at each look; tells when it was looked at that often."""
+    """Stays at one instant, or advances by a nanosecond at each check; signals when it was checked that often."""
 
     def __init__(self, step: int, looks: int) -> None:
         self.step = step
@@ -104,7 +104,7 @@ process Main {
 
 
 def _stopped_when_it_stands(text: str, tmp_path: Path, *options: str) -> tuple[str, str]:
-    """What a run says of the standstill, and, after Ctrl-C, of how it has ended."""
+    """What a run reports about the standstill, and, after Ctrl-C, about how it has ended."""
     program = tmp_path / "stands.csp"
     program.write_text(text)
     command = [sys.executable, "-m", "cspdiag", "run", *options, str(program)]
@@ -162,11 +162,13 @@ environment Bench for Main { r -> _ }
 def test_what_was_written_before_time_stood_still_is_in_trace_and_recording(
     spin: str, options: tuple[str, ...], tmp_path: Path
 ) -> None:
-    """A native program that has to be ended by force, too, has told all that happened; the line is that of the loop."""
+    """A native program has reported everything that happened even if it has to be killed; the line is that of
+    the loop.
+    """
     trace, recording = tmp_path / "run.jsonl", tmp_path / "run.csv"
     outputs = ("--trace", str(trace), "--record", str(recording))
     said, _ = _stopped_when_it_stands(COUNTS.replace("SPIN", spin), tmp_path, *options, *outputs)
-    # A delay that is over at once is no place where it has waited.
+    # A delay that ends immediately is not a place where it has waited.
     line = 8 if "after" in spin else 9
     assert re.findall(r"stands\.csp:\d+", said) == [f"stands.csp:{line}"]
     communications = [json.loads(line) for line in trace.read_text().splitlines()]

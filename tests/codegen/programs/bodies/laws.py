@@ -1,10 +1,10 @@
-"""Laws written by hand."""
+"""Hand-written laws."""
 
 from __future__ import annotations
 
 
 class Trimmed:
-    """Adds a trim, and sums up what it gave."""
+    """Adds a trim, and sums up its outputs."""
 
     def __init__(self, *, trim: float, lag: int) -> None:
         self.trim = trim

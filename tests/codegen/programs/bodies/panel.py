@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Panel:
-    """Its button counts how often it was looked at."""
+    """Its button counts how often it was read."""
 
     def __init__(self, *, name: str, rate: int) -> None:
         self.name = name

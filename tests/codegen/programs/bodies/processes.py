@@ -1,4 +1,4 @@
-"""A process written by hand."""
+"""A hand-written process."""
 
 from __future__ import annotations
 

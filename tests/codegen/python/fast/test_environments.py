@@ -1,4 +1,4 @@
-"""Environments at ``-O1`` do what they do at ``-O0``, to the last bit, whatever their inputs and instants."""
+"""Environments at ``-O1`` behave as at ``-O0``, to the last bit, whatever their inputs and instants."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WITH_ENVIRONMENT = [
 
 
 def values(environment: Environment) -> dict[str, str]:
-    """What all signals have now."""
+    """The present values of all signals."""
     return {name: repr(signal.read()) for name, signal in environment.drivers.items() if hasattr(signal, "value")}
 
 

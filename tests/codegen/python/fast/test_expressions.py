@@ -117,7 +117,7 @@ class Drawn:
                 if type_.bits == 64:
                     array = SignalValue(type=TABLE, name="table")
                     index = self.expression(INT, depth)
-                    if isinstance(index, LiteralValue):  # the compiler has checked those
+                    if isinstance(index, LiteralValue):  # the compiler has checked these
                         index = SignalValue(type=INT, name="count")
                     return ElementValue(type=type_, operand=array, index=index)
                 return UnaryOperation(type=type_, operator="-", operand=self.expression(type_, depth))
@@ -197,7 +197,7 @@ def outcome(evaluate: Callable[..., Any], inputs: dict[str, Any]) -> tuple[str, 
 
 
 def printed(expression: Expression, names: PackageNames) -> str:
-    """Both texts, to be shown where they differ."""
+    """Both texts, shown if they differ."""
     plain = Printer(Imports(names, taken=SIGNALS), signal=signal)
     fast = FastPrinter(Imports(names, taken=SIGNALS), signal=signal, temporaries=Temporaries(Names(SIGNALS)))
     return f"\n{plain.print(expression).flat}\n{fast.print(expression).flat}"

@@ -1,4 +1,4 @@
-"""What the generator decides about a process: where its variables live, and whether it asks if it was cancelled."""
+"""What the generator decides about a process: where its variables are kept, and whether it checks for cancellation."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_only_processes_visible_after_a_cancellation_check_for_it(composition: s
 
 
 def test_a_block_of_which_only_a_comment_is_left_passes() -> None:
-    """A value that is written to nobody leaves nothing but its place."""
+    """A value that has no reader leaves nothing but its place."""
     assert lines([try_(Remark("p.csp:3  o ! 1"))]) == [
         "try:",
         "    # p.csp:3  o ! 1",
