@@ -1,4 +1,6 @@
-"""Arrays of instances cost as much for each element, however many there are: lines of Python are counted, not time."""
+"""Every element of an array of instances costs the same, however many there are: lines of Python are counted,
+not time.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,8 @@ from tests.support.verifying import answers_to
 NETWORKS = Path(__file__).parents[1] / "benchmarks" / "networks"
 FEW = 24
 MOST_GROWTH = 2.4
-"""By what the lines grow that another ``2 * FEW`` elements take, from those of another ``FEW``: 2 where each takes the
-same, 4 where each takes the more the more there are.
+"""The maximum ratio of the lines that another ``2 * FEW`` elements take to those of another ``FEW``: 2 if each takes
+the same, 4 if the cost of each grows with their number.
 """
 
 
@@ -41,7 +43,7 @@ def network(name: str, count: int) -> CoreNetwork:
 
 
 def growth(done: Callable[[int], Callable[[], object]]) -> float:
-    """How the lines grow; ``done`` prepares what is counted for a count of elements."""
+    """The ratio of growth; ``done`` prepares what is counted for a number of elements."""
     done(4)()  # what is imported or computed once
     first, second, third = (lines(done(count)) for count in (FEW, 2 * FEW, 4 * FEW))
     return (third - second) / (second - first)

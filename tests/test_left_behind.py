@@ -1,4 +1,4 @@
-"""What a test leaves behind fails it."""
+"""A test that leaves something behind fails."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ WORDS = {
 
 @pytest.fixture(scope="module")
 def complaints(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, str]:
-    """What pytest says of each of the tests, which run in one session."""
+    """The report of pytest for each of the tests, which run in one session."""
     folder = tmp_path_factory.mktemp("session")
     (folder / "conftest.py").write_text((ROOT / "tests/conftest.py").read_text())
     files = {f"test_{what.replace(' ', '_')}.py": what for what in TESTS}

@@ -1,4 +1,4 @@
-"""Mends: what is surely meant instead of what is wrong, as edits of the text."""
+"""Fixes: what is surely meant instead of what is wrong, as edits of the text."""
 
 from __future__ import annotations
 
@@ -77,7 +77,9 @@ MENDS = [
      PLAIN % "(given ? n -> skip [] after 1 ms -> skip) ; taken ! n"),
     ("E0122", f'import "{MAIN}"\n\nconst period = 1 ms\n', "const period = 1 ms\n"),
 ]  # fmt: skip
-"""Codes, programs with what they stand for, and the same mended; only what is wrong is not in the one style."""
+"""Codes, programs with a mistake, and the same programs fixed; apart from the mistake they are in the
+standard format.
+"""
 
 
 NOT_SURE = [
@@ -96,11 +98,11 @@ NOT_SURE = [
     PLAIN % "n += (n + 1) ; taken ! n",
     'driver D python "d.py:D {\n  out y : double\n}\n',
 ]
-"""What has no mend, because several are possible, or one that is not sure."""
+"""Programs without a fix, because several are possible, or the only one is not certain."""
 
 
 def mended(text: str) -> tuple[str, list[Diagnostic]]:
-    """A program after its mends, and what is left."""
+    """A program after its fixes, and the remaining diagnostics."""
 
     def read(path: str) -> SourceFile:
         raise FileNotFoundError(2, "no such file", path)

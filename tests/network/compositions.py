@@ -1,4 +1,4 @@
-"""Random compositions of communications on one port, with the relation of every two told by brute force."""
+"""Random compositions of communications on one port, with the relation of every two determined by brute force."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 @dataclass(frozen=True)
 class Leaf:
-    """A communication: ``?`` or ``!`` on the channel that is looked at."""
+    """A communication: ``?`` or ``!`` on the channel in question."""
 
     kind: str
 
@@ -37,7 +37,7 @@ def trees(kinds: str) -> st.SearchStrategy[Leaf | Node]:
 
 
 def text_of(tree: Leaf | Node, numbered: list[Leaf]) -> str:
-    """The composition as text; every leaf uses a variable of its own, so that only the channel is shared."""
+    """The composition as text; every leaf uses a variable of its own, so only the channel is shared."""
     if isinstance(tree, Leaf):
         numbered.append(tree)
         return f"c ? v{len(numbered) - 1}" if tree.kind == "?" else f"c ! {len(numbered)}"

@@ -1,4 +1,4 @@
-"""Puts texts through the passes up to the network, for the tests of this folder."""
+"""Runs texts through the passes up to the network, for the tests of this folder."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.literate import MAIN, check_files, describe
 
 
 def checked(text: str) -> Program:
-    """The program of a text that has no errors."""
+    """The program of a text without errors."""
     found = check_files({MAIN: text})
     assert found.program is not None, describe(found.report.diagnostics)
     assert not found.report.has_errors, describe(found.report.diagnostics)
@@ -38,7 +38,7 @@ def process(found: Network, name: str) -> ProcessClass:
 
 
 def shape_of(text: str, top: str = "Main") -> tuple[Shape, Analysis]:
-    """The shape of a process, after all passes; what they report is left alone."""
+    """The shape of a process, after all passes; their diagnostics are ignored."""
 
     def read(path: str) -> SourceFile:
         raise FileNotFoundError(path)

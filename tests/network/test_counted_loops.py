@@ -1,4 +1,6 @@
-"""A replicated ``seq`` of many turns is a loop, which counts where they differ by values; others are unrolled."""
+"""A replicated ``seq`` with many iterations is a counted loop if they differ only in values; other ones are
+unrolled.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +34,13 @@ process Main {{
 
 
 def codes(text: str) -> list[str]:
-    """What the checks say."""
+    """The diagnostics of the checks."""
     checked = pipeline.check(SourceFile(name="main.csp", text=text), read_source)
     return [diagnostic.code for diagnostic in checked.report.diagnostics]
 
 
 def first_step(body: str) -> Action:
-    """The action of a composition, before another."""
+    """The action of a composition, before another one."""
     first = process(network(MAIN.format(body=body)), "Main").body
     assert isinstance(first, SequentialSteps)
     return first.steps[0]

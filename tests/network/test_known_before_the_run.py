@@ -1,5 +1,5 @@
-"""What a program begins with is computed before it runs: a value that is none is an error of the program, and no fault
-of the run.
+"""What a program starts with is computed before it runs: a value that does not exist is an error of the program, not a
+fault of the run.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ process Main(k: int = 0) {{
 )
 @pytest.mark.parametrize("around", ["{}", "({}) catch Fault -> skip"])
 def test_constants_that_fault_in_a_run_are_not_errors(step: str, marked: str | None, around: str) -> None:
-    """They are faults where they stand, and said to be if nothing decides whether they are reached."""
+    """Such steps fault where they are, which is reported if nothing decides whether they are reached."""
     source = SourceFile(name="case.csp", text=STEPS.format(around.format(step)))
     report = pipeline.build(source, lambda _: source).checked.report
     assert not report.has_errors
@@ -191,21 +191,23 @@ def test_constants_that_fault_in_a_run_are_not_errors(step: str, marked: str | N
 
 
 def test_an_error_is_not_also_reported_as_a_fault() -> None:
-    """Coefficients stand in an equation, and are computed before the run."""
+    """Coefficients are in an equation, but are computed before the run."""
     text = LAW.format("y = delay(u, 1 / 0, int8(1))")
     source = SourceFile(name="case.csp", text=text)
     assert [d.code for d in pipeline.check(source, lambda _: source).report.diagnostics] == ["E0903"]
 
 
 def test_what_is_not_given_is_not_known() -> None:
-    """A process of a library may be given other values than its defaults, and one without a value has none."""
+    """A process of a library may be given other values than its defaults, and a parameter without a value has none."""
     text = PROCESS.format(" = 0", "var v : int8 = k + k", "k").replace("k: int8 = 100, word", "k: int8, word")
     source = SourceFile(name="case.csp", text=text)
     assert not pipeline.check(source, lambda _: source).report.has_errors
 
 
 def test_default_of_a_port_may_use_parameters() -> None:
-    """It has the values of the instance, whatever the parameters of the process around it are called."""
+    """A default is computed from the values of the instance, whatever the parameters of the process around it are
+    called.
+    """
     text = """
 process Inner(k: int) {
   in  u : int = 2 * k

@@ -94,7 +94,7 @@ process Main {
 
 
 def test_different_periods_are_lifted_as_far_as_needed() -> None:
-    """The shell inside the case has no parameter for it, nor has the case; the outermost process knows."""
+    """The shell inside the case has no parameter for the period, nor has the case; the outermost process knows it."""
     text = (
         FILTER
         + """

@@ -1,5 +1,5 @@
-"""Which process is the outermost one of a program without an environment: the same for proofs, runs, code
-and pictures.
+"""Which process is the outermost one of a program without an environment: the same for proofs, runs, code and
+pictures.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Sample periods from outside the text (``--set``) that are not longer than zero."""
+"""Sample periods from outside the text (``--set``) that are not positive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The relations that one walk finds are those that a comparison of every two communications finds."""
+"""The relations found in one traversal are those found by comparing every two communications."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ process Main {
 
 
 def test_an_instance_that_runs_at_several_places_keeps_its_end() -> None:
-    """``a`` runs beside ``b`` and later beside ``c``: no end is shared by two that run at the same time."""
+    """``a`` runs in parallel with ``b`` and later with ``c``: no end is shared by two that run at the same time."""
     shape, _ = shape_of("""
 submodel Law { in u : double  out y : double  y = u }
 process Main {

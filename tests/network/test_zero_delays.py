@@ -1,4 +1,4 @@
-"""Delays that are surely over at once take no time in any rule; what may last longer counts as waiting."""
+"""Delays that are certain to end immediately take no time in any rule; delays that may last longer count as waiting."""
 
 from __future__ import annotations
 

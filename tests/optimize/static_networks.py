@@ -1,9 +1,9 @@
 """Random networks of processes that communicate in a known order, as text: several rates, all kinds of channels,
 control laws, exits.
 
-A choreography comes first: what happens at each tick of a hyperperiod, in an order in which it can happen. Each process
-is then the sequence of what it takes part in, in a loop. Such a network cannot deadlock by a rendezvous in another
-order, but it may fault, and miss samples where it waits too long.
+A choreography is generated first: what happens at each tick of a hyperperiod, in a possible order. Each process is then
+the sequence of the communications in which it takes part, in a loop. Such a network cannot deadlock because of the
+order of rendezvous, but it may fault, and miss samples if it waits too long.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Member:
 
 @dataclass
 class Choreography:
-    """What is known of the whole network."""
+    """What is known about the network."""
 
     members: list[Member]
     relations: list[str] = field(default_factory=list)
@@ -71,7 +71,7 @@ def real(draw: st.DrawFn) -> str:
 
 @st.composite
 def static_networks(draw: st.DrawFn) -> str:
-    """A whole program with its environment ``Bench``."""
+    """An entire program with its environment ``Bench``."""
     members = [Member(f"Member{n}") for n in range(draw(st.integers(2, 5)))]
     network = Choreography(members)
     ticks = draw(st.sampled_from([1, 1, 2, 4, 6]))

@@ -1,4 +1,4 @@
-"""A network that a pass has broken is refused, with the name of the pass and of what is broken."""
+"""A network that a pass has broken is refused, with the name of the pass and of the broken part."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def network() -> Network:
 
 
 def each(kind: type, change: Callable[[Any], Any]) -> Callable[[Network], Network]:
-    """Every record of a kind changed."""
+    """The network with every record of a kind changed."""
     return lambda whole: rewritten(whole, lambda item: change(item) if isinstance(item, kind) else item)
 
 

@@ -1,4 +1,4 @@
-"""What moves up with a process that runs in sequence, and what does not move."""
+"""What moves up when a process that runs in sequence is flattened, and what does not."""
 
 from __future__ import annotations
 
@@ -89,7 +89,9 @@ process P{level}(n: int) {{
 
 
 def test_objects_created_with_a_process_depend_on_its_parameters_only() -> None:
-    """Arguments of instances and initial values of variables; what a run computes is a constant of the class."""
+    """These are arguments of instances and initial values of variables; what a run computes is a constant of
+    the class.
+    """
     network = flattened("""
 process Other(size: int) { out y : int  composition { mu (y ! size ; wait 1 ms) } }
 process Inner(size: int) {

@@ -1,4 +1,4 @@
-"""What is folded at compile time has the bits that it has when the program runs, and what faults is not folded."""
+"""What is folded at compile time has the same bits as at run time, and what faults is not folded."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs that become one process, programs that must not, and that both do what they did before."""
+"""Programs that become one process, programs that must not, and that both behave as before."""
 
 from __future__ import annotations
 
@@ -323,7 +323,7 @@ def test_program_is_fused(text: str) -> None:
 
 
 def test_random_static_networks() -> None:
-    """Most of them become one process, and all do what they did."""
+    """Most of them become one process, and all behave as before."""
     counts = {"all": 0, "fused": 0}
 
     @settings(max_examples=60, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))

@@ -1,5 +1,5 @@
-"""Laws that are computed in their process: what is left of their communication, also of laws with parts written by
-hand.
+"""Laws that are computed in their process: what remains of their communication, also for laws with
+hand-written parts.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Classes are cloned by what their ports are connected to, and say what targets need to know."""
+"""Classes are cloned by what their ports are connected to, and contain what targets need to know."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ process Main {
 
 
 def test_guards_are_seen_from_both_sides() -> None:
-    """The alternative is two processes below the channel's owner, its writer beside it."""
+    """The alternative is two processes below the owner of the channel, its writer is next to it."""
     network = lowered(
         SOURCE
         + """

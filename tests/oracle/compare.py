@@ -1,4 +1,4 @@
-"""One program, what cspdiag answers, and what is right."""
+"""Compares the answers of cspdiag for one program with the right ones."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Comparison:
 
 
 def contradiction(judgement: Judgement, answer: Answer) -> str:
-    """Why both cannot be right, or nothing."""
+    """Why both answers cannot be right; empty if they can."""
     steps = "\n".join(f"//   {step}" for step in answer.run)
     if judgement.verdict == "crashed":
         return "cspdiag fails: " + judgement.text
@@ -54,10 +54,10 @@ def contradiction(judgement: Judgement, answer: Answer) -> str:
 
 
 def judged(program: Program, printed: str, decide: Callable[[Program], Answer]) -> Outcome:
-    """cspdiag is asked after the oracle has answered, and not at all where it has none.
+    """Query cspdiag after the oracle has answered, and not at all if the oracle has no answer.
 
-    A proof is made at once or not; so it has little time where only a proof would be wrong. What is refuted and holds
-    with few values at the inputs is asked again with more.
+    A proof is found at once or not at all, so there is little time if only a proof would be wrong. If cspdiag refutes
+    what holds with few values at the inputs, the oracle tries again with more.
     """
     outcome = Outcome(text=printed, program=program)
     answer = decide(program)
@@ -77,7 +77,7 @@ def judged(program: Program, printed: str, decide: Callable[[Program], Answer]) 
 
 
 def with_values(program: Program, domain: tuple[int, ...]) -> Program:
-    """A program whose inputs of numbers have more values."""
+    """A program whose numeric inputs have more values."""
     ports = (
         replace(port, domain=domain) if port.input and port.domain and port.type == INT else port
         for port in program.ports
@@ -98,10 +98,11 @@ def _livelock(program: Program) -> Answer:
 
 
 def program_of(seed: int, *, inputs: bool) -> Program:
-    """A closed program, or one with inputs; about one in six asks for the present instant, and one in five has nested
+    """A closed program, or one with inputs; about one in six uses the present instant, and one in five has nested
     interrupts that meet.
 
-    Those that ask have no laws: proofs let a law compute as long as may be, and here it takes no time.
+    Those that use the present instant have no laws: in proofs a law may compute for any time, and here it takes no
+    time.
     """
     if is_nested(seed):
         return nested(seed, inputs=inputs, sampled=inputs)
@@ -114,7 +115,7 @@ def program_of(seed: int, *, inputs: bool) -> Program:
 
 
 def _counted_apart(outcome: Outcome) -> Outcome:
-    """What is answered to programs that ask for the present instant, or have nested interrupts, is counted besides."""
+    """Answers for programs that use the present instant, or have nested interrupts, are also counted separately."""
     if outcome.program is not None and "nested" in outcome.program.tags:
         outcome.counted += [f"nested: {name}" for name in outcome.counted]
         outcome.counted += ["nested"] + ["nested: wrong"] * bool(outcome.wrong)
@@ -152,7 +153,7 @@ def _schedulable(case: Case) -> Outcome:
 
 
 def _trace(case: Case) -> Outcome:
-    """Both ways to run Python, and one program in twenty in C, which has to be compiled."""
+    """Both levels of Python, and for one program in twenty C, which has to be compiled."""
     if case.seed % 3:
         program = replace(program_of(case.seed, inputs=case.seed % 3 == 1), step=500_000)
     else:

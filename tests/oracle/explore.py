@@ -15,7 +15,7 @@ from tests.oracle.programs.tree import Law, Port, Program, Value
 
 
 class Chooser:
-    """Answers what is left open from a list, and notes how many answers there were."""
+    """Takes the answers to open questions from a list, and records how many answers each had."""
 
     def __init__(self, free: bool, wcet: bool, general: bool, fine: bool) -> None:
         self.fine = fine
@@ -54,7 +54,9 @@ class Chooser:
         return others[chosen - 1] if chosen else None
 
     def before(self, port: Port) -> Value | None:
-        """It comes when it is looked for, or when somebody waits for it: when else makes no difference."""
+        """An event arrives when it is checked for, or when something waits for it: at any other time it makes no
+        difference.
+        """
         if not self.anytime:
             return None
         chosen = self.choose(len(port.domain) + 1)
@@ -74,13 +76,13 @@ class Chooser:
 @dataclass(slots=True)
 class Edge:
     to: int
-    passes: bool  # time goes on
+    passes: bool  # time advances
     made: tuple[tuple[str, Value, bool], ...]
     what: str
-    written: tuple[tuple[str, Value], ...] = ()  # to external outputs, also to those that are latched
-    moved: frozenset[Tid] = frozenset()  # the threads that went on
+    written: tuple[tuple[str, Value], ...] = ()  # to external outputs, including latched ones
+    moved: frozenset[Tid] = frozenset()  # the threads that moved on
     visible: tuple[tuple[str, Value], ...] = ()  # reads and writes at external ports, in their order
-    outside: bool = False  # the environment offers an event, or time goes on; nobody ran
+    outside: bool = False  # the environment offers an event, or time advances; no thread ran
 
     @property
     def silent(self) -> bool:
@@ -102,7 +104,7 @@ class Graph:
     complete: bool = True  # otherwise it was too large
 
     def path(self, index: int) -> list[str]:
-        """What is done from the start to a state."""
+        """The steps from the start to a state."""
         steps: list[str] = []
         while (parent := self.parents[index]) is not None:
             index, edge = parent
@@ -122,9 +124,9 @@ def explore(
 ) -> Graph:
     """The states that can be reached, at most `limit` of them.
 
-    `free`: any ready process of the highest priority may run, and any ready guard of `[]` be taken; otherwise as the
-    page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute for
-    no time, for their longest or half of it. `general`: the environment offers what it will.
+    `free`: any ready process of the highest priority may run, and any ready guard of `[]` may be chosen; otherwise as
+    the page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute
+    for no time, their longest time or half of it. `general`: the environment may offer anything.
     """
     linked = link(program)
     chooser = Chooser(free, wcet, general, fine)
@@ -192,7 +194,7 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
 
 
 def _events(machine: Machine, st: State, awaited: set[str]) -> Iterator[tuple[State, Edge]]:
-    """Where the environment has no grid, any event may come at any time."""
+    """Without a grid of the environment, any event may arrive at any time."""
     for port in machine.linked.program.ports:
         for value in port.domain if port.input and port.period is None and port.name in awaited else ():
             if st.events.get(port.name) != value:
@@ -212,7 +214,7 @@ def _name(tid: tuple[tuple[int, int], ...]) -> str:
 
 
 def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) -> Hashable:
-    """What two states have in common from which the same runs begin: times count from now, arrivals by their order."""
+    """A key that is equal for states from which the same runs begin: times count from now, arrivals by their order."""
     if st.ended is not None:
         return st.ended
     seqs: set[int] = set()

@@ -1,8 +1,8 @@
-"""Hunts for wrong answers: random programs, cspdiag as a black box, and what the explorer says.
+"""Hunts for wrong answers: random programs, cspdiag as a black box, and the answer of the explorer.
 
     python -m tests.oracle.hunt --property deadlock --count 1000 --seed 0
 
-An answer is wrong if it is PROVED and a run of the program fails, or REFUTED and all runs were looked at and none
+An answer is wrong if it is PROVED and a run of the program fails, or REFUTED although all runs were explored and none
 fails.
 """
 
@@ -30,7 +30,7 @@ class Report:
 
 
 def hunt(name: str, seeds: Iterator[int] | range, *, loud: bool = False, until: float = float("inf")) -> Report:
-    """Compares on programs made from seeds."""
+    """Compare on programs generated from seeds."""
     report = Report(Counter(), [])
     comparison = COMPARISONS[name]
     for seed in seeds:

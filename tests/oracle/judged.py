@@ -1,4 +1,4 @@
-"""cspdiag as a black box: what it answers to a text."""
+"""cspdiag as a black box: its answer for a text."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Output:
 
 
 def command(*arguments: str) -> Output:
-    """One command, in this process, which saves the time of starting one."""
+    """Run a command in this process, which saves the time of starting one."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
@@ -34,7 +34,7 @@ def command(*arguments: str) -> Output:
 
 
 def alone(*arguments: str) -> Output:
-    """One command in a process of its own, which is ended if it takes longer than a minute: native runs may hang."""
+    """Run a command in a process of its own, which is killed if it takes longer than a minute: native runs may hang."""
     with subprocess.Popen(
         [sys.executable, "-m", "cspdiag", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as child:
@@ -93,7 +93,7 @@ def run(text: str, until: str, *options: str) -> RunOutput | None:
 
 
 def ending(summary: str) -> str:
-    """How a run ended, from the sentence that says so."""
+    """How a run ended, according to the sentence that reports it."""
     raised = re.search(r"ended unsuccessfully at [^:]*: (\w+)", summary)
     if raised:
         return raised.group(1)

@@ -1,5 +1,5 @@
 """The one run of a program in the environment that is printed with it: the trace that every implementation
-must give.
+must have.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class PageRun:
 
 
 def page_run(program: Program, until: int, steps: int = 20000) -> PageRun:
-    """Runs up to and including an instant; `too long` where more than so many steps are needed."""
+    """Run up to and including an instant; `too long` if more steps than the limit are needed."""
     listening = _Listening()
     machine = Machine(link(program), listening)
     st = machine.start()

@@ -1,4 +1,4 @@
-"""What holds of a program: deadlock free, livelock free, terminates, schedulable."""
+"""Properties of a program: deadlock free, livelock free, terminates, schedulable."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.oracle.stuck import stuck, waits_for_others
 
 @dataclass
 class Answer:
-    """`holds` is None where the exploration was too large, and nothing was found in what was seen of it."""
+    """`holds` is None if the exploration was too large, and nothing was found in the explored part."""
 
     holds: bool | None
     run: list[str] = field(default_factory=list)
@@ -44,7 +44,7 @@ def deadlock_free(graph: Graph) -> Answer:
 
 
 def _for_ever(graph: Graph) -> list[bool]:
-    """By state: whether somebody waits there for others, and never goes on in any run from there."""
+    """For each state: whether some thread waits there for others, and never continues in any run from there."""
     before: list[list[int]] = [[] for _ in graph.states]
     moves: list[set[Tid]] = [set() for _ in graph.states]
     for index, edges in enumerate(graph.edges):
@@ -80,7 +80,9 @@ def terminates(graph: Graph) -> Answer:
 
 
 def _own_steps(graph: Graph) -> list[list[int]]:
-    """The steps of the program, each with what came from outside before: who waits for that gets it at last."""
+    """The steps of the program, each after any number of arrivals from outside: whatever waits for these gets them in
+    the end.
+    """
     reached: list[list[int]] = []
     for index in range(len(graph.states)):
         seen, todo = {index}, [index]
@@ -94,7 +96,7 @@ def _own_steps(graph: Graph) -> list[list[int]]:
 
 
 def schedulable(graph: Graph) -> Answer:
-    """No sample is overwritten untaken, whether or not the process ever finds that at a read."""
+    """No sample is overwritten before it is taken, whether or not the process ever notices that at a read."""
     for index, st in enumerate(graph.states):
         if st.timeout:
             return _found(graph, index, f"`Timeout` at {st.now} ns")
@@ -105,7 +107,9 @@ def schedulable(graph: Graph) -> Answer:
 
 
 def on_cycle(edges: list[list[int]]) -> int | None:
-    """A state of a cycle, if there is one: what is left when states without a successor that is left are taken away."""
+    """A state of a cycle, if there is one: what remains when states without a remaining successor are removed
+    repeatedly.
+    """
     before: list[list[int]] = [[] for _ in edges]
     count = [len(each) for each in edges]
     for index, each in enumerate(edges):
@@ -122,7 +126,7 @@ def on_cycle(edges: list[list[int]]) -> int | None:
                 free.append(previous)
     if not left:
         return None
-    # Every state that is left leads to another one; so going on from the first ends in a cycle.
+    # Every remaining state leads to another one, so following them from the first ends in a cycle.
     seen: set[int] = set()
     at = min(left)
     while at not in seen:

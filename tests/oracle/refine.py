@@ -2,8 +2,8 @@
 failures.
 
 The specification may run its parallel processes communication by communication, in any order; times count in either,
-but in the sequences they do not. What the environment offers comes from the domains of the ports, at any time. Ports
-that the specification does not have are hidden.
+but not in the sequences. What the environment offers is from the domains of the ports, at any time. Ports that the
+specification does not have are hidden.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Event = tuple[str, object]
 
 
 def refines(program: Program, specification: Program, *, failures: bool = False, limit: int = 6000) -> Answer:
-    """Refinement at the ports of the specification: of traces, or of stable failures besides."""
+    """Refinement at the ports of the specification: of traces, or also of stable failures."""
     common = {port.name for port in program.ports} & {port.name for port in specification.ports}
     theirs = explore(specification, limit=limit, fine=True)
     if not theirs.complete:
@@ -69,12 +69,12 @@ def _end(ours: Graph, at: int, theirs: Graph, allowed: frozenset[int]) -> str:
 
 
 def accepted(graph: Graph, index: int, common: set[str]) -> set[str] | None:
-    """The inputs of which a program at rest takes an event; None where it goes on by itself, or has ended."""
+    """The inputs at which a program at rest takes an event; None if it continues by itself, or has ended."""
     st = graph.states[index]
     if st.ended is not None or graph.machine.candidates(st) or graph.machine.clock.dues(st) or st.latches:
         return None
     found = graph.machine.awaited(st) & graph.linked.ports.keys()
-    return found if found <= common else None  # what comes to hidden ports is not waited for
+    return found if found <= common else None  # what arrives at hidden ports is not waited for
 
 
 def _within(graph: Graph, index: int, inputs: set[str], common: set[str]) -> bool:
@@ -85,7 +85,7 @@ def _within(graph: Graph, index: int, inputs: set[str], common: set[str]) -> boo
 def _mixed(program: Program) -> bool:
     """Whether a program may write an output or do something else instead.
 
-    While a process writes it is not at rest, and so the page does not say what it refuses there.
+    While a process writes it is not at rest, so the page does not say what it refuses then.
     """
     outputs = {port.name for port in program.ports if not port.input}
 

@@ -1,4 +1,4 @@
-"""Steps of the programs that tests of the oracle write down."""
+"""Steps of the programs that are written in tests of the oracle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Who waits forever: the greatest set of threads of which every possible partner is in the set, or has ended."""
+"""Which threads wait forever: the greatest set of threads of which every possible partner is in the set, or
+has ended.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,7 @@ def future(linked: Linked, thread: Thread) -> tuple[frozenset[End], bool]:
 
 
 def _whole(linked: Linked, thread: Thread) -> frozenset[End]:
-    """Every end that a thread uses anywhere, also where it never comes again."""
+    """Every end that a thread uses anywhere, including places that it does not reach again."""
     if not thread.tid:
         return linked.root.uses
     number, branch = thread.tid[-1]
@@ -44,12 +46,13 @@ def _whole(linked: Linked, thread: Thread) -> frozenset[End]:
 
 
 def stuck(linked: Linked, st: State, *, runs_on: bool = False) -> dict[Tid, Thread]:
-    """The threads that never go on, in the state that was reached; without those that only wait at `stop`.
+    """The threads that never continue, in the state that was reached, without those that only wait at `stop`.
 
-    `runs_on`: one that waits for a partner which runs on, but never again comes to what is waited for, is in no knot.
+    `runs_on`: a thread that waits for a partner which runs on, but never again reaches what is waited for, is not in a
+    knot.
 
-    Nothing is said of those that halt at `stop` and for which nobody waits but their parents. An exception that another
-    process may raise is a way out; a missed sample and a fault are none.
+    Threads that halt at `stop` and for which only their parents wait are left out. An exception that another process
+    may raise ends the waiting; a missed sample or a fault is not counted on.
     """
     if st.ended is not None:
         return {}
@@ -77,7 +80,9 @@ def stuck(linked: Linked, st: State, *, runs_on: bool = False) -> dict[Tid, Thre
 
 
 def waits_for_others(thread: Thread) -> bool:
-    """Not at `stop`, and not at an alternative of which no condition held, which is as good as `stop`."""
+    """Whether it waits neither at `stop` nor at an alternative without a true condition, which is equivalent
+    to `stop`.
+    """
     return isinstance(thread.wait, Joint) or (isinstance(thread.wait, Choice) and bool(thread.wait.offers))
 
 

@@ -1,4 +1,4 @@
-"""The trace of one program: what every target makes of it, against the one run of the page."""
+"""The trace of one program: that of every target compared with the one run of the page."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def by_channel(trace: Trace) -> dict[str, list[tuple[int, object]]]:
 
 
 def difference(expected: Trace, given: Trace, external: set[str]) -> str:
-    """Where two traces differ: in what passes one channel, or in the order of the external ports."""
+    """Where two traces differ: in the values of one channel, or in the order of the external ports."""
     one, other = by_channel(expected), by_channel(given)
     for channel in sorted(one.keys() | other.keys()):
         here, there = one.get(channel, []), other.get(channel, [])
@@ -39,7 +39,7 @@ def difference(expected: Trace, given: Trace, external: set[str]) -> str:
 
 
 def compare_traces(program: Program, until: int, targets: tuple[str, ...]) -> tuple[list[str], str]:
-    """What is counted, and the first difference."""
+    """The outcome to count, and the first difference."""
     expected = page_run(program, until)
     if expected.ending == "too long":
         return ["too large"], ""

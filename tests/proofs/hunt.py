@@ -1,7 +1,7 @@
-"""``python -m tests.proofs.hunt --random 20000``: every proof method against the plain interpretation, on random
+"""``python -m tests.proofs.hunt --random 20000``: every proof method compared with the plain interpretation, on random
 systems.
 
-Prints each wrong answer with the seed that makes its system, and how often each method answered; ends with 1 if an
+Prints each wrong answer with the seed of its system, and how often each method answered; the exit code is 1 if an
 answer was wrong.
 """
 
@@ -31,7 +31,7 @@ Condition: TypeAlias = Callable[[System, naive.State], bool]
 
 @dataclass(frozen=True)
 class Question:
-    """A property, the states that refute it, and who answers. ``exact`` engines may not answer that they do
+    """A property, the states that refute it, and the engines that answer. ``exact`` engines may not answer that they do
     not know.
     """
 
@@ -42,7 +42,7 @@ class Question:
 
 
 def engine_of(prove: Callable[[System, Limits, Sequence[Method]], Verdict], *methods: Method) -> Engine:
-    """The engine that uses some methods of the portfolio only."""
+    """The engine that uses only some methods of the portfolio."""
     return lambda system, limits: prove(system, limits, methods)
 
 
@@ -95,13 +95,13 @@ def wrong(question: Question, system: System, holds: bool, verdict: Verdict, *, 
 
 
 def system_of(seed: int) -> System:
-    """Plain random systems and networks of each of the forms in turn."""
+    """Plain random systems, and networks of each of the forms in turn."""
     form = (None, *FORMS)[seed % (1 + len(FORMS))]
     return random_system(seed) if form is None else random_network(seed, form=form)
 
 
 def ask(seed: int, said: Counter[tuple[str, str, str]]) -> list[str]:
-    """Ask every method about the system of a seed and count what they say. Returns the wrong answers."""
+    """Apply every method to the system of a seed and count the answers. Returns the wrong answers."""
     found: list[str] = []
     system = system_of(seed)
     states = [state for layer in naive.layers(system) for state in layer]
@@ -118,7 +118,7 @@ def ask(seed: int, said: Counter[tuple[str, str, str]]) -> list[str]:
 
 
 def main() -> int:
-    """Hunt as the command line says; Ctrl-C ends it with what was found so far."""
+    """Hunt as the command line says; Ctrl-C ends the hunt and prints what was found so far."""
     parser = argparse.ArgumentParser(prog="python -m tests.proofs.hunt")
     parser.add_argument("--random", type=int, default=2000, metavar="N", help="how many systems (default: 2000)")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default: 0)")

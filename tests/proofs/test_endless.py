@@ -18,7 +18,7 @@ from tests.proofs.systems.naive import replay
 
 
 def chatter(kind: EventKind) -> System:
-    """Two that talk forever after a greeting, one of them with a third event in its loop."""
+    """Two processes that communicate forever after a greeting, one of them with a third event in its loop."""
     one = Machine("one", {"first": [("greet", "talks")], "talks": [("talk", "looks")], "looks": [("look", "talks")]})
     other = Machine("other", {"first": [("greet", "talks")], "talks": [("talk", "talks")]})
     return compose([one, other], kinds={"look": kind})
@@ -50,7 +50,7 @@ def test_a_loop_with_a_visible_communication_is_not_a_livelock() -> None:
 
 
 def test_a_loop_that_cannot_be_reached_needs_all_states() -> None:
-    """Both could turn round together, but the third never lets them begin."""
+    """Both could repeat together, but the third never lets them begin."""
     turns = [cycle(name, "turn", "back") for name in ("one", "other")]
     locked = [Machine(machine.name, {"before": [("open", "0")], **machine.table}) for machine in turns]
     system = compose([*locked, Machine("third", {"shut": [("knock", "shut")], "never": [("open", "never")]})])
@@ -126,7 +126,7 @@ def test_a_question_that_reaches_a_limit_is_unknown(question: type) -> None:
 
 @pytest.mark.parametrize("question", [livelock_free, terminates])
 def test_the_clock_is_checked_repeatedly(question: type, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Every look takes a second.
+    # Every check of the time takes a second.
     monkeypatch.setattr(verdict, "time", SimpleNamespace(monotonic=count().__next__))
     answer = question(compose_hidden(known.io_par_ring(12)), Limits(seconds=100.0))
     assert isinstance(answer, Unknown)

@@ -1,5 +1,5 @@
-"""Compositional minimization proves large networks with few states at a time, and never loses a livelock or
-a deadlock.
+"""Compositional minimization proves large networks with few states at a time, and never loses a livelock or a
+deadlock.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""The methods together: the first that knows answers, refutations come with a trace that can be followed."""
+"""The methods together: the first that knows the answer gives it, and refutations come with a trace that can be
+followed.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ from tests.proofs.systems.random_systems import random_system
 
 @pytest.mark.parametrize("number", [4, 6, 8])
 def test_philosophers_are_refuted_by_a_shortest_trace(number: int) -> None:
-    # Without the two events that philosophers have for themselves the known lengths are 8, 12, 16 as well.
+    # Without the two events in which only philosophers take part, the known lengths are 8, 12, 16 as well.
     system = known.philosophers(number)
     verdict = prove_deadlock_free(system, Limits())
     assert isinstance(verdict, Refuted)
@@ -108,7 +110,7 @@ def test_every_method_looks_at_the_clock_again_and_again(
     method: Method, together: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("pysat")
-    # Every look takes a second.
+    # Every check of the time takes a second.
     clock = SimpleNamespace(monotonic=count().__next__)
     monkeypatch.setattr(verdict, "time", clock)
     prove = prove_deadlock_free if together else prove_knot_free

@@ -1,6 +1,4 @@
-"""Which constructs of the language a program has: what random programs have to contain, some of them at least, and what
-shrunk ones are told by.
-"""
+"""The constructs of a program: random programs have to contain all of them, and shrunk ones are described by them."""
 
 from __future__ import annotations
 
@@ -27,7 +25,7 @@ PREDEFINED = ("Fault", "Timeout")
 
 
 def constructs(network: Network) -> set[str]:
-    """The names of all constructs of a network that has been through no pass."""
+    """The names of all constructs in a network before any pass."""
     found = {f"on miss {environment.on_miss}" for environment in network.environments}
     if network.constants:
         found.add("named constant")
@@ -159,7 +157,7 @@ def _guard(branch: act.Branch) -> str:
 
 
 def _inside(action: act.Action) -> tuple[act.Action, ...]:
-    """The actions directly inside, but for those after guards."""
+    """The actions directly inside, except those after guards."""
     match action:
         case act.SequentialSteps(steps=steps) | act.ParallelSteps(steps=steps):
             return steps
@@ -176,7 +174,7 @@ def _inside(action: act.Action) -> tuple[act.Action, ...]:
 
 
 def _own_parts(action: act.Action) -> Iterator[object]:
-    """The records of an action that are in no action inside it."""
+    """The records of an action that are not in another action inside it."""
     for name in field_names(action):
         value = getattr(action, name)
         if name == "branches":
@@ -202,7 +200,7 @@ def _expression(part: object) -> Iterator[str]:
 
 
 def _guarded_media(network: Network) -> Iterator[str]:
-    """Which kinds of channels alternatives and interrupts wait at, on which side."""
+    """The kinds of channels at which alternatives and interrupts wait, and on which side."""
     for entry in network.classes:
         if not isinstance(entry, ProcessClass):
             continue

@@ -11,11 +11,11 @@ from tests.properties.programs import programs
 
 
 def draw_programs(look: Callable[[str], None], count: int, start: int | None = None, *, shrink: bool = True) -> None:
-    """Hands so many programs to ``look``; what that raises ends the search, with ``shrink`` at the smallest program for
-    which it does, which may take minutes.
+    """Pass ``count`` programs to ``look``. An exception of it ends the search, with ``shrink`` at the smallest program
+    that raises one, which may take minutes.
 
     Programs of one start resemble each other: several starts with few programs each show more than one with many.
-    Without ``start`` they are other ones each time.
+    Without ``start``, they are different ones each time.
     """
 
     @settings(

@@ -67,7 +67,7 @@ SHARED = ("y1", "y2", "y3", "pose", "turn")
 
 @dataclass
 class Relation:
-    """Sources (``leaf0.o1``, or a port), what stands in the middle of the arrow, and sinks."""
+    """Sources (``leaf0.o1``, or a port), the middle of the arrow, and sinks."""
 
     sources: list[str]
     middle: str
@@ -138,7 +138,7 @@ class Composite:
     """An instance that must not run twice: it communicates with itself through what others share."""
 
     def lines(self, draw: st.DrawFn, ports: Sequence[str], name: str) -> list[str]:
-        """Its definition."""
+        """The definition of the process."""
         return [
             f"process {name} {{", *ports, "  communication {",
             *(f"    {instance} : {definition}" for instance, definition in self.instances.items()),
@@ -148,7 +148,7 @@ class Composite:
 
 
 def grouped(draw: st.DrawFn, whole: Composite, leaves: Sequence[Leaf]) -> list[str]:
-    """Puts some of the leaves into a process of their own; its definition."""
+    """Put some of the leaves into a process of their own; returns its definition."""
     inside = list(draw(st.permutations(range(len(leaves)))))[: draw(st.integers(1, len(leaves) - 1))]
     members = {f"leaf{index}": leaves[index] for index in sorted(inside)}
     group = Composite({name: whole.instances.pop(name) for name in members}, [])
@@ -180,7 +180,7 @@ def grouped(draw: st.DrawFn, whole: Composite, leaves: Sequence[Leaf]) -> list[s
 
 @st.composite
 def encounters(draw: st.DrawFn) -> str:
-    """A whole program with its environment ``Bench``."""
+    """An entire program with its environment ``Bench``."""
     leaves = [Leaf(f"Leaf{i}") for i in range(draw(st.integers(2, 4)))]
     relations = connect(draw, leaves)
     for leaf in leaves:

@@ -139,7 +139,7 @@ class LawForm:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     sampled: bool = False
-    """Whether it has to know its sample period."""
+    """Whether it needs to know its sample period."""
 
 
 ONE = ("a",), ("p",)
@@ -166,4 +166,4 @@ LAWS = (
     LawForm("Mixed", ("a[0]", "a[1]"), ("p[0]", "p[1]")),
     LawForm("Mixed", ("a[1]", "a[0]"), ("p[1]", "p[0]")),
 )
-"""From the simplest, to which failures shrink."""
+"""From the simplest one, to which failures shrink."""

@@ -42,7 +42,7 @@ class Leaf:
     """Inputs that are connected to nothing, with their values."""
 
     def fresh(self, stem: str) -> str:
-        """A name that nothing else has."""
+        """A name that is not used yet."""
         self.numbers += 1
         return f"{stem}{self.numbers}"
 
@@ -68,7 +68,7 @@ class Part:
         return [name for name, type_ in self.leaf.parameters.items() if type_ == kind]
 
     def without(self, *ports: str) -> Part:
-        """The same without some ports."""
+        """The same part without some ports."""
         return Part(self.leaf, [p for p in self.ports if p not in ports], self.units, self.suffix, self.used)
 
 
@@ -86,7 +86,7 @@ INSTANTS = ("0 ms", "1 ms", "5 ms", "12300 us", "now", "now + 1 ms", "now + 2 ms
 
 
 def guard(draw: st.DrawFn, part: Part, free: list[str], *, watching: bool = False) -> tuple[str, str | None]:
-    """A guard, and what the guarded process has to begin with; takes the port that it uses out of ``free``."""
+    """A guard, and what the guarded process has to begin with; removes the port that it uses from ``free``."""
     condition = f"when {value(draw, part, 'bool', 1)} & " if draw(st.integers(0, 2)) == 0 else ""
     if not watching and draw(st.integers(0, 11)) == 0:
         return f"{condition}skip", None
@@ -214,7 +214,7 @@ def loop(draw: st.DrawFn, part: Part, kind: str, depth: int) -> str:
 
 
 def interrupted(draw: st.DrawFn, part: Part, depth: int) -> str:
-    """A body that is interrupted through a port that it does not use itself, or after a while."""
+    """A body that is interrupted through a port that it does not use itself, or after some time."""
     inputs = [p for p in part.ports if draw(st.booleans())]
     free = list(inputs[:1])
     watching = Part(part.leaf, free, [], part.leaf.fresh("_"), part.used)
@@ -225,12 +225,12 @@ def interrupted(draw: st.DrawFn, part: Part, depth: int) -> str:
 
 
 def _period(leaf: Leaf, port: str) -> str | None:
-    """That of a port, whatever its offset; None without one."""
+    """The period of a port, whatever its offset; None if it has none."""
     return leaf.periods[port].partition(" offset")[0] if port in leaf.periods else None
 
 
 def add_law(draw: st.DrawFn, leaf: Leaf, free: list[str]) -> None:
-    """A control law between inputs and outputs of one period, which it takes out of ``free``."""
+    """A control law between inputs and outputs of one period, which it removes from ``free``."""
     doubles = [p for p in free if leaf.ports[p] == ("in", "double")]
     if not doubles:
         return
@@ -250,7 +250,7 @@ def add_law(draw: st.DrawFn, leaf: Leaf, free: list[str]) -> None:
 
 
 def add_processes(draw: st.DrawFn, leaf: Leaf, free: list[str], depth: int) -> None:
-    """A unit of processes that run one after the other, with some of the ports, which it takes out of ``free``."""
+    """A unit of processes that run one after the other, with some of the ports, which it removes from ``free``."""
     ports = [port for port in free if draw(st.booleans())]
     most = 1 if leaf.alone & set(ports) else 2
     classes = [_inner(draw, leaf, ports) for _ in range(draw(st.integers(1, most)))]
@@ -285,7 +285,7 @@ def _inner(draw: st.DrawFn, leaf: Leaf, ports: list[str]) -> Leaf:
 
 
 def add_parameters(draw: st.DrawFn, leaf: Leaf) -> None:
-    """Parameters of a process, and inputs that nobody connects."""
+    """Parameters of a process, and inputs that remain unconnected."""
     for kind in draw(st.lists(st.sampled_from(["int", "double", "bool", "Mode", "time"]), max_size=2)):
         leaf.parameters[leaf.fresh("k")] = kind
     if draw(st.integers(0, 3)) == 0:

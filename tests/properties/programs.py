@@ -63,7 +63,7 @@ class Leaf:
     law: bool = False
     """Whether a submodel reads ``sample_in`` and writes ``sample_out``."""
     turns: int | None = None
-    """In a calm program: every process communicates in the order of the channels, this often."""
+    """In a calm program: every process communicates in the order of the channels, this many times."""
 
 
 def value(draw: st.DrawFn, kind: str, depth: int = 2) -> str:
@@ -93,13 +93,13 @@ def value(draw: st.DrawFn, kind: str, depth: int = 2) -> str:
 
 
 def number(statement: str) -> int:
-    """The number of the channel that a statement communicates over, to order statements by."""
+    """The number of the channel over which a statement communicates, by which statements are ordered."""
     digits = "".join(character for character in statement.partition(" ")[0] if character.isdigit())
     return int(digits) if digits and statement[0] in "io" else 99
 
 
 def use_inputs(draw: st.DrawFn, leaf: Leaf) -> list[str]:
-    """Statements that read every input, one by one or by an alternative."""
+    """Statements that read every input, one by one or in an alternative."""
     plain = {name: kind for name, kind in leaf.inputs.items() if not (leaf.law and name == "sample_in")}
     if leaf.turns is not None:
         return [f"{name} ? v_{kind}" for name, kind in plain.items() if name != "button"]
@@ -156,7 +156,7 @@ def body(draw: st.DrawFn, leaf: Leaf) -> str:
 
 
 def calm_body(draw: st.DrawFn, leaf: Leaf, steps: list[str]) -> str:
-    """A loop over the channels in their order, so that the rendezvous of all processes fit together."""
+    """A loop over the channels in their order, so the rendezvous of all processes fit together."""
     if "button" in leaf.inputs:
         button = f"((button ? v_int -> {small_step(draw)}) []> (after 1 ms -> skip))"
         steps = [*steps, button]
@@ -212,7 +212,7 @@ def leaf_text(draw: st.DrawFn, leaf: Leaf) -> str:
 
 @st.composite
 def programs(draw: st.DrawFn) -> str:
-    """A whole program with its environment ``Bench``."""
+    """An entire program with its environment ``Bench``."""
     turns = draw(st.none() | st.integers(1, 6))
     leaves = [Leaf(f"Leaf{i}", turns=turns) for i in range(draw(st.integers(2, 4)))]
     relations: list[str] = []

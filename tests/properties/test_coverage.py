@@ -47,7 +47,7 @@ WANTED = {
         "floor", "ceil", "round", "quantize", "deadzone")),
     *(f"{operator} on int" for operator in ("+", "-", "*", "/", "%", "^", "==", "<")),
 }  # fmt: skip
-"""Constructs as ``constructs`` calls them."""
+"""Constructs under the names that ``constructs`` uses."""
 
 NESTED = {f"{inner} in {outer}" for inner, outer in product(OPERATORS, OPERATORS)}
 

@@ -1,6 +1,6 @@
 """Values that random programs compute with: types, and expressions of each type, as text.
 
-What can fault is rare, and sometimes does: whole numbers overflow, divisors are zero, indexes are out of range.
+Faults are rare, but occur: whole numbers overflow, divisors are zero, indexes are out of range.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ INITIAL = {
     "time": "1 ms", "Mode": "Mode.idle", "Pose": "Pose(x = 0.0, n = 1)", "int[3]": "[1, 2, 3]",
     "Box": "Box(pose = Pose(x = 0.5, n = 0), marks = [4, 5, 6])",
 }  # fmt: skip
-"""The types that values have, with what variables begin with."""
+"""The types of values, with the initial values of variables."""
 
 LITERALS = {
     "int": ["0", "1", "7", "-3", "width"],
@@ -48,7 +48,7 @@ LITERALS = {
 }
 
 PRESENT = {"time": ["now"]}
-"""What has a value while a program runs only."""
+"""Expressions that have a value only while a program runs."""
 
 FORMS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
     "int": [
@@ -97,7 +97,7 @@ FORMS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
 
 
 class Variables(Protocol):
-    """Where expressions have their variables from."""
+    """The variables that expressions may use."""
 
     def variable(self, kind: str) -> str:
         """The variable of a type."""
@@ -121,7 +121,7 @@ def value(draw: st.DrawFn, part: Variables, kind: str, depth: int = 2) -> str:
     form, kinds = draw(st.sampled_from(FORMS[kind]))
     inner = [value(draw, part, k, depth - 1) for k in kinds]
     if not form.startswith("(if"):
-        # A member is taken of a variable; and a constant that is out of range, or divided by zero, would be refused.
+        # Only a member of a variable is used, because a constant out of range, or divided by zero, would be refused.
         inner[0] = part.variable(kinds[0])
     if form[4:5] in ("/", "%"):
         inner[1] = part.variable(kinds[1])

@@ -1,4 +1,4 @@
-"""What any text must get: diagnostics at places of the text, or code for every target, and neither takes forever."""
+"""What every text must get: diagnostics at places of the text, or code for every target, both within a time limit."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from cspdiag.syntax.format.formatter import format_tree
 from tests.support.alarm import alarm_after
 
 PATIENCE = 120
-"""Seconds of computing after which a text is taken to have no answer; the largest needs about one."""
+"""Seconds of computing after which a text is taken to have no answer; the largest one needs about one second."""
 
 
 class NoAnswerError(Exception):
-    """A text kept the compiler busy for longer than anybody waits."""
+    """A text kept the compiler busy for longer than any user waits."""
 
 
 @contextmanager
 def limited_computing() -> Iterator[None]:
-    """Raise NoAnswerError where the block computes for longer than PATIENCE."""
+    """Raise NoAnswerError if the block computes for longer than PATIENCE."""
 
     def give_up() -> NoReturn:
         raise NoAnswerError(f"no answer after {PATIENCE} s")
@@ -44,7 +44,7 @@ def _assert_lies_in_text(found: Diagnostic) -> None:
 
 
 def _generate(network: Network) -> None:
-    """Generate code for every target and level, or be refused in words."""
+    """Generate code for every target and level; a refusal must be a diagnostic."""
     for target in ("python", "c"):
         for level in (0, 1):
             with suppress(TargetError, OSError):
@@ -52,7 +52,7 @@ def _generate(network: Network) -> None:
 
 
 def answer(name: str, text: str) -> pipeline.Checked:
-    """Put a program through everything; raise where any pass raises, or where a diagnostic lies outside the text."""
+    """Put a program through everything; raise if any pass raises, or if a diagnostic is outside the text."""
     with limited_computing():
         checked = pipeline.check(SourceFile(name=name, text=text), read_source)
         for found in checked.report.diagnostics:

@@ -1,4 +1,4 @@
-"""Damages good programs at random, the same way for the same seed."""
+"""Damages correct programs at random, in the same way for the same seed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _tokens(path: Path) -> tuple[str, ...]:
 
 
 def _part(random: Random, tokens: tuple[str, ...] | list[str], longest: int) -> list[str]:
-    """Some tokens that follow each other."""
+    """Some consecutive tokens."""
     at = random.randrange(len(tokens))
     return list(tokens[at : at + random.randint(1, longest)])
 
@@ -135,7 +135,7 @@ _KINDS = (
     (("when",), ("when not",)),
     (("mu",), ("mu wait 1 ms ; mu", "")),
 )
-"""Words that stand for each other, and what else may stand for them."""
+"""Words that may be exchanged for each other, and other replacements for them."""
 _EXCHANGES = {word: words + others for words, others in _KINDS for word in words}
 
 
@@ -143,7 +143,7 @@ _MISTYPED = (
     "sqrt()", "[3] - 3", "min([1], 2)", "int([3])", "-true", "not 1.5", "convert()", "[1][true]", "true + 1",
     'if "a" < 3 then 1 else 2', "(if 1 then 2 else 3)", "3 ms - [1]", "Missing(a = 1).a", "double(true)",
 )  # fmt: skip
-"""Expressions that no place accepts, most of them with a type that their place would."""
+"""Expressions that no place accepts, most of them of a type that is accepted there."""
 _VALUE = re.compile(r"(?<=[=(] )[^,;={}()\n]+|(?<=\()[^,;={}()\n]+")
 
 
@@ -159,7 +159,7 @@ def _damage_values(random: Random, path: Path) -> str:
 
 
 def _damage_gently(random: Random, path: Path) -> str:
-    """Exchange one or two words for others of their kind, so that most often a program remains."""
+    """Exchange one or two words for others of their kind, so the result is usually still a program."""
     tokens = list(_tokens(path))
     for _ in range(random.randint(1, 2)):
         at = random.randrange(len(tokens))

@@ -1,7 +1,7 @@
-"""Damaged programs by the thousand: ``python -m tests.robustness.hunt --count 100000 --start 0`` (about 40 ms each).
+"""Thousands of damaged programs: ``python -m tests.robustness.hunt --count 100000 --start 0`` (about 40 ms each).
 
-Each that gets a traceback, a diagnostic outside its text, or no answer is kept in ``build/damaged/SEED.csp`` with what
-happened.
+Each program that gets a traceback, a diagnostic outside its text, or no answer is kept in ``build/damaged/SEED.csp``
+with what happened.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from tests.robustness.damage import damaged
 
 KEPT = Path("build/damaged")
 BLOCK = 200
-"""Programs a process looks at before it reports."""
+"""How many programs a process tries before it reports."""
 
 
 def looked_at(seed: int) -> str:
-    """What a damaged program got: ``code``, ``errors``, or the traceback of what should not have been."""
+    """The answer for a damaged program: ``code``, ``errors``, or the traceback of what should not have happened."""
     path, text = damaged(seed)
     try:
         checked = answer(str(path), text)
@@ -37,7 +37,7 @@ def _block(seeds: range) -> list[tuple[int, str]]:
 
 
 def hunt(count: int, start: int, processes: int) -> Counter[str]:
-    """Look at programs of ``count`` seeds from ``start`` on; keep those without an answer."""
+    """Try programs of ``count`` seeds from ``start`` on; keep those without an answer."""
     blocks = [range(first, min(first + BLOCK, start + count)) for first in range(start, start + count, BLOCK)]
     tally: Counter[str] = Counter()
     with ProcessPoolExecutor(processes) as pool:
@@ -52,7 +52,7 @@ def hunt(count: int, start: int, processes: int) -> Counter[str]:
 
 
 def main() -> int:
-    """Hunt as the command line says; 1 where a program got no answer."""
+    """Hunt as the command line says; returns 1 if a program got no answer."""
     parser = ArgumentParser(description="Damaged programs, and what they get.")
     parser.add_argument("--count", type=int, default=2_000, help="programs (default: 2000)")
     parser.add_argument("--start", type=int, default=0, help="first seed (default: 0)")

@@ -1,6 +1,6 @@
-"""Whatever is done to a good program, the answer is a list of diagnostics or a package, never a traceback.
+"""However a correct program is damaged, the answer is a list of diagnostics or a package, never a traceback.
 
-``python -m tests.robustness.hunt`` looks at as many more as wanted.
+``python -m tests.robustness.hunt`` tries more of them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ BLOCK = 250
 def test_a_damaged_program_gets_an_answer(start: int) -> None:
     answers = [answer(str(path), text) for path, text in map(damaged, range(start, start + BLOCK))]
     refused = sum(checked.report.has_errors or checked.program is None for checked in answers)
-    # Both kinds of programs are met: those that are refused, and those that are still programs.
+    # Both kinds of programs occur: those that are refused, and those that are still correct.
     assert BLOCK // 2 < refused < BLOCK * 9 // 10
 
 

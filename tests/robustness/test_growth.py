@@ -1,5 +1,5 @@
-"""No part of the compiler is much worse than linear in the text or the instances: counted in calls of functions, not in
-time.
+"""No part of the compiler is much worse than linear in the text or the instances, measured in calls of functions, not
+in time.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tests.support.counting import calls
 from tests.support.nested import nested
 
 MOST = 2.6
-"""How much more may be done for twice the size: n log n, with room for what does not grow at all."""
+"""The maximum growth for twice the size: n log n, with room for what does not grow at all."""
 
 
 def ring(n: int) -> str:

@@ -1,4 +1,4 @@
-"""Programs of a size that nobody writes by hand get an answer, not a crash."""
+"""Programs larger than any written by hand get an answer, not a crash."""
 
 from __future__ import annotations
 

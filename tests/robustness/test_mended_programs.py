@@ -1,6 +1,6 @@
-"""Whatever is done to a good program, its mends end, leave nothing that has one, and make nothing worse.
+"""However a correct program is damaged, its fixes come to an end, leave nothing that has a fix, and make nothing worse.
 
-``python -m tests.robustness.test_mended_programs 5000`` looks at as many programs as wanted.
+``python -m tests.robustness.test_mended_programs 5000`` tries 5000 programs.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ _HABITS = (
     (r"\band\b", "&&"), (r"==", "="), (r"\*", "·"), (r" ms\b", " msec"), (r"\bnot ", "!"), (r"(?<=: int)$", ";"),
     (r"(?<=: double)$", ";"), (r"\?", "??"),
 )  # fmt: skip
-"""What people write who come from other languages or type fast, in place of what."""
+"""What people write who know other languages or type fast, in place of what."""
 
 
 def mistaken(seed: int) -> tuple[str, str]:
-    """The path of a program, and its text, every third time a damaged one, with habits and slips in it."""
+    """The path of a program, and its text, damaged every third time, with typical mistakes and slips in it."""
     path, text = damaged(seed)
     random = Random(seed)
     if seed % 3:
@@ -44,7 +44,7 @@ def mistaken(seed: int) -> tuple[str, str]:
 
 
 def mistakes(seed: int) -> tuple[list[str], bool]:
-    """What is wrong with the mends of a damaged program, and whether there were any."""
+    """What is wrong with the fixes of a damaged program, and whether there were any."""
     path, text = mistaken(seed)
     source = SourceFile(name=path, text=text)
     found = check(source, read_source).report.diagnostics

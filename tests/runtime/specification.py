@@ -1,8 +1,7 @@
-"""Rendezvous, alternatives and delays as the language reference words them, as simply as possible.
+"""Rendezvous, alternatives and delays as the language reference defines them, as simply as possible.
 
-A program is a list of operations for every process: ``("write", channel, value)``, ``("read", channel)``,
-``("wait", duration)`` or ``("select", guards, prioritized)`` with guards ``("in", channel)`` and
-``("out", channel, value)``.
+A program is a list of operations for every process: ``("write", channel, value)``, ``("read", channel)``, ``("wait",
+duration)`` or ``("select", guards, prioritized)`` with guards ``("in", channel)`` and ``("out", channel, value)``.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ class Interpreter:
         return self._serial * 1_000_000
 
     def communicate(self, process: int, operation: Operation) -> bool:
-        """Makes the communication if a partner waits; otherwise waits."""
+        """Make the communication if a partner waits; otherwise wait."""
         if operation[0] == "select":
             self.waiting.pop(process, None)
             guards = operation[1]
@@ -79,7 +78,7 @@ class Interpreter:
         return False
 
     def offers(self, process: int, guard: Operation) -> list[tuple[int, tuple[Operation, int | None]]]:
-        """Who waits at the other end: plainly (index None) or with a guard."""
+        """The processes that wait at the other end: plainly (index None) or with a guard."""
         wanted = "in" if guard[0] == "out" else "out"
         found: list[tuple[int, tuple[Operation, int | None]]] = []
         for other, operation in self.waiting.items():

@@ -65,7 +65,9 @@ def traced(
 
 
 class Scripted:
-    """An environment that plays values: ``{port: {instant: value}}``, held in between, and notes what it is handed."""
+    """An environment that plays values: ``{port: {instant: value}}``, held in between, and notes the values written to
+    it.
+    """
 
     def __init__(self, script: dict[str, dict[int, Any]], outputs: Sequence[str] = (), step: int = 1_000_000) -> None:
         self.step = step

@@ -1,4 +1,4 @@
-"""What the command line of a package takes."""
+"""The arguments that the command line of a package accepts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_an_invalid_duration_is_refused_with_a_reason(text: str, reason: str) ->
 
 
 def test_the_command_line_says_why_too() -> None:
-    """In a process of its own: a command line is for the whole of one."""
+    """In a separate process: a command line belongs to an entire process."""
     program = (
         "from cspdiag.runtime.command_line import Program, main\n"
         "main('nothing', lambda: Program(lambda drivers: None, {}, ()), ['--for', '1h'])"

@@ -460,7 +460,7 @@ def test_a_deeply_nested_program_runs() -> None:
 
 
 def test_methods_become_coroutines_where_they_begin() -> None:
-    """What is never begun is no coroutine that nobody awaits: the tests take such a one for an error."""
+    """A coroutine that is never begun would be reported as never awaited, which the tests treat as an error."""
     log: list[str] = []
 
     class Top(Process):

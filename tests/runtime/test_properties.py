@@ -1,4 +1,4 @@
-"""Random programs: the runtime against the specification, and what must hold for all of them."""
+"""Random programs: the runtime compared with the specification, and what must hold for all of them."""
 
 from __future__ import annotations
 

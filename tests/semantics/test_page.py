@@ -1,4 +1,4 @@
-"""``docs/semantics.md``: every program of the page does what the trace below it says."""
+"""``docs/semantics.md``: every program of the page has the trace below it."""
 
 from __future__ import annotations
 

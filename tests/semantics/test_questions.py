@@ -1,8 +1,8 @@
-"""What an implementation that was written from the language page alone had to guess: each question has a program whose
-trace was worked out.
+"""What an implementation written from the language page alone had to guess: each question has a program whose trace was
+worked out.
 
-A program is a file of ``tests/conformance/programs``, or the section of ``docs/semantics.md`` that it stands in. The
-traces themselves are compared by ``test_worked_traces`` and ``test_page``.
+A program is a file of ``tests/conformance/programs``, or a section of ``docs/semantics.md``. The traces themselves are
+compared by ``test_worked_traces`` and ``test_page``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The interpreter says of everything where the language reference states it, and the reference has these places."""
+"""The interpreter names, for everything it does, where the language reference states it, and these places exist."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ PLACES = {
 
 
 def sections(node: ast.ClassDef | ast.FunctionDef) -> set[str]:
-    """What the docstring of a class or function refers to."""
+    """The references in the docstring of a class or function."""
     return set(re.findall("«([^»]+)»", " ".join((ast.get_docstring(node) or "").split())))
 
 
 def definitions(path: Path) -> Iterator[tuple[str, set[str]]]:
-    """The classes and functions of a module with the places that they name; a method has those of its class, too."""
+    """The classes and functions of a module with the places that they name; a method also has those of its class."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef):
             yield node.name, sections(node)

@@ -1,8 +1,8 @@
-"""Every way out of a program, for every way to start it, with devices whose calls block or not: one process each, and
-what it did with its devices.
+"""Every way in which a program can end, for every way to start it, with devices whose calls block or not: one process
+each, and what it did with its devices.
 
-``python -m tests.simulate.exits`` tries all combinations and lists those that do not hold; it takes some minutes.
-The tests try a selection.
+``python -m tests.simulate.exits`` tries all combinations and lists those that fail; it takes some minutes. The tests
+try a selection.
 """
 
 from __future__ import annotations
@@ -251,16 +251,16 @@ Signals = tuple[int, ...]
 
 @dataclass(frozen=True)
 class WayOut:
-    """A way out: what goes wrong in the program, which signals come, 50 ms apart, and what is to be seen then."""
+    """A way to end: what goes wrong in the program, which signals arrive, 50 ms apart, and the expected result."""
 
     name: str
     code: int
     says: str
-    """Words that its account contains."""
+    """Words that its report contains."""
     fault: str = ""
     signals: Signals = ()
     opened: tuple[str, ...] = ("Card", "Lamp")
-    """Devices that had been opened, and so are to be released and closed."""
+    """Devices that were opened, and so have to be released and closed."""
     real_time_only: bool = False
     not_blocking_only: bool = False
 
@@ -385,14 +385,14 @@ CLOCKS = ("virtual time", "real time")
 
 @dataclass
 class Seen:
-    """What a process has done: its exit code, all that it wrote, and the calls of its drivers."""
+    """What a process has done: its exit code, all its output, and the calls of its drivers."""
 
     code: int
     text: str
     calls: list[str] = field(default_factory=list)
 
     def complaints(self, way: WayOut) -> list[str]:
-        """What does not hold."""
+        """The expectations that are not met."""
         found = []
         if self.code != way.code:
             found.append(f"the exit code is {self.code} and not {way.code}")
@@ -422,8 +422,8 @@ class Seen:
 def prepare(folder: Path) -> Path:
     """The program, and its packages at both levels, in an empty folder.
 
-    It only counts missed samples, as a busy machine may let it miss some; ``strict`` does not. ``spinning`` takes no
-    time and never waits.
+    It only counts missed samples, because a busy machine may let it miss some; ``strict`` does not. ``spinning`` takes
+    no time and never waits.
     """
     (folder / "card.py").write_text(CARD)
     (folder / "law.py").write_text(LAW)
@@ -443,7 +443,7 @@ def prepare(folder: Path) -> Path:
 
 
 def command(folder: Path, name: str, start: str, clock: str, *options: str) -> tuple[list[str], dict[str, str]]:
-    """What starts the program of that name, and the environment variable that finds it."""
+    """The command that starts the program of that name, and the environment variables for finding it."""
     how, _, level = start.partition(" ")
     real = ["--real-time"] if clock == "real time" else []
     if how == "run":
@@ -473,7 +473,7 @@ def started(
 
 
 def wait_until(holds: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
-    """Waits for something that a process is to do, or for its end."""
+    """Wait for something that a process is to do, or for its end."""
     for _ in range(3000):
         if holds() or process.poll() is not None:
             return
@@ -487,9 +487,9 @@ def log_of(folder: Path) -> list[str]:
 
 
 def try_way(folder: Path, way: WayOut, start: str, clock: str, *, blocking: bool) -> Seen:
-    """Starts the program in a folder of its own, lets happen what is to happen, and waits for its end."""
+    """Start the program in a folder of its own, let the planned events happen, and wait for its end."""
     own = Path(tempfile.mkdtemp(dir=folder))
-    # Of a blocking device that falls silent only a program that does not merely count is told.
+    # A blocking device that falls silent is only noticed by a program that does not merely count missed samples.
     name = "strict" if blocking and way.fault.startswith("read hangs") and not way.signals else "main"
     if way.fault == "program spins":
         name = "spinning"

@@ -85,7 +85,7 @@ def test_deadlock_is_reported_with_its_cycle(capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_releases_outputs_and_closes_recordings(heater: Path, number: signal.Signals) -> None:
-    """The button is not pressed, so that only the signal ends the run; it comes when the program has long begun."""
+    """The button is not pressed, so only the signal ends the run; it is sent when the program has long begun."""
     endless = heater.read_text().replace("time > 0.4<s>", "time > 400<s>").replace("480 ms", "480 s")
     begins = heater.parent / "begins"
     (heater.parent / "tell.py").write_text(

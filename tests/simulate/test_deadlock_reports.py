@@ -1,4 +1,4 @@
-"""The report of a deadlock names who is waited for, and says the same at all levels and of C."""
+"""The report of a deadlock names the processes that are waited for, and is the same at all levels and in C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drivers of environments that fail or are not there: what `run`, `compile` and a package say."""
+"""Drivers of environments that fail or are missing: what `run`, `compile` and a package report."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_a_run_against_the_clock_is_not_called_simulated(program: Path, capsys: 
 
 @pytest.mark.parametrize("start", ["run", "package"])
 def test_a_run_against_the_clock_says_how_many_samples_it_missed(program: Path, tmp_path: Path, start: str) -> None:
-    """A law that computes for longer than a period misses samples for sure."""
+    """A law that computes for longer than a period is certain to miss samples."""
     program.write_text(
         PROGRAM.replace("mu (level ? last", "mu (slow ; level ? last")
         .replace("var last : double = 0", "var last : double = 0\n    slow : Slow")

@@ -1,4 +1,4 @@
-"""Execution times that runs measure, and what the timing analysis makes of them."""
+"""Execution times that runs measure, and what the timing analysis does with them."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""However a program ends, each output is handed its safe value once, as its last, every device is closed, and the exit
-code says what happened.
+"""However a program ends, each output is set to its safe value once, as its last value, every device is closed, and the
+exit code says what happened.
 """
 
 from __future__ import annotations
@@ -80,10 +80,10 @@ TRIED = [
     ("a body hangs for good", "package -O1", "real time", True),
     ("a program spins", "package -O1", "real time", False),
 ]
-"""A selection of all combinations, in which each way out and each way to start occurs."""
+"""A selection of all combinations, in which each way to end and each way to start occurs."""
 
 ONLY_HUNTED = {"a signal while a read hangs for good", "a body hangs"}
-"""Ways that take seconds and that others resemble."""
+"""Combinations that take seconds and resemble others."""
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Bodies in Python that do not do what the program says of them: one line, the place, exit code 1."""
+"""Python bodies that do not match what the program says about them: one line, the place, exit code 1."""
 
 from __future__ import annotations
 

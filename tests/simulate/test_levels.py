@@ -25,7 +25,7 @@ def run(program: Network, level: int, environment: str | None, until: int | None
 
 
 def both(name: str, *, traced: bool = False, probed: bool = False, until: int = 400 * MS) -> tuple[Run, Run]:
-    """A model in its first environment, by readable and by fast code."""
+    """A model in its first environment, in readable and in fast code."""
     program = network(name)
     environment = program.environments[0].name if program.environments else None
     plain, fast = (run(program, level, environment, until, traced=traced, probed=probed) for level in (0, 1))

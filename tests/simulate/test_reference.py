@@ -1,4 +1,4 @@
-"""``cspdiag run -O reference``: the meaning of the language itself does what the readable code does."""
+"""``cspdiag run -O reference``: the reference semantics does what the readable code does."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Stopping(Recorder):
 
 
 def account(run: Run) -> list[str]:
-    """The summary without how long the run took."""
+    """The summary without the duration of the run."""
     first, _, *rest = run.summary().splitlines()
     return [first, *rest]
 

@@ -1,4 +1,4 @@
-"""An alarm that is heard."""
+"""An alarm that is noticed in any case."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from types import FrameType
 from typing import NoReturn
 
 AGAIN = 1
-"""Seconds after which it rings once more: what is raised while the collector of garbage calls Python code is lost."""
+"""Seconds after which it rings again: an exception raised while the garbage collector calls Python code is lost."""
 
 
 @contextmanager
 def alarm_after(seconds: float, ring: Callable[[], NoReturn], *, computing: bool = False) -> Iterator[None]:
-    """Calls ``ring``, which raises, again and again once the block has taken so many seconds, of computing if that is
-    what counts.
+    """Call ``ring``, which raises, again and again once the block has taken this many seconds, of computing time if
+    ``computing``.
     """
 
     def rung(_number: int, _frame: FrameType | None) -> None:

@@ -1,4 +1,4 @@
-"""What work costs, as a number that is the same on every machine."""
+"""The cost of work, as a number that is the same on every machine."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def calls(work: Callable[[], object]) -> int:
-    """How many functions it calls, those of Python and those in C."""
+    """The number of functions that it calls, in Python and in C."""
     count = 0
 
     def called(_frame: FrameType, event: str, _argument: object) -> None:
@@ -26,7 +26,7 @@ def calls(work: Callable[[], object]) -> int:
 
 
 def lines(work: Callable[[], object]) -> int:
-    """How many lines of Python it runs, those of loops and comprehensions in each of their turns."""
+    """The number of lines of Python that it executes, including those in each iteration of loops and comprehensions."""
     count = 0
 
     def traced(_frame: FrameType, event: str, _argument: object) -> Any:

@@ -1,4 +1,4 @@
-"""Programs of which one form is nested in itself, as deep as is wanted."""
+"""Programs in which one form is nested in itself, as deeply as requested."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _mixed(depth: int) -> str:
 
 
 def _ready(depth: int) -> str:
-    """Alternatives of which every guard is ready, and no branch waits."""
+    """Alternatives in which every guard is ready, and no branch waits."""
     body = "n := n + 1"
     for _ in range(depth):
         body = f"(skip -> {body} []> skip -> skip)"
@@ -59,7 +59,7 @@ def _ready(depth: int) -> str:
 
 
 def _instances(composition: str) -> Callable[[int], str]:
-    """Processes each with an instance ``p`` of the one before."""
+    """Processes each with an instance ``p`` of the previous one."""
 
     def text(depth: int) -> str:
         processes = [
@@ -105,8 +105,8 @@ _DEEPEST: Mapping[str, int] = {"alternative": 98, "mixed": 150, "ready alternati
 
 
 def deepest(form: str) -> int:
-    """The levels of a form that programs are tried with: about as many as ``check`` accepts, or fewer where each level
-    is a process or a branch, which take time.
+    """The numbers of levels of a form that programs are tried with: about as many as ``check`` accepts, or fewer if
+    each level is a process or a branch, which take time.
     """
     if form in ("interrupt", "parallel"):
         return 60

@@ -1,4 +1,4 @@
-"""Programs as text, with what ``verify`` answers."""
+"""Programs as text, with the answers of ``verify``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cspdiag.verify.confirm import Verifier
 
 
 def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | None = None) -> list[Answer]:
-    """The answers to the assertions of a program without errors, or to what is expected of it."""
+    """The answers to the assertions of a program without errors, or to its expected properties."""
 
     def read(path: str) -> SourceFile:
         if path not in files:
@@ -39,7 +39,7 @@ def refuted(text: str) -> bool:
 
 
 def answer_text(answer: Answer) -> str:
-    """An answer as literate cases have it, without how it was found."""
+    """An answer as in literate cases, without how it was found."""
     head = f"{answer.outcome.upper()} {answer.question.text}"
     if answer.outcome == "proved":
         return f"{head}\n"

@@ -1,7 +1,7 @@
-"""Random programs that are right in form; their names mean nothing.
+"""Random programs that are syntactically correct; their names mean nothing.
 
-``program`` gives lists of tokens, ``text_of`` writes them with ordinary space between, ``sprinkled`` with any space and
-comments.
+``program`` gives lists of tokens, ``text_of`` writes them with ordinary space in between, ``sprinkled`` with any space
+and comments.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ class Generator:
         return tokens
 
     def time(self) -> list[str]:
-        """An expression that is no array: where a name may stand too, a bracket belongs to that."""
+        """An expression that does not begin with a bracket, because a name may precede it, to which a bracket would
+        belong.
+        """
         found = self.expression(1)
         return ["5 ms"] if found[0] == "[" else found
 
@@ -270,7 +272,7 @@ def program(random: Random, definitions: int = 4) -> list[str]:
 
 
 def text_of(tokens: list[str]) -> str:
-    """The program with a space between tokens; a unit stands directly after its type."""
+    """The program with a space between tokens; a unit follows its type directly."""
     return " ".join(tokens)
 
 

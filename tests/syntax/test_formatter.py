@@ -1,4 +1,4 @@
-"""The formatter keeps meaning and comments, and is at rest after one pass."""
+"""The formatter keeps meaning and comments, and a second pass changes nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs of the deepest nesting that the parser takes go through every pass."""
+"""Programs with the deepest nesting that the parser accepts go through every pass."""
 
 from __future__ import annotations
 

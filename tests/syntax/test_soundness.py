@@ -1,4 +1,4 @@
-"""Definitions that were read whole are judged although others were not."""
+"""Definitions that were parsed completely are checked although others were not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parse tables: no conflicts, the same language as Lark's own parser, and a cache that never hurts."""
+"""The parse tables: no conflicts, the same language as Lark's own parser, and a cache that never does harm."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_the_grammar_has_no_conflicts(caplog: pytest.LogCaptureFixture) -> None:
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(SEEDS)
 def test_lark_itself_reads_the_same_programs(random: Random) -> None:
-    # Lark's contextual lexer takes words of their place for keywords in more places than ours.
+    # Lark's contextual lexer takes contextual words for keywords in more places than this one.
     tokens = program(random)
     assume(CONTEXTUAL_KEYWORDS.isdisjoint(tokens))
     _LARK.parse(sprinkled(tokens, random))

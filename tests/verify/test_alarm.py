@@ -1,4 +1,4 @@
-"""The alarm ends what does not look at the clock, and leaves nothing behind."""
+"""The alarm ends what does not check the clock, and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_modules_are_loaded_to_their_end(tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.fixture
 def often_switched() -> Iterator[None]:
-    """Threads take turns every tenth of a millisecond."""
+    """Threads switch every tenth of a millisecond."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e-4)
     yield
@@ -160,7 +160,7 @@ def test_afterwards_no_alarm_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("rings", [False, True])
 def test_a_program_can_be_traced_afterwards(rings: bool) -> None:
-    """Debuggers and the coverage of tests trace; a hang of the interpreter itself is only seen from outside."""
+    """Debuggers and coverage measurements trace; a hang of the interpreter itself is only visible from outside."""
     script = f"""
 import sys
 from cspdiag.proofs.verdict import LimitError, Limits

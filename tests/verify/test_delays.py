@@ -1,4 +1,4 @@
-"""Delays of no or a negative duration, which are over at once: loops of them let no time pass."""
+"""Delays of zero or negative duration, which end immediately: loops of them let no time pass."""
 
 from __future__ import annotations
 
@@ -83,8 +83,8 @@ OVER_AT_ONCE = {
     ),
     "one of two ways": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
 }
-"""Loops that go on while no time passes, in some instances, or with something that may end them: others are refused at
-once.
+"""Loops that continue while no time passes, in some instances, or with something that may end them: others are refused
+by the compiler.
 """
 
 MAY_BE_OVER = {
@@ -125,7 +125,7 @@ LASTS = {
         {"parts": "channel c : int sync"},
     ),
 }
-"""Loops in each round of which time passes."""
+"""Loops in which time passes in each iteration."""
 
 
 def answer(case: tuple[str, dict[str, str]], claim: str = "livelock free") -> str:

@@ -1,5 +1,5 @@
-"""What is proved of a replicated ``seq`` that computes with its index: of few turns, which are written down, and of
-many, which are a loop.
+"""What is proved of a replicated ``seq`` that computes with its index: with few iterations it is unrolled, with many it
+is a loop.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Counterexamples that the program does not follow are no reason to give up: another one may be true."""
+"""Counterexamples that the program does not follow are not a reason to give up: another one may be real."""
 
 from __future__ import annotations
 

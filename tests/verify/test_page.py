@@ -1,4 +1,4 @@
-"""What docs/verification.md shows is what is said."""
+"""docs/verification.md shows what the tool prints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Proofs follow no instants: what depends on ``now`` may hold or not, and a refutation is a run of the program."""
+"""Proofs do not follow instants: a condition on ``now`` may hold or not, and a refutation is a run of the program."""
 
 from __future__ import annotations
 

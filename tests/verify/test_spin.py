@@ -1,4 +1,4 @@
-"""SPIN and the exporters agree with the proofs: verdicts, numbers of states, and what can happen."""
+"""SPIN and the exporters agree with the proofs: verdicts, numbers of states, and possible events."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_the_trail_of_spin_leads_to_a_deadlock(name: str) -> None:
 
 @needs_spin
 def test_spin_and_the_search_agree_on_random_systems() -> None:
-    """One system without a deadlock, and one with: what they look like is left to chance, but the same every time."""
+    """One system without a deadlock, and one with a deadlock: both are random, but the same every time."""
     answers = {deadlocks > 0: seed for seed in range(40) for _, deadlocks in [count(random_system(seed), Limits())]}
     assert isinstance(deadlock_free(random_system(answers[False]), Limits()), Proved)
     assert isinstance(deadlock_free(random_system(answers[True]), Limits()), Refuted)
@@ -80,7 +80,7 @@ def test_the_commands_of_promela_are_all_that_can_happen(name: str) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_the_script_for_fdr_says_what_the_system_does(seed: int) -> None:
-    """Reads the script back: its processes are the states of the components, with the same edges."""
+    """Parses the script again: its processes are the states of the components, with the same edges."""
     system = random_system(seed)
     text = cspm(system)
     assert _edges(text, system) == sum(len(edges) for component in system.components for edges in component.edges)
@@ -103,7 +103,7 @@ def _edges(text: str, system: System) -> int:
 
 
 def gathering(parties: int, states: int) -> System:
-    """Components that go round by themselves, and in any state meet all at once."""
+    """Components that can repeat by themselves, and can all meet in any state."""
     edges = tuple(((0, 0), (INTERNAL, (state + 1) % states)) for state in range(states))
     components = tuple(Component(f"p{number}", edges) for number in range(parties))
     return System(components, (Event("meet", tuple(range(parties))),))
@@ -115,7 +115,7 @@ def test_commands_are_counted_before_they_are_made(system: System) -> None:
 
 
 def test_too_large_models_are_refused_with_their_size() -> None:
-    """Only where parties meet in any state does a model grow faster than its components: one in CSPm does not."""
+    """Only if parties meet in any state does a model grow faster than its components, and one in CSPm does not."""
     system = gathering(10, 4)
     with pytest.raises(TargetError, match=r"1,048,616 commands, 1,048,576 of them for `meet`.* its 10 parties"):
         promela(system)

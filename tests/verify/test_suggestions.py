@@ -1,4 +1,4 @@
-"""Changes of the text are told that remove the deadlock; the text after each of them is proved."""
+"""Suggested changes of the text remove the deadlock; the text after each of them is proved."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ def answer_of(files: dict[str, str], main: str, settings: dict[str, str] | None 
 def suggested(
     files: dict[str, str], main: str = "case.csp", settings: dict[str, str] | None = None
 ) -> list[Suggestion]:
-    """What is suggested; what it changes keeps all ports, and the program is proved with it."""
+    """The suggestions; each keeps all ports, and the program is proved with it."""
     answer = answer_of(files, main, settings)
     assert answer.outcome == "refuted"
     for suggestion in answer.suggestions:
@@ -213,7 +213,7 @@ def suggested(
 
 
 def ports(text: str) -> list[str]:
-    """The declarations of ports, or where there are none the definitions of a text."""
+    """The declarations of ports, or if there are none the definitions of a text."""
     tree = parse(SourceFile(name="a.csp", text=text), Report())
     processes = [item for item in tree.items if isinstance(item, ast.ProcessDefinition)]
     declared = [port.span.text for process in processes for port in process.ports]

@@ -1,4 +1,4 @@
-"""The time limit covers all of an answer, and a replay that comes to no rest ends by itself."""
+"""The time limit applies to an entire answer, and a replay that does not end by itself is ended."""
 
 from __future__ import annotations
 

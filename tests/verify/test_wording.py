@@ -1,4 +1,4 @@
-"""What an answer says of delays and computations, in the words of the text."""
+"""What an answer says about delays and computations, in the words of the text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What is said to happen never, of a place in the text, is true of all turns of a replicator and of all instances."""
+"""What is reported never to happen at a place in the text never happens in any iteration of a replicator or in any
+instance.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,7 @@ process Main {{
 
 
 def codes(text: str) -> list[str]:
-    """What is found in a program."""
+    """The codes of the diagnostics of a program."""
     source = SourceFile(name="case.csp", text=text)
     return [found.code for found in pipeline.check(source, lambda _: source).report.diagnostics]
 

@@ -1,7 +1,7 @@
-"""Of what a run comes to, nothing says that it never happens.
+"""Nothing that happens in a run is reported never to happen.
 
-Random parts with replicators, in several instances of one process, each part in a line of its own where it writes the
-number of the line. ``python -m tests.network.checks.test_random_never NUMBER`` tries more programs.
+Random parts with replicators, in several instances of one process; each part is on a line of its own and writes the
+number of that line. ``python -m tests.network.checks.test_random_never NUMBER`` tries more programs.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from cspdiag.semantics.execute import execute
 from cspdiag.semantics.scheduler import Scheduler
 
 COMMUNICATIONS = 1000
-"""After so many a run is long enough."""
+"""A run with this many communications is long enough."""
 
 PROCESS = """exception X
 exception Y
@@ -60,7 +60,7 @@ class _EnoughError(Exception):
 
 
 class _Text:
-    """Makes compositions; ``variables`` are the replicators around."""
+    """Generates compositions; ``variables`` are the replicators around them."""
 
     def __init__(self, chance: random.Random) -> None:
         self.chance = chance
@@ -127,9 +127,7 @@ def program(seed: int) -> str:
 
 
 def reported_and_run(seed: int) -> tuple[set[int], set[int]] | None:
-    """The lines of which it is said that they never run, and those that do; None where a program is refused for another
-    reason.
-    """
+    """The lines that are reported never to run, and those that do; None if a program is refused for another reason."""
     text = program(seed)
     source = SourceFile(name="never.csp", text=text)
     built = pipeline.build(source, lambda _: source)
@@ -137,7 +135,7 @@ def reported_and_run(seed: int) -> tuple[set[int], set[int]] | None:
     for found in built.checked.report.diagnostics:
         line, _ = source.position(found.span.start)
         if found.code in {"W0613", "W0615"}:
-            # What runs when a branch is chosen begins in the line below its guard.
+            # What runs when a branch is chosen begins on the line below its guard.
             line += 1
         if found.code in {"W0611", "W0613", "W0615"}:
             said.add(line)
@@ -153,14 +151,14 @@ def reported_and_run(seed: int) -> tuple[set[int], set[int]] | None:
         if len(world.trace) > COMMUNICATIONS:
             raise _EnoughError
 
-    # A loop whose delays are of no time in some instance would go on forever.
+    # A loop whose delays are zero in some instance would continue forever.
     with suppress(_EnoughError):
         execute(built.network, until=40_000_000, look=look)
     return said, run
 
 
 def hunt(seeds: range) -> tuple[int, int, list[int]]:
-    """How many programs ran, of how many parts it was said that they never do, and the seeds where it was false."""
+    """How many programs ran, how many parts were reported never to run, and the seeds of false reports."""
     answers = {seed: answer for seed in seeds if (answer := reported_and_run(seed)) is not None}
     wrong = [seed for seed, (said, run) in answers.items() if said & run]
     return len(answers), sum(len(said) for said, _ in answers.values()), wrong

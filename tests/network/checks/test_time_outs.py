@@ -1,4 +1,4 @@
-"""Time-outs of which W0615 says that they never elapse do not, and the others do."""
+"""Time-outs that W0615 reports never to elapse do not elapse, and the others do."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Looking through networks: an index has all parts in their order, and bodies in other languages are found."""
+"""Searching networks: an index has all parts in order, and bodies in other languages are found."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ environment Bench for Main {
 
 @pytest.fixture(scope="module")
 def network() -> Network:
-    """The control law is inlined into the process, and runs in two places of it."""
+    """The control law is inlined into the process, and runs in two places."""
     return optimize(network_of(SourceFile(name="parts.csp", text=PROGRAM)))
 
 

@@ -1,4 +1,4 @@
-"""The ranges of expressions hold every value that they can have, and the bounds of quotients are reached."""
+"""The ranges of expressions contain every possible value, and the bounds of quotients are reached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs of the tests on their way to the interpreter."""
+"""Programs of the tests, prepared for the interpreter."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def program(text: str) -> Program:
 def submodel(
     text: str, name: str, arguments: Mapping[str, Any] | None = None, sample: int = MS, *, environment: bool = False
 ) -> tuple[SubmodelClass, dict[str, Any]]:
-    """The class of a submodel and the values of all its parameters, defaults filled in."""
+    """The class of a submodel and the values of all its parameters, including defaults."""
     model = program(text)
     definition = model.definitions[name]
     assert isinstance(definition, ast.SubmodelDefinition)

@@ -1,4 +1,4 @@
-"""Numbers of the text where a binary32 is wanted are rounded like every other binary32."""
+"""Numbers in the text that are used as binary32 are rounded like every other binary32."""
 
 from __future__ import annotations
 

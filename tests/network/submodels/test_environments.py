@@ -1,4 +1,4 @@
-"""Environments become one system, and drivers beside it."""
+"""Environments become one system, with drivers next to it."""
 
 from __future__ import annotations
 

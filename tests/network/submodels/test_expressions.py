@@ -85,7 +85,7 @@ def test_formulas_have_their_arithmetic_meaning(formula: str, x: float, z: float
 
 
 def meaning(formula: str, x: float, z: float) -> float:
-    """Evaluates the text of a formula by Python, choices made into calls."""
+    """Evaluates the text of a formula in Python, with choices turned into calls."""
     text = formula.replace("(if ", "choose(lambda: ").replace(" then ", ", lambda: ").replace(" else ", ", lambda: ")
     names = {
         "x": x,

@@ -31,7 +31,7 @@ def outputs(name: str, port: str, signal: list[Any], output: str, **arguments: A
 
 
 def discrete(numerator: list[float], denominator: list[float], signal: list[float]) -> Any:
-    """Response of the tustin discretization."""
+    """Response of the Tustin discretization."""
     sampled = control.sample_system(control.tf(numerator, denominator), T, "tustin")
     return control.forced_response(sampled, U=signal).outputs
 
@@ -76,7 +76,7 @@ def test_integrators_do_not_wind_up(name: str, port: str, arguments: dict[str, A
     rest = {"measurement": 0.0} if port == "setpoint" else {}
     for _ in range(5000):
         block.sample(**{port: 1.0, **rest})
-    # Without anti-windup the integral of 5 s would take 5 s to come down.
+    # Without anti-windup, the integral of 5 s would take 5 s to decay.
     found = [block.sample(**{port: -1.0, **rest})["output"] for _ in range(100)]
     assert found[-1] < 0
 

@@ -102,7 +102,7 @@ def test_operators_inside_expressions_have_states_of_their_own() -> None:
 
 
 def test_a_fast_sampled_filter_of_high_order_stays_accurate() -> None:
-    # Fourth order, 10 Hz bandwidth at 100 kHz: coefficients in z would lose all digits.
+    # Fourth order, 10 Hz bandwidth at 100 kHz: coefficients in z would lose all precision.
     a = 1 / (2 * math.pi * 10)
     poly = numpy.poly([-1 / a] * 4) * a**4
     text = block(f"y = transfer([1], {[float(c) for c in poly]}, x)")

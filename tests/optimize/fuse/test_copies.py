@@ -1,4 +1,4 @@
-"""Copies are read where they came from, as long as both keep the value on all ways to the place."""
+"""A copy is replaced by its original as long as both keep the value on all paths to the place."""
 
 from __future__ import annotations
 

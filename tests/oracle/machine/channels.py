@@ -1,8 +1,8 @@
-"""Communications: who meets whom on a channel, by kind.
+"""Communications: which parties meet on a channel, by kind.
 
-Parties that merely read or write (`Joint`) are served in the order in which they came, and before alternatives and
-interrupts; they never decide for an alternative, which they only wake. Nobody is kept in a queue: who waits is found
-among the threads, in the order of `seq`.
+Parties that merely read or write (`Joint`) are served in the order in which they arrived, and before alternatives and
+interrupts; they never decide for an alternative, which they only wake. There are no queues: the waiting parties are
+found among the threads, in the order of `seq`.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ Fire = Callable[[State, Thread, int], None]
 
 
 class Channels:
-    """What is done on channels and external ports."""
+    """Operations on channels and external ports."""
 
     def __init__(self, linked: Linked, policy: Policy, fire: Fire) -> None:
         self.linked = linked
         self.policy = policy
         self.fire = fire
 
-    # ---- who waits ----
+    # ---- waiting parties ----
 
     def plain(self, st: State, channel: str, end: str) -> list[tuple[Op, Thread]]:
         found = []
@@ -54,7 +54,7 @@ class Channels:
                     yield frame.offer, thread, depth
 
     def wake(self, st: State, channel: str, end: str, only: int | None = None) -> None:
-        """Lets alternatives look, in the order in which they stand in the program, and then interrupts by their age."""
+        """Let alternatives check their guards, in the order of the program, and then interrupts by their age."""
         found = list(self.offers(st, channel, end))
         boxed = self.linked.program.boxed
         choices = {thread.tid: thread for _, thread, depth in found if depth is None and not self._interrupts(thread)}
@@ -71,7 +71,7 @@ class Channels:
                 self.fire(st, thread, depth)
 
     def _interrupts(self, thread: Thread) -> bool:
-        """Whether the guard with which a thread waits is that of an interrupt, of which the body has ended."""
+        """Whether the guard with which a thread waits is that of an interrupt whose body has ended."""
         return isinstance(thread.wait, Choice) and isinstance(self.linked.nodes[thread.wait.node].comp, Interrupt)
 
     def ready(self, st: State, thread: Thread) -> None:
@@ -79,7 +79,7 @@ class Channels:
             st.ready.append(thread.tid)
 
     def complete(self, st: State, thread: Thread, old: Op, value: Value | None) -> None:
-        """One communication of a waiting thread is made; with the last it becomes ready."""
+        """One communication of a waiting thread is complete; with the last one it becomes ready."""
         assert isinstance(thread.wait, Joint)
         ops = tuple(op._replace(done=True, value=value, pending=()) if op is old else op for op in thread.wait.ops)
         thread.wait = Joint(ops)
@@ -89,7 +89,7 @@ class Channels:
     # ---- plain readers and writers ----
 
     def attempt(self, st: State, op: Op, me: Thread) -> Op:
-        """The communication made at once, or the same one that waits; those that it may concern are woken."""
+        """The communication complete, or the same one waiting; the parties that it may concern are woken."""
         channel = self.linked.channels.get(op.channel)
         assert channel is not None
         match channel.kind:
@@ -145,7 +145,7 @@ class Channels:
         return op._replace(done=True, value=held[0])
 
     def _tell(self, st: State, op: Op) -> Op:
-        """Gives the value to each end at which a reader waits; the writer goes on when all have it."""
+        """Give the value to each end at which a reader waits; the writer continues when all ends have it."""
         assert op.value is not None
         pending: list[int] = []
         readers = {thread.branch: (other, thread) for other, thread in self.plain(st, op.channel, "?")}
@@ -197,7 +197,8 @@ class Channels:
     def listens(self, st: State, offer: Offer) -> None:
         """A guard begins to wait, and guards of the other side may be ready now.
 
-        On a rendezvous only that of an interrupt finds any: it waits beside its body also where it is ready at once.
+        On a rendezvous only that of an interrupt finds any: it waits in parallel with its body even if it is ready at
+        once.
         """
         channel = self.linked.channels.get(offer.channel)
         if channel is None or channel.kind in ("buffer", "overwrite"):
@@ -218,7 +219,7 @@ class Channels:
         return sorted(found, key=lambda each: each[0].seq)
 
     def take(self, st: State, offer: Offer, me: Thread) -> Value | None:
-        """Makes the communication of a guard that is ready."""
+        """Make the communication of a guard that is ready."""
         end = "?" if offer.kind == "read" else "!"
         op = Op(offer.channel, end, offer.value, offer.seq)
         kind = self.linked.channels[offer.channel].kind

@@ -14,7 +14,7 @@ from tests.oracle.programs.tree import Port, Value
 
 
 class MissedSampleError(Exception):
-    """A sample that was missed, at the next read."""
+    """A sample that was missed; raised at the next read."""
 
 
 def _is_tick(now: int, ticks: tuple[int, int] | None) -> bool:
@@ -30,10 +30,8 @@ class Clock:
         program = linked.program
         self.ticks = sorted({port.ticks for port in program.ports if port.ticks})
         events = any(port.input and not port.period for port in program.ports)
-        self.made: list[
-            tuple[str, Value]
-        ] = []  # at external ports, since somebody cleared it: inputs as they are taken
-        self.written: list[tuple[str, Value]] = []  # to external outputs, since somebody cleared it
+        self.made: list[tuple[str, Value]] = []  # at external ports, since the last clear: inputs when they are taken
+        self.written: list[tuple[str, Value]] = []  # to external outputs, since the last clear
         self.grid = program.step if events else None
         self.cycle = [*self.ticks, *([(self.grid, 0)] if self.grid else [])]
         self.whole = lcm(*(period for period, _ in self.cycle)) if self.cycle else 1
@@ -120,7 +118,7 @@ class Clock:
         self._wake(st, port.name)
 
     def _wake(self, st: State, name: str) -> None:
-        """Whoever waits for an external input, in the order of the program."""
+        """Wake the threads that wait for an external input, in the order of the program."""
         for tid in sorted(st.threads):
             thread = st.threads[tid]
             match thread.wait:
@@ -139,14 +137,14 @@ class Clock:
     # ---- external ports ----
 
     def follow(self, st: State, me: Thread, name: str, number: int) -> None:
-        """Begins the session of a sampled input, unless it has begun."""
+        """Begin the session of a sampled input, unless it has begun."""
         key = (self._process(me.tid), name, number)
         if key not in st.sessions:
             st.sessions[key] = Session(fresh=self._follows(st, me, name), missed=False, ticked=False)
 
     def _follows(self, st: State, me: Thread, name: str) -> bool:
-        """Whether the process has any session of the period and offset of a port, in any part, begun before the latest
-        tick.
+        """Whether the process has a session for the period and offset of a port, in any part, that began before the
+        latest tick.
         """
         ticks = self.linked.ports[name].ticks
         same = {port.name for port in self.linked.program.ports if port.input and port.ticks == ticks}
@@ -156,13 +154,13 @@ class Clock:
         )
 
     def _process(self, tid: Tid) -> int:
-        """The process that a thread is a part of: a branch of the outermost parallel printed as one, or
-        the outermost.
+        """The process that a thread belongs to: a branch of the outermost parallel printed as one, or the outermost
+        process.
         """
         return tid[0][1] if tid and tid[0][1] in self.linked.program.boxed else -1
 
     def close(self, st: State, process: Thread) -> None:
-        """A process has ended, and its sessions with it."""
+        """End the sessions of a process that has ended."""
         for key in list(st.sessions):
             if key[0] == self._process(process.tid):
                 del st.sessions[key]
@@ -179,7 +177,7 @@ class Clock:
         return self._follows(st, me, name) if session is None else session.fresh or session.missed
 
     def read(self, st: State, me: Thread, name: str, number: int) -> Value:
-        """Takes what is available."""
+        """Take what is available."""
         port = self.linked.ports[name]
         if port.period is None:
             value = st.events.pop(name)
@@ -206,7 +204,7 @@ class Clock:
             self.policy.passed(name, value, external=True)
 
     def elapse(self, st: State, duration: int) -> None:
-        """A law computes so long; what is due meanwhile happens, but nobody runs."""
+        """A law computes for this duration; what is due meanwhile happens, but no thread runs."""
         end = st.now + duration
         while (instant := self.next_instant(st)) is not None and instant <= end and instant > st.now:
             st.now = instant

@@ -1,4 +1,4 @@
-"""What every part of the interpreter needs, and the signals by which they hand a thread to each other."""
+"""What every part of the interpreter needs, and the signals with which they pass a thread to each other."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from tests.oracle.programs.tree import After, Alt, Guarded, Interrupt, Read, Rea
 
 class Guards(Core):
     def _offer(self, st: State, index: int, node: Node) -> Offer | None:
-        """The guard as its alternative begins, if its condition holds."""
+        """The guard when its alternative begins, if its condition holds."""
         guard = node.comp
         assert isinstance(guard, Guarded)
         if guard.when is not None and not evaluate(guard.when, st.variables):

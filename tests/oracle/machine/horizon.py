@@ -1,8 +1,8 @@
-"""How far the clock counts: the instants and ages from which on a program no longer tells times apart.
+"""How far the clock counts: the instants and ages from which on a program no longer distinguishes times.
 
-A state that is compared with others holds the present instant up to `instant`, and of every time that was read from the
-clock its instant up to there and its age up to `age`. Where a program computes with times in another way, both are
-beyond every run, and the state holds the clock as it is: then a program that goes on has no end of states.
+A state that is compared with others contains the present instant up to `instant`, and of every time that was read from
+the clock its instant up to there and its age up to `age`. If a program computes with times in another way, both are
+beyond every run, and the state contains the clock as it is: then a program that continues has infinitely many states.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from tests.oracle.programs.tree import (
 )  # fmt: skip
 
 BEYOND = 2**70
-"""Later than any instant that a run comes to."""
+"""Later than any instant of a run."""
 
 FAR = 2**60
 """A number below which sums with instants of a run do not overflow."""
@@ -46,21 +46,21 @@ COMPARED = ("==", "!=", "<", "<=", ">", ">=")
 
 
 class _UnboundedError(Exception):
-    """A computation in which no instant and no age is late enough."""
+    """A computation for which no instant and no age is late enough."""
 
 
 @dataclass(frozen=True)
 class Horizon:
     instant: int
     age: int
-    kept: frozenset[str]  # the variables and channels that have times which were read from the clock
+    kept: frozenset[str]  # the variables and channels with times that were read from the clock
 
     @property
     def bounded(self) -> bool:
         return self.instant < BEYOND
 
     def seen(self, name: str, value: Value | None, now: int) -> Value | None:
-        """What the state holds of a value of a variable or a channel."""
+        """What the state contains of a value of a variable or a channel."""
         if name not in self.kept or not isinstance(value, int):
             return value
         return min(value, self.instant), min(now - value, self.age)
@@ -99,7 +99,7 @@ def _kept(program: Program) -> frozenset[str]:
 
 
 def _flows(node: Comp) -> Iterator[tuple[str, Expr]]:
-    """What is put where."""
+    """Which expressions are stored where."""
     match node.event if isinstance(node, Guarded) else node:
         case Assign(target, value):
             yield target.name, value
@@ -110,7 +110,7 @@ def _flows(node: Comp) -> Iterator[tuple[str, Expr]]:
 
 
 def mentions(expr: Expr, names: set[str] | frozenset[str]) -> bool:
-    """Whether an expression asks for the present instant, or for one of these variables."""
+    """Whether an expression uses the present instant, or one of these variables."""
     match expr:
         case Now():
             return True
@@ -132,7 +132,7 @@ def mentions(expr: Expr, names: set[str] | frozenset[str]) -> bool:
 
 
 class _Needs:
-    """Collects from which instant and which age on all are alike."""
+    """Determines from which instant and from which age on all are equivalent."""
 
     def __init__(self, kept: frozenset[str]) -> None:
         self.kept = kept
@@ -158,7 +158,7 @@ class _Needs:
                 self.waited(time, until)
 
     def computed(self, expr: Expr) -> None:
-        """A value that times decide by comparisons only."""
+        """A value in which times matter only through comparisons."""
         if not mentions(expr, self.kept):
             return
         match expr:
@@ -176,7 +176,7 @@ class _Needs:
                 raise _UnboundedError
 
     def stored(self, expr: Expr) -> None:
-        """A value that may be a time itself: the present instant or one to come, or one that was kept."""
+        """A value that may be a time itself: the present instant, a future one, or one that was kept."""
         if isinstance(expr, If3) and expr.type == TIME:
             self.computed(expr.condition)
             self.stored(expr.yes)
@@ -198,7 +198,7 @@ class _Needs:
             if until:
                 times = _without_zeros({**times, "now": times.get("now", 0) - 1})
             self._alike(times, constant)
-            if len(times) == 2 and times["now"] > 0:  # the longer ago, the longer
+            if len(times) == 2 and times["now"] > 0:  # the wait grows with the age
                 raise _UnboundedError
 
     def _compared(self, left: Expr, right: Expr) -> None:
@@ -207,7 +207,7 @@ class _Needs:
         self._alike(_without_zeros(times), one[1] - other[1])
 
     def _alike(self, times: dict[str, int], constant: int) -> None:
-        """A sum of times and a constant is positive, zero or negative as it is from now on, at the latest from …"""
+        """From which instant or age on the sign of a sum of times and a constant no longer changes."""
         match sorted(times.values()):
             case []:
                 pass
@@ -219,7 +219,7 @@ class _Needs:
                 raise _UnboundedError
 
     def _linear(self, expr: Expr) -> tuple[dict[str, int], int]:
-        """How often each time is added, and what else is."""
+        """How often each time is added, and the constant."""
         match expr:
             case Now():
                 return {"now": 1}, 0

@@ -1,4 +1,4 @@
-"""Communications that a process wants by itself, and the laws that it runs."""
+"""Communications that a process performs itself, and the laws that it runs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Laws(Core):
     def _joint(
         self, st: State, thread: Thread, frame: Frame, end: str, wanted: Sequence[tuple[str, Value | None]]
     ) -> Signal:
-        """Communications that are wanted together; what is there is taken in their order."""
+        """Communications that are performed together; what is available is taken in their order."""
         if thread.cancel:
             return CANCEL
         thread.stack += (frame,)
@@ -47,7 +47,7 @@ class Laws(Core):
         return ("retry",)
 
     def _look_again(self, st: State, thread: Thread) -> Signal:
-        """Takes what has come to external inputs."""
+        """Take what has arrived at external inputs."""
         assert isinstance(thread.wait, Joint)
         ops = list(thread.wait.ops)
         for index, op in enumerate(ops):

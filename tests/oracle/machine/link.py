@@ -1,4 +1,4 @@
-"""A program made ready to run: replicated operators written out, every composition numbered, and what each may still
+"""A program prepared for running: replicated operators unrolled, every composition numbered, and what each may still
 use.
 """
 
@@ -122,7 +122,7 @@ class Node:
     comp: Comp
     inner: list[Node] = field(default_factory=list)
     uses: frozenset[End] = frozenset()
-    raises: bool = False  # an exception of the program's own
+    raises: bool = False  # an exception declared in the program
 
 
 @dataclass
@@ -134,7 +134,7 @@ class Linked:
     ports: dict[str, Port]
     laws: dict[str, Law]
     variables: tuple[str, ...]
-    # Of a broadcast, the branches of the outermost parallel that read it: its ends, in the order of the program.
+    # For a broadcast, the branches of the outermost parallel that read it: its ends, in the order of the program.
     ends: dict[str, tuple[int, ...]]
     sessions: dict[tuple[int, str], int]  # by the place that reads a sampled input, and the port
 
@@ -163,7 +163,7 @@ def link(program: Program) -> Linked:
 
 
 def _books(program: Program, root: Node, laws: dict[str, Law]) -> dict[tuple[int, str], int]:
-    """For each place, in the order of the text, the first of the sessions of its port that no place beside it has."""
+    """For each place, in the order of the text, the first of the sessions of its port that no parallel place has."""
     sampled = {port.name for port in program.ports if port.input and port.period}
     given: dict[tuple[int, str], int] = {}
     before: list[tuple[str, int, tuple[tuple[Node, int], ...]]] = []

@@ -71,7 +71,9 @@ class Machine(Parallels, Guards, Laws):
         return st
 
     def candidates(self, st: State) -> list[Tid]:
-        """Who may run: the most urgent of the ready ones, in the order in which they became ready."""
+        """The threads that may run: the ready ones with the highest priority, in the order in which they
+        became ready.
+        """
         if st.running is not None:
             return [st.running]
         if not st.ready:
@@ -81,13 +83,13 @@ class Machine(Parallels, Guards, Laws):
         return [tid for tid in st.ready if priority[tid] == best]
 
     def more_comes(self, st: State) -> bool:
-        """Whether anything that comes by itself can wake a process, or has still to be handed over."""
+        """Whether anything that arrives by itself can wake a process, or a value has yet to be output."""
         if st.latches or self.clock.dues(st):
             return True
         return any(end in self.linked.ports for end in self.awaited(st))
 
     def awaited(self, st: State) -> set[str]:
-        """The channels and ports that somebody waits for."""
+        """The channels and ports that some process waits for."""
         found: set[str] = set()
         for thread in st.threads.values():
             match thread.wait:
@@ -99,7 +101,7 @@ class Machine(Parallels, Guards, Laws):
         return found
 
     def run(self, st: State, tid: Tid) -> None:
-        """Runs a thread until it waits, ends, or has gone once around a loop (then it stays `running`)."""
+        """Run a thread until it waits, ends, or has completed one iteration of a loop (then it stays `running`)."""
         if tid[-1:] == (CANCELLATION,):
             st.ready.remove(tid)
             self._cancel(st, st.threads[tid[:-1]])

@@ -1,5 +1,5 @@
-"""Branches: of a parallel, and the body of an interrupt, which is one branch beside a guard. How they end and are
-cancelled.
+"""Branches: of a parallel, and the body of an interrupt, which is a branch in parallel with a guard. How they end and
+are cancelled.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Parallels(Guards):
         raise MustWaitError
 
     def _branch(self, st: State, thread: Thread, node: Node, index: int, rank: int) -> None:
-        """Priorities are ranks compared as if zeros followed; so a branch without a rank has that of its parent."""
+        """Priorities are ranks compared as if zeros followed, so a branch without a rank has that of its parent."""
         tid = (*thread.tid, (node.id, index))
         above = [self.linked.nodes[number].comp for number, _ in thread.tid]
         levels = sum(isinstance(comp, Par) and comp.prioritized for comp in above)
@@ -96,9 +96,9 @@ class Parallels(Guards):
         return None
 
     def _cancel(self, st: State, thread: Thread) -> None:
-        """A thread is to end at its next place; one that waits at a place is taken back at once.
+        """A thread is to end at its next place; one that waits is withdrawn at once.
 
-        The one that runs may come to wait where it is now: it is taken back from there in a turn of its cancellation.
+        The thread that runs may be about to wait: it is withdrawn from there when its cancellation runs.
         """
         thread.cancel = True
         if st.running == thread.tid:
@@ -141,7 +141,7 @@ class Parallels(Guards):
         raise MustWaitError
 
     def fire(self, st: State, thread: Thread, depth: int) -> None:
-        """The guard of an interrupt has become ready: the body is cancelled, and nothing communicated yet."""
+        """The guard of an interrupt has become ready: the body is cancelled, and nothing is communicated yet."""
         frame = thread.stack[depth]
         thread.stack = (*thread.stack[:depth], frame._replace(status="fired"), *thread.stack[depth + 1 :])
         if isinstance(thread.wait, Branches):
@@ -149,8 +149,8 @@ class Parallels(Guards):
                 self._cancel(st, st.threads[(*thread.tid, (frame.node, branch))])
 
     def _abandoned(self, st: State, thread: Thread) -> Signal:
-        """The body was ended by the cancellation: the process is an alternative with the guard alone, unless it was
-        chosen.
+        """The body was ended by the cancellation: the process is an alternative with the guard alone, unless the guard
+        was chosen.
         """
         frame = thread.stack[-1]
         thread.stack = thread.stack[:-1]

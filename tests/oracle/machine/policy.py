@@ -1,4 +1,4 @@
-"""What the language leaves open, as questions that a run asks: whoever answers them chooses the run."""
+"""What the language leaves open, as questions that a run asks: the policy's answers choose the run."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from tests.oracle.programs.tree import Law, Port, Value
 
 
 class Policy(Protocol):
-    fine: bool  # others may run after each communication, and not only when a process waits
-    free: bool  # `[]` may take any guard that is ready; otherwise it is fair as the page says
+    fine: bool  # others may run after each communication, not only when a process waits
+    free: bool  # `[]` may choose any guard that is ready; otherwise it is fair as the page says
 
     def choose(self, count: int) -> int:
-        """One of so many ways."""
+        """Choose one of `count` ways."""
         ...
 
     def compute(self, law: Law) -> int:
@@ -20,7 +20,7 @@ class Policy(Protocol):
         ...
 
     def sample(self, port: Port, now: int) -> Value:
-        """What the environment has at a sampled input."""
+        """The value that the environment has at a sampled input."""
         ...
 
     def event(self, port: Port, now: int, last: Value) -> Value | None:
@@ -28,16 +28,16 @@ class Policy(Protocol):
         ...
 
     def before(self, port: Port) -> Value | None:
-        """An event that came just before a process looks for it."""
+        """An event that arrived just before a process checks for it."""
         ...
 
     def passed(self, channel: str, value: Value, external: bool) -> None:
-        """A communication was made."""
+        """A communication took place."""
         ...
 
 
 def from_table(port: Port, now: int) -> Value:
-    """What the environment that is printed with the program has at an instant."""
+    """The value at an instant of the environment that is printed with the program."""
     value = port.values[0][1]
     for begin, later in port.values:
         if now >= begin:
@@ -46,7 +46,7 @@ def from_table(port: Port, now: int) -> Value:
 
 
 class Unwitnessed:
-    """Answers of the simplest kind: laws take no time, the environment is the one that is printed."""
+    """The simplest answers: laws take no time, the environment is the one that is printed."""
 
     fine = False
     free = False

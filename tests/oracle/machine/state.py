@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 from tests.oracle.programs.tree import Value
 
-Tid = tuple[tuple[int, int], ...]  # a thread: by which parallel (its number) and branch it was started, from the root
+Tid = tuple[tuple[int, int], ...]  # a thread: the parallel (its number) and branch that started it, from the root
 Signal = tuple["Value | None", ...]  # what a thread does when it runs
-CANCELLATION = (-1, 0)  # behind the place of a thread in the ready queue: the turn of its cancellation
+CANCELLATION = (-1, 0)  # after the place of a thread in the ready queue: its cancellation
 
 
 class Op(NamedTuple):
-    """One communication that a thread wants."""
+    """One communication that a thread performs."""
 
     channel: str
     end: str  # `?` or `!`
@@ -25,7 +25,7 @@ class Op(NamedTuple):
 
 
 class Offer(NamedTuple):
-    """A guard, its condition true, as it was when its alternative or interrupt began."""
+    """A guard whose condition is true, as it was when its alternative or interrupt began."""
 
     place: int
     kind: str  # read, write, after, skip, ready
@@ -37,7 +37,7 @@ class Offer(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """Waits until all of its communications are made."""
+    """Waits until all of its communications are complete."""
 
     ops: tuple[Op, ...]
 
@@ -97,7 +97,7 @@ class Thread:
         return Thread(self.tid, self.priority, self.branch, self.stack, self.signal, self.wait, self.cancel)
 
 
-SessionKey = tuple[int, str, int]  # the process, the port, and which of the sessions that the process keeps of it
+SessionKey = tuple[int, str, int]  # the process, the port, and which of the sessions that the process has for it
 
 
 class Session(NamedTuple):
@@ -105,7 +105,7 @@ class Session(NamedTuple):
 
     fresh: bool
     missed: bool
-    ticked: bool  # there was a tick since it was opened
+    ticked: bool  # there has been a tick since it was opened
 
 
 @dataclass(slots=True)
@@ -120,12 +120,12 @@ class State:
     sessions: dict[SessionKey, Session]
     samples: dict[str, Value]  # of the latest tick
     offered: dict[str, Value]  # what the environment offered last
-    events: dict[str, Value]  # offered and not read yet
+    events: dict[str, Value]  # offered but not read yet
     latches: dict[str, Value]
     seq: int = 0
     ended: str | None = None
-    running: Tid | None = None  # in the middle of a loop without a wait
-    missed: bool = False  # a sample was overwritten untaken, in some process
+    running: Tid | None = None  # in the middle of a loop that does not wait
+    missed: bool = False  # a sample was overwritten before it was taken, in some process
     timeout: bool = False  # a `Timeout` was raised
 
     def copy(self) -> State:

@@ -1,4 +1,4 @@
-"""What expressions are worth, by the sections Types and Expressions of the page."""
+"""The values of expressions, by the sections Types and Expressions of the page."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from tests.oracle.programs.tree import (
 )  # fmt: skip
 
 NOW = "now"
-"""The variable that has the present instant; no program declares it."""
+"""The variable that holds the present instant; no program declares it."""
 
 
 class FaultError(Exception):
@@ -37,7 +37,7 @@ class FaultError(Exception):
 
 
 def stored(value: Value) -> Value:
-    """A value that is stored or written, where a real has to be a finite number."""
+    """A value to be stored or written: a real has to be a finite number."""
     for part in value if isinstance(value, tuple) else (value,):
         if isinstance(part, float) and not math.isfinite(part):
             raise FaultError("infinite or not a number")
@@ -107,7 +107,7 @@ def _arithmetic(op: str, a: int | float, b: int | float) -> int | float:
 
 
 def _power(a: int | float, b: int | float) -> int:
-    """Of whole numbers, without computing one that is out of every range."""
+    """A power of whole numbers, without computing one that is far out of range."""
     assert isinstance(a, int)
     assert isinstance(b, int)
     if b < 0 or (abs(a) > 1 and b > 64):
@@ -188,7 +188,7 @@ def _binary(op: str, left: Expr, right: Expr, kind: Type, variables: Mapping[str
 
 
 def zero(kind: Type) -> Value:
-    """What a port or a variable of this type holds before anything was written."""
+    """What a port or a variable of this type holds before anything is written."""
     match kind:
         case Int():
             return 0

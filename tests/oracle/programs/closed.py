@@ -1,7 +1,8 @@
-"""Random closed programs: branches that communicate, of all the forms of the composition diagram.
+"""Random closed programs: branches that communicate, with all forms of the composition diagram.
 
-Half of them begin with a script, one order in which every communication is made, of which each branch gets its part; so
-they would all end well. Then some steps are exchanged, dropped, put into alternatives, interrupts, and so on.
+Half of them begin with a script, one order in which every communication takes place, and each branch gets its part of
+it, so they would all end normally. Then some steps are exchanged, dropped, put into alternatives, interrupts, and so
+on.
 """
 
 from __future__ import annotations
@@ -29,12 +30,14 @@ def _ends(rng: Random, kind: str, count: int) -> tuple[list[int], list[int]]:
 
 
 def is_wide(seed: int) -> bool:
-    """Whether a program computes at the ends of the ranges; the others stay what they were for their seeds."""
+    """Whether a program computes at the ends of the ranges; for the other seeds, programs are the same as without this
+    choice.
+    """
     return Random(f"wide {seed}").random() < 0.4
 
 
 def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = False, sampled: bool = True) -> Program:
-    """A program without inputs; or with some, of events and of samples."""
+    """A program without inputs, or with some events and samples."""
     rng, shifts = Random(seed), Random(f"offsets {seed}")
     world = World(rng, rich=rng.random() < 0.4, wide=is_wide(seed))
     count = rng.choice([2, 2, 3, 3, 4])
@@ -131,7 +134,9 @@ def _scripted(
 
 
 def _both_sides(bodies: list[Comp], channels: list[Channel], scopes: list[Scope]) -> list[Comp]:
-    """A channel with one side only is refused: who has none gets one at its end, which is perhaps never reached."""
+    """A channel with one side only is refused: a missing side is added at the end of a branch, where it may never be
+    reached.
+    """
     made = list(bodies)
     for channel in channels:
         for end in "?!":
@@ -147,7 +152,7 @@ def _both_sides(bodies: list[Comp], channels: list[Channel], scopes: list[Scope]
 
 
 def boxes(rng: Random, bodies: list[Comp], channels: list[Channel]) -> frozenset[int]:
-    """Some branches as processes of their own: whoever shares a channel with one is one, too."""
+    """Some branches as processes of their own, together with all branches that share a channel with them."""
     used = [{end[:-1] for end in uses(body, {})} for body in bodies]
     ends = set().union(*(uses(body, {}) for body in bodies))
     halves = {channel.name for channel in channels if (channel.name + "!" in ends) != (channel.name + "?" in ends)}

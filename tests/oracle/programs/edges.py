@@ -1,6 +1,6 @@
-"""Random arithmetic at the ends of the ranges of its types: some of it faults, some only just does not.
+"""Random arithmetic at the ends of the ranges of its types: some of it faults, some of it just avoids a fault.
 
-What a variable is given depends on what it had only where it grows until it faults, so that explorations end.
+What a variable is set to depends on its previous value only if it grows until it faults, so explorations end.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class Edges:
     # ---- expressions ----
 
     def fresh(self, kind: Int | None, initial: Value, *, pair: bool = False) -> Ref:
-        """A variable of its own; of pairs of numbers without a type, or of a struct."""
+        """A variable of its own; for pairs of numbers without a type, or for a struct."""
         made = self.scope.world.variable(kind or (PAIR if pair else TWO), self.scope.owner, initial)
         return Ref(made.name, made.type)
 
     def place(self, kind: Int) -> Expr:
-        """A variable, a field or an element, with a number at an end."""
+        """A variable, a field or an element, with a value at an end of the range."""
         initial = self.scope.edge(kind).value
         known = [variable for variable in self.scope.own if variable.type == kind]
         choice = self.rng.random()
@@ -107,7 +107,7 @@ class Edges:
         return Bin(self.rng.choice(COMPARED), self.sum(kind), self.scope.edge(kind), BOOL)
 
     def compared(self, value: Expr) -> Expr:
-        """A value that is compared with something added, or taken away."""
+        """A comparison of a value with something added or subtracted."""
         kind = value.type
         assert isinstance(kind, Int)
         moved = Bin(self.rng.choice("+-"), value, self.scope.edge(kind), kind)
@@ -116,7 +116,9 @@ class Edges:
     # ---- steps ----
 
     def added(self, target: Target) -> Comp:
-        """What a variable has got with something added that takes it near an end, or beyond; or compared then."""
+        """The value of a variable with something added that takes it near an end of the range, or beyond; or a
+        comparison with it.
+        """
         kind = target.type
         assert isinstance(kind, Int)
         value: Expr = Ref(target.name, kind)
@@ -153,7 +155,7 @@ class Edges:
         return [If(self.condition(), Skip())]
 
     def creeping(self, kind: Int) -> Comp:
-        """Nearer to an end each time."""
+        """Closer to an end of the range each time."""
         low, high = kind.bounds
         by = self.rng.randint(1, 3)
         far = self.rng.randrange(4 * by)
@@ -175,7 +177,7 @@ class Edges:
         return Ref(variable.name, REAL)
 
     def infinite(self) -> Comp:
-        """A real that may be infinite, or no number, where it is stored; or where it is only compared."""
+        """A real that may be infinite, or not a number, where it is stored, or where it is only compared."""
         by: Expr = Lit(abs(self.rng.choice(HUGE_REALS)), REAL) if self.rng.random() < 0.5 else self.real()
         made = Bin(self.rng.choice("+-*/"), self.real(), by, REAL)
         if self.rng.random() < 0.25:
@@ -199,14 +201,14 @@ class Edges:
     # ---- loops ----
 
     def spin(self, communication: Comp | None) -> Comp:
-        """Never ends, and waits for others at most."""
+        """A loop that never ends, and at most waits for others."""
         if communication is not None and self.rng.random() < 0.6:
             return Mu(communication)
         ref = self.fresh(INT, 0)
         return Mu(Assign(Target(ref.name, INT), Lit(0, INT)), Bin(">", ref, Lit(0, INT), BOOL))
 
     def growth(self, kind: Int) -> tuple[Ref, list[Comp]]:
-        """A variable, and steps after which it is much larger, or much less."""
+        """A variable, and steps after which it is much larger, or much smaller."""
         way = self.rng.randrange(7)
         start = self.rng.choice((1, 1, 2, 3, 5))
         if kind in (INT, TIME) and self.rng.random() < 0.6:
@@ -238,7 +240,7 @@ class Edges:
                 return ref, becomes("+", ref)
 
     def loop(self, inner: list[Comp]) -> list[Comp]:
-        """A loop in which a number grows: up to a bound, so many times, or until it faults."""
+        """A loop in which a number grows: up to a bound, a number of times, or until it faults."""
         kind = self.kind()
         ref, steps = self.growth(kind)
         body = Seq((*steps, *inner) if self.rng.random() < 0.5 else (*inner, *steps))

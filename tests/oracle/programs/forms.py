@@ -48,7 +48,7 @@ from tests.oracle.programs.tree import (
 
 
 def forever(body: Comp) -> Comp:
-    """A loop that waits for something in each round; a loop that never does is refused."""
+    """A loop that waits for something in each iteration; a loop that never does is refused."""
     instants = has_instants(body)
     if not instants and any(isinstance(part, Read | Write | Wait) for part in walk(body)):
         return Mu(body)
@@ -58,12 +58,12 @@ def forever(body: Comp) -> Comp:
 
 
 def has_instants(body: Comp) -> bool:
-    """Whether there are instants that a composition waits for."""
+    """Whether a composition waits for instants."""
     return any(_of_instant(part) for part in walk(body))
 
 
 def _of_instant(part: Comp) -> bool:
-    """Whether it waits for an instant, which it does once only."""
+    """Whether it waits for an instant, which can only be once."""
     match part:
         case Wait(_, True) | Guarded(After(_, True)):
             return True
@@ -97,7 +97,7 @@ class Forms:
         return Skip() if not flat else flat[0] if len(flat) == 1 else Seq(tuple(flat))
 
     def loop(self, body: Comp) -> Comp:
-        """For ever, or so many times."""
+        """A loop that runs forever, or a number of times."""
         choice = self.rng.random()
         if choice < 0.5:
             return forever(body)
@@ -112,7 +112,7 @@ class Forms:
         return self.rng.choice([0, 1, 1, 2, 2, 3, 5]) * MS
 
     def wait(self) -> Wait:
-        """A delay, or until an instant."""
+        """A delay, or a wait until an instant."""
         until = self.rng.random() < 0.2
         return Wait(self.instant() if until else self.delay(), until)
 
@@ -149,7 +149,7 @@ class Forms:
         return Write(channel.name, self.scope.value(channel.type))
 
     def local(self) -> list[Comp]:
-        """Something that concerns nobody else."""
+        """Something that concerns no other branch."""
         choice = self.rng.random()
         if choice < 0.4 and "time" not in self.without:
             return [self.wait()]
@@ -249,7 +249,7 @@ class Forms:
         return Catch(self.sequence([*steps, thrown]), name, self.step(depth - 1))
 
     def faulty(self, depth: int) -> Comp:
-        """Arithmetic that may fault, and who catches it."""
+        """Arithmetic that may fault, with a handler."""
         scope = self.scope
         if scope.world.wide and self.rng.random() < 0.8:
             return self.saved(self.overflowing(depth))
@@ -269,7 +269,7 @@ class Forms:
         return Catch(self.sequence([*steps, *self.local()]), "Fault", self.step(max(depth - 1, 0)))
 
     def interrupted(self, body: Comp, depth: int) -> Comp:
-        """A body with a guard beside it, which is another parallel part: they share no end and no variable."""
+        """A body with a guard in parallel: they share no end and no variable."""
         if "interrupt" in self.without or "time" in self.without:
             return body
         beside = uses(body, {})
@@ -284,7 +284,7 @@ class Forms:
     # ---- arithmetic at the ends of the ranges ----
 
     def saved(self, steps: Sequence[Comp], instead: Comp | None = None) -> Comp:
-        """Steps that may fault, and what is done then: nothing, never anything, a turn without end, or a step."""
+        """Steps that may fault, and what is done then: nothing, never anything, an endless loop, or a step."""
         choice = self.rng.random()
         handler: Comp = Skip() if choice < 0.2 else Stop() if choice < 0.5 else self.step(0)
         if 0.5 < choice < 0.6:
@@ -294,7 +294,7 @@ class Forms:
         return Catch(self.sequence(steps), "Fault", handler)
 
     def overflowing(self, depth: int) -> list[Comp]:
-        """Steps that compute, wait or communicate what may be out of range."""
+        """Steps that compute, wait or communicate with a value that may be out of range."""
         edges = Edges(self.scope, self.without)
         choice = self.rng.random()
         communication = self.communication()
@@ -320,7 +320,7 @@ class Forms:
         return edges.steps()
 
     def overflowing_guards(self, edges: Edges, communication: Read | Write, *, timed: bool) -> Comp:
-        """An alternative or an interrupt whose guards compute what may be out of range."""
+        """An alternative or an interrupt whose guards compute a value that may be out of range."""
         if timed and self.rng.random() < 0.6:
             late = Guarded(After(edges.sum(TIME), self.rng.random() < 0.5), self.step(0))
             if self.rng.random() < 0.3 and "interrupt" not in self.without:
@@ -335,7 +335,7 @@ class Forms:
         return Alt((alone, Guarded(Skip(), self.step(0))), self.rng.random() < 0.5)
 
     def overflowed(self, steps: list[Comp]) -> list[Comp]:
-        """A list of steps of which one computes what may be out of range, or is left out after that."""
+        """A list of steps of which one computes a value that may be out of range, or is skipped after that."""
         if not steps:
             return [self.saved(self.overflowing(1))]
         at = self.rng.randrange(len(steps))
@@ -355,7 +355,7 @@ class Forms:
     # ---- changes ----
 
     def changed(self, steps: list[Comp]) -> list[Comp]:
-        """A list of steps with one change, after which it may no longer fit to the others."""
+        """A list of steps with one change, after which it may no longer match the others."""
         if not steps:
             return self.steps(1, 1)
         at = self.rng.randrange(len(steps))

@@ -1,7 +1,7 @@
-"""Programs that ask what time it is: the present instant ends their loops, is kept, compared and handed over, and
-decides what is raised and what faults.
+"""Programs that use the present instant: it ends their loops, is kept, compared and passed on, and decides what is
+raised and what faults.
 
-They are made of other programs, or of single steps, by changes at some of their places.
+They are made from other programs, or from single steps, by changes at some of their places.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
 
 
 def asks_for_the_time(seed: int) -> bool:
-    """Of about one program in six; the others stay what they were for their seeds."""
+    """True for about one program in six; for the other seeds, programs are the same as without this choice."""
     return Random(f"now {seed}").random() < 1 / 6
 
 
@@ -93,7 +93,7 @@ def single_steps(rng: Random) -> Program:
 
 
 def with_instants(program: Program, rng: Random, changes: int | None = None) -> Program:
-    """The program with a few changes by which the present instant decides."""
+    """The program with a few changes by which the present instant makes decisions."""
     made = _Instants(program, rng)
     for _ in range(rng.choice([1, 2, 2, 3]) if changes is None else changes):
         made.change()
@@ -101,7 +101,9 @@ def with_instants(program: Program, rng: Random, changes: int | None = None) -> 
 
 
 def with_knot(program: Program) -> Program:
-    """The program beside two processes that wait for each other: only what ends all others ends those."""
+    """The program in parallel with two processes that wait for each other: they end only if everything else is ended,
+    too.
+    """
     owner = len(branches(program))
     names = ("left", "right")
     variables = [Variable(f"got{at}", INT, 0, owner + at) for at in (0, 1)]
@@ -136,7 +138,7 @@ class _Instants:
     # ---- places ----
 
     def change(self) -> None:
-        """One of the branches of the outermost parallel becomes another, or two of them."""
+        """Change one of the branches of the outermost parallel, or two of them."""
         count = len(branches(self.program))
         if count > 1 and self.rng.random() < 0.25:
             self._hand_over(*self.rng.sample(range(count), 2))
@@ -152,7 +154,7 @@ class _Instants:
         self.program = replace(self.program, body=replace(self.program.body, parts=parts))
 
     def _changed(self, owner: int, body: Comp) -> Comp:
-        """Loops that are there get an end, writes another value, conditions another question; or a step is looped."""
+        """A loop gets an end, a write another value, a condition another comparison; or a step is put into a loop."""
         found = walk(body)
         inside = {id(part) for node in found if isinstance(node, Replicated) for part in walk(node)[1:]}
         free = [at for at, part in enumerate(found) if not isinstance(part, Guarded) and id(part) not in inside]
@@ -187,7 +189,9 @@ class _Instants:
         return Bin(op, left, right, BOOL)
 
     def late(self, since: Ref | None = None) -> Expr:
-        """What holds from some instant on, or so long after another; rarely only at one instant."""
+        """A condition that holds from some instant on, or some time after another instant; rarely only at one
+        instant.
+        """
         op = "==" if self.rng.random() < 0.1 else self.rng.choice((">", ">="))
         if since is None:
             return self._compared(op, Now(), _time(self.instant()))
@@ -197,7 +201,7 @@ class _Instants:
         return self._compared(op, Now(), Bin("+", since, _time(age), TIME))
 
     def question(self, since: Ref | None = None) -> Expr:
-        """Something about the present instant."""
+        """A condition on the present instant."""
         choice = self.rng.random()
         if choice < 0.5:
             return self.late(since)
@@ -246,7 +250,7 @@ class _Instants:
         return If(self.question(), part)
 
     def _slow(self, body: Comp) -> Comp:
-        """A body that mostly lets time pass."""
+        """A body that usually lets time pass."""
         waits = any(isinstance(part, Wait) and isinstance(part.time, int) and part.time for part in walk(body))
         if waits or self.rng.random() < (0.5 if any(isinstance(part, Read) for part in walk(body)) else 0.1):
             return body
@@ -254,7 +258,7 @@ class _Instants:
         return Seq((wait, body) if self.rng.random() < 0.3 else (body, wait))
 
     def _looped(self, owner: int, part: Comp) -> Comp:
-        """A step around which, or before which, something asks for the present instant."""
+        """A step inside or after a condition on the present instant."""
         choice = self.rng.random()
         if choice < 0.7:
             return self._ended(owner, part)
@@ -302,13 +306,13 @@ class _Instants:
         keeps = Assign(Target(kept.name, TIME), Now())
         if choice < 0.95:
             return Seq((keeps, Mu(body, self.late(kept))))
-        return Mu(Seq((keeps, body)), self.late(kept))  # ends only if one round takes so long
+        return Mu(Seq((keeps, body)), self.late(kept))  # ends only if one iteration takes that long
 
     def _early(self) -> Expr:
         return self._compared(self.rng.choice(("<", "<=")), Now(), _time(self.instant()))
 
     def _moment(self) -> Expr:
-        """Mostly an instant that rounds of a millisecond come to."""
+        """An instant that is usually reached by iterations of a millisecond."""
         if self.rng.random() < 0.5:
             return self._compared("==", Now(), _time(self.rng.choice([2, 3, 4]) * MS))
         return self.late()
@@ -325,7 +329,7 @@ class _Instants:
     # ---- what is handed over ----
 
     def _hand_over(self, writer: int, reader: int) -> None:
-        """A channel by which one branch tells another what time it is, or whether it is late; the other acts on it."""
+        """A channel over which one branch sends another the time, or whether it is late; the other acts on it."""
         boxed = self.program.boxed
         if (writer in boxed) != (reader in boxed):
             self.program = replace(self.program, boxed=frozenset())
@@ -339,7 +343,7 @@ class _Instants:
         reads = Read(channel.name, Target(got.name, of))
         over: Expr = got if of == BOOL else self.late(got) if self.rng.random() < 0.6 else self._on(got)
         before, after = branches(self.program)[writer], branches(self.program)[reader]
-        if self.rng.random() < 0.5:  # in rounds on both sides, which may end at different times
+        if self.rng.random() < 0.5:  # in iterations on both sides, which may end at different times
             self._put(writer, Seq((before, self._round(writer, writes))))
             self._put(reader, Seq((after, self._repeated(reads, over))))
         elif self.rng.random() < 0.5:
@@ -350,7 +354,7 @@ class _Instants:
             self._put(reader, Seq((reads, If(over, after))))
 
     def _on(self, got: Ref) -> Expr:
-        """About an instant that came by a channel."""
+        """A condition on an instant that arrived over a channel."""
         return self._compared(self.rng.choice(ORDERED), got, _time(self.instant()))
 
     def _round(self, owner: int, writes: Write) -> Comp:

@@ -1,8 +1,8 @@
-"""Random programs of nested interrupts whose guards meet: each other, in one process or beside it, or an offer of a
+"""Random programs of nested interrupts whose guards meet: each other, in one process or in parallel, or an offer of a
 body.
 
-They are drawn freely first. Then places at which parts that run in sequence would communicate with each other, and
-those of parallel parts that would share an output or an event, become something else.
+They are first drawn freely. Then places at which parts that run in sequence would communicate with each other, and
+those at which parallel parts would share an output or an event, are replaced.
 """
 
 from __future__ import annotations
@@ -58,11 +58,11 @@ OTHER = {"?": "!", "!": "?"}
 NAMES = ("c0", "c1", "c2")
 OUTPUTS = ("o0", "o1", "o2")
 DRAWN = Lit(True, BOOL)
-"""The condition of a part whose condition is drawn when it is known which variables it may use."""
+"""The condition of a part; it is drawn once the variables that it may use are known."""
 
 
 def is_nested(seed: int) -> bool:
-    """Of about one program in five; the others stay what they were for their seeds."""
+    """True for about one program in five; for the other seeds, programs are the same as without this choice."""
     return not is_wide(seed) and not asks_for_the_time(seed) and Random(f"nested {seed}").random() < 0.4
 
 
@@ -79,7 +79,7 @@ Other = Read | Write | Wait | Skip
 
 
 def with_event(part: Comp, event: Other) -> Comp:
-    """A place with another communication, or with a delay, which is a time-out at a guard."""
+    """The place with another communication, or with a delay, which is a time-out at a guard."""
     if isinstance(part, Guarded):
         return replace(part, event=After(event.time) if isinstance(event, Wait) else event)
     return event
@@ -123,7 +123,7 @@ class _Draft:
         return self.loop(body) if self.rng.random() < 0.2 else body
 
     def communication(self, inside: set[str] | None = None) -> Read | Write:
-        """Of a channel, often the other end of one used before; of one used in a body where there is such."""
+        """A channel end, often the other end of one used before; preferably of one used in a body."""
         rng = self.rng
         known = self.used if inside is None else [each for each in self.used if "".join(each) in inside]
         alone = [each for each in known if (each[0], OTHER[each[1]]) not in self.used]
@@ -147,7 +147,7 @@ class _Draft:
         return Write(OUTPUTS[self.owner], Lit(self.rng.randrange(4, 8), INT))
 
     def event(self, body: Comp) -> Event:
-        """What interrupts a body."""
+        """The guard and handler that interrupt a body."""
         choice = self.rng.random()
         if choice < 0.65:
             return self.communication(uses(body, {}) if self.rng.random() < 0.8 else None)
@@ -158,7 +158,7 @@ class _Draft:
         return Skip() if choice > 0.97 else self.communication()
 
     def nest(self, depth: int, *, caught: bool = False) -> Comp:
-        """Interrupts in interrupts, with other forms between now and then."""
+        """Nested interrupts, with other forms here and there."""
         if depth == 0:
             return self.innermost(caught=caught)
         around = self.rng.random() < 0.12
@@ -223,7 +223,7 @@ class _Draft:
         return Skip() if choice < 0.97 else Stop()
 
     def loop(self, body: Comp) -> Comp:
-        """For ever, so many times, or until a variable says so."""
+        """A loop that runs forever, a number of times, or until a variable says so."""
         choice = self.rng.random()
         if choice < 0.5:
             waits = isinstance(body, Read | Write) and body.channel in NAMES
@@ -235,10 +235,10 @@ class _Draft:
             return Mu(Seq((body, count)), Bin(">=", counter, times, BOOL))
         return While(Bin("<", counter, times, BOOL), Seq((body, count)))
 
-    # ---- made to fit ----
+    # ---- adapted to the rules ----
 
     def mended(self, body: Comp) -> Program:
-        """The program that the rules of the language allow, with channels of kinds for those who use them."""
+        """The program that the rules of the language allow, with the kinds of channels that their users need."""
         body = self._changed_where(body, _out_of_place, self._elsewhere)
         body = self._with_both_sides(body)
         for name in OUTPUTS:
@@ -274,7 +274,7 @@ class _Draft:
         return Write(name, Lit(8, INT)) if name else Skip()
 
     def _changed_where(self, body: Comp, clash: Clash, other: Callable[[Place], Other]) -> Comp:
-        """With something else at each place that clashes with one before."""
+        """The parts with a replacement at each place that clashes with an earlier one."""
         found = places(body)
         kept: list[Place] = []
         for place in found:
@@ -285,7 +285,9 @@ class _Draft:
         return body
 
     def _with_both_sides(self, body: Comp) -> Comp:
-        """Who is alone on a channel gets a partner in another branch, unless there are many; or does something else."""
+        """A place that is alone on a channel gets a partner in another branch, unless there are many; otherwise it is
+        replaced.
+        """
         partners: list[Comp] = []
         count = len(body.parts) if isinstance(body, Par) else 1
         for name in NAMES:
@@ -316,7 +318,7 @@ class _Draft:
         return Interrupt(Stop(), Guarded(event, Skip())) if choice < 0.9 else event
 
     def _with_values(self, body: Comp) -> Comp:
-        """With values and conditions of what was read in parts that do not run at the same time."""
+        """The values and conditions are based on what was read in parts that do not run at the same time."""
         found, rng = places(body), self.rng
         owners = {variable.name: variable.owner for variable in self.variables}
         reads = [(place, _target(place)) for place in found if _target(place)]
@@ -332,7 +334,7 @@ class _Draft:
         return body
 
     def _channel(self, name: str, found: list[Place]) -> Channel:
-        """Of kind `any` where several write or read at one time."""
+        """Channels are of kind `any` if several parts write or read at the same time."""
         here = [place for place in found if _on(name, place)]
         several = any(
             ends(one.part) == ends(other.part) and beside(one, other, found)
@@ -371,7 +373,7 @@ def _both_write(place: Place, other: Place, found: list[Place]) -> bool:
 
 
 def guards_that_meet(program: Program) -> int:
-    """How many guards of interrupts may meet an offer in the body of theirs."""
+    """How many guards of interrupts may meet an offer in their own body."""
     found = 0
     for part in walk(program.body):
         if isinstance(part, Interrupt) and (end := ends(part.guard)) is not None:

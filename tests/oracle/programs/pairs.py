@@ -1,7 +1,7 @@
-"""Random pairs of a program and a specification, of which about half refine by construction.
+"""Random pairs of a program and a specification, about half of which refine by construction.
 
-`P` is made of `Q` by taking choices away, or `Q` of `P` by adding some; or `P` computes in another way the value that
-`Q` writes: through a variable, an expression, a struct, an array, a law. The rest has one more change that may matter.
+`P` is made from `Q` by removing choices, or `Q` from `P` by adding some; or `P` computes the value that `Q` writes in
+another way: through a variable, an expression, a struct, an array, a law. The rest has one more change that may matter.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ DOMAIN = (0, 1, 2, 7)
 class Pair:
     program: Program
     specification: Program
-    holds: bool | None  # by construction, as to traces
+    holds: bool | None  # by construction, for traces
     hidden: tuple[str, ...] = ()  # ports that only the program has
 
 
@@ -113,7 +113,7 @@ def pair(seed: int) -> Pair:
 
 
 def _hiding(rng: Random, program: Program) -> tuple[Program, tuple[Port, ...]]:
-    """With a port that is written, or read, before one of its communications."""
+    """The program with a port that is written, or read, before one of its communications."""
     places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Write | Read)]
     if not places:
         return program, ()
@@ -126,7 +126,7 @@ def _hiding(rng: Random, program: Program) -> tuple[Program, tuple[Port, ...]]:
 
 
 def _parallel(rng: Random) -> tuple[Program, Forms]:
-    """Branches that communicate with each other and outside."""
+    """Branches that communicate with each other and with the environment."""
     made = closed(rng.randrange(10**9), inputs=True, sampled=False, without=frozenset({"time", "law"}))
     world = World(rng, variables=list(made.variables))
     outputs = [Channel(port.name, INT, "output") for port in made.ports if not port.input]
@@ -136,7 +136,7 @@ def _parallel(rng: Random) -> tuple[Program, Forms]:
 
 
 def _interrupted(rng: Random) -> tuple[Program, Forms]:
-    """Nested interrupts that meet, beside writers of outputs."""
+    """Nested interrupts that meet, in parallel with writers of outputs."""
     made = nested(rng.randrange(10**9), inputs=rng.random() < 0.3, timed=rng.random() < 0.3)
     outputs = [Channel(port.name, INT, "output") for port in made.ports if not port.input]
     scope = Scope(World(rng, variables=list(made.variables)), 0, [], outputs[:1], [])
@@ -145,7 +145,7 @@ def _interrupted(rng: Random) -> tuple[Program, Forms]:
 
 
 def _writing_anything(rng: Random, program: Program) -> Program:
-    """A specification that writes, in any order, what a program may write; and may end, or may not."""
+    """A specification that writes, in any order, what a program may write, and may end or not."""
     outputs = [port.name for port in program.ports if not port.input]
     guards = [Guarded(Skip(), Write(name, Lit(value, INT))) for name in outputs for value in range(9)]
     guards += [Guarded(Read(port.name, Target("w3", INT)), Skip()) for port in program.ports if port.input]
@@ -158,7 +158,7 @@ def _writing_anything(rng: Random, program: Program) -> Program:
 
 
 def _sequential(rng: Random, *, wide: bool) -> tuple[Program, Forms]:
-    """One process that communicates outside."""
+    """One process that communicates with the environment."""
     world = World(rng, rich=rng.random() < 0.3, wide=wide)
     domain = (-(2**63), 0, 1, 2**63 - 1) if wide else DOMAIN
     inputs = [Channel(f"i{number}", INT, "event") for number in range(rng.choice([0, 1, 1, 2]))]
@@ -195,7 +195,7 @@ def _number(part: Comp) -> bool:
 
 
 def _narrower(rng: Random, program: Program) -> Program:
-    """Without one of the choices of an alternative of which every guard is always ready, or of any `[]`."""
+    """The program without one of the choices of an alternative whose guards are all always ready, or of any `[]`."""
     places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Alt) and not part.prioritized]
     if not places:
         return program
@@ -209,7 +209,7 @@ def _narrower(rng: Random, program: Program) -> Program:
 
 
 def _sure(rng: Random, program: Program) -> Program:
-    """With something else done after a fault: it matters if the fault happens."""
+    """The program with another handler of a fault: it matters if the fault happens."""
     places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Catch) and part.name == "Fault"]
     if not places:
         return program
@@ -222,7 +222,7 @@ def _sure(rng: Random, program: Program) -> Program:
 
 
 def _looser(rng: Random, program: Program) -> Program:
-    """With another value that may be written instead."""
+    """The program with another value that may be written instead."""
     places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
     if not places:
         return program
@@ -236,7 +236,7 @@ def _looser(rng: Random, program: Program) -> Program:
 
 
 def _otherwise(rng: Random, program: Program, *, may_compute: bool) -> Program:
-    """With one value that is written computed in another way."""
+    """The program with one written value computed in another way."""
     places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
     if not places or rng.random() < 0.2:
         return program
@@ -274,7 +274,7 @@ def _otherwise(rng: Random, program: Program, *, may_compute: bool) -> Program:
 
 
 def _changed(rng: Random, program: Program, forms: Forms) -> Program:
-    """With a change that may matter: another value, a step more or less."""
+    """The program with a change that may matter: another value, one step more or less."""
     places = [at for at, part in enumerate(walk(program.body)) if not isinstance(part, Guarded)]
 
     def other(part: Comp) -> Comp:

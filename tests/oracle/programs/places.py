@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from tests.oracle.programs.tree import Comp, Guarded, Interrupt, Par, Read, Write, parts
 
-Path = tuple[tuple[int, int], ...]  # the parts around a place, from the outermost: their numbers, and which part of it
+Path = tuple[
+    tuple[int, int], ...
+]  # the parts around a place, from the outermost: their numbers, and which part of each
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a part of a random program may use: its ends of channels, its output, and variables of its own."""
+"""What a part of a random program may use: ends of channels, outputs, and variables of its own."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ REALS = (0.0, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0, 1e300)
 
 @dataclass
 class World:
-    """Everything of one program that is being made."""
+    """A program that is being generated."""
 
     rng: Random
     variables: list[Variable] = field(default_factory=list)
@@ -81,7 +81,7 @@ class Scope:
         return self.world.rng
 
     def variable(self, kind: Type) -> Variable:
-        """A variable of this part and this type, made if there is none."""
+        """A variable of this part and this type, declared if there is none."""
         known = [variable for variable in self.own if variable.type == kind]
         if known and self.rng.random() < 0.8:
             return self.rng.choice(known)
@@ -91,14 +91,14 @@ class Scope:
         return made
 
     def target(self, kind: Type) -> Target:
-        """Where a value of a type is put: a variable, or a field or an element of one."""
+        """The target for a value of a type: a variable, or a field or an element of one."""
         if kind == INT and self.world.rich and self.rng.random() < 0.15:
             at = self.rng.randrange(2)
             return Target(self.variable(TWO).name, INT, at, f"[{at}]")
         return Target(self.variable(kind).name, kind)
 
     def split(self, count: int) -> list[Scope]:
-        """Parts for parallel branches, which share nothing."""
+        """Scopes for parallel branches, which share nothing."""
         made = [Scope(self.world, self.owner, [], [], []) for _ in range(count)]
         for channel in self.reads:
             self.rng.choice(made).reads.append(channel)
@@ -108,7 +108,7 @@ class Scope:
             self.rng.choice(made).outputs.append(output)
         return made
 
-    # ---- expressions, of few values so that explorations end ----
+    # ---- expressions, with few values so that explorations end ----
 
     def number(self, depth: int = 1) -> Expr:
         rng = self.rng
@@ -135,7 +135,7 @@ class Scope:
         return If3(self.condition(depth - 1), self.number(0), self.number(0), INT)
 
     def real(self, depth: int = 2) -> Expr:
-        """Of few values as well, but rounded."""
+        """A real expression, also with few values, but rounded."""
         rng = self.rng
         choice = rng.random()
         known = [variable for variable in self.own if variable.type == REAL]
@@ -182,7 +182,7 @@ class Scope:
                 return Convert(Bin("%", Call("max", (self.number(), Lit(0, INT)), INT), Lit(4, INT), INT), kind)
 
     def edge(self, kind: Int) -> Lit:
-        """A number at an end of the range of its type, at its half or its root, or a small one."""
+        """A number at an end of the range of its type, at half of it or its root, or a small one."""
         rng = self.rng
         low, high = kind.bounds
         named = [value for value, other in CONSTANTS if other == kind]

@@ -1,4 +1,4 @@
-"""A program made smaller while its answer stays wrong."""
+"""Makes a program smaller while its answer stays wrong."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Wrong = Callable[[Program], bool]
 
 
 def shrink(program: Program, wrong: Wrong, *, seconds: float = 60) -> Program:
-    """Tries smaller programs, again from the first as soon as one is still wrong, until none is or the time is up."""
+    """Try smaller programs, starting again as soon as one is still wrong, until none is or the time is up."""
     end = time.monotonic() + seconds
     going = True
     while going:
@@ -61,7 +61,7 @@ def shrink(program: Program, wrong: Wrong, *, seconds: float = 60) -> Program:
 
 
 def tidy(program: Program) -> Program:
-    """Without what nobody uses."""
+    """The program without what nothing uses."""
     laws = {law.name: law for law in program.laws}
     used = set().union(*(uses(part, laws) for part in branches(program)))
     runs = {part.law for part in walk(program.body) if isinstance(part, Run)}
@@ -106,7 +106,7 @@ def _smaller(program: Program) -> Iterator[Program]:
 
 
 def _simpler(node: Comp) -> Iterator[Comp]:
-    """The same composition with one thing less."""
+    """The same composition with one part less."""
     if not isinstance(node, Skip | Guarded):
         yield Skip()
     match node:

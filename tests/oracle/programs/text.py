@@ -1,7 +1,7 @@
 """Programs as text for cspdiag.
 
 A branch of the outermost parallel may be printed as a process of its own (`Program.boxed`); its channels become ports,
-and arrows connect them. That changes how it is written, and not what it means.
+and arrows connect them. That changes how it is written, but not what it means.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def literal(value: Value, kind: Type) -> str:
             )
         case Int(name):
             assert isinstance(value, int)
-            if value == -(2**63):  # its size is no number of its type
+            if value == -(2**63):  # its magnitude is not a number of its type
                 return f"({literal(value + 1, kind)} - {literal(1, kind)})"
             size = duration(abs(value)) if name == "time" else str(abs(value))
             return size if value >= 0 else f"(-{size})"
@@ -100,7 +100,7 @@ def literal(value: Value, kind: Type) -> str:
 
 
 def shown(value: Value, kind: Type) -> object:
-    """A value as traces in JSON have it."""
+    """A value as in traces in JSON."""
     match kind:
         case Struct(_, fields):
             assert isinstance(value, tuple)
@@ -150,7 +150,7 @@ def expression(expr: Expr) -> str:
 
 
 def condition(expr: Expr) -> str:
-    """An expression without the outermost parentheses, where none are needed."""
+    """An expression without outer parentheses, where none are needed."""
     text = expression(expr)
     return text[1:-1] if isinstance(expr, Bin | If3) else text
 
@@ -267,7 +267,7 @@ def _variable(variable: Variable) -> str:
 
 
 def uses(node: Comp, laws: dict[str, Law]) -> set[str]:
-    """The channels and ports of a composition, with `?` or `!` behind their names; variables of laws among them."""
+    """The channels and ports of a composition, followed by `?` or `!`, including variables of laws."""
     found: set[str] = set()
     for part in walk(node):
         event = part.event if isinstance(part, Guarded) else part
@@ -287,7 +287,7 @@ def branches(program: Program) -> tuple[Comp, ...]:
 
 
 def text(program: Program, assertion: str = "") -> str:
-    """The whole program with its environment; `assertion` such as `deadlock free`."""
+    """The entire program with its environment; `assertion` is for example `deadlock free`."""
     return "\n".join([*definitions(program), *_environment(program)]) + (
         f"\nassert {program.name} {assertion}\n" if assertion else "\n"
     )
@@ -369,7 +369,7 @@ def _box(program: Program, number: int, body: Comp, ends: set[str]) -> list[str]
 
 
 def _parameters(body: Comp) -> list[str]:
-    """The constants of a composition, which are parameters of the process that it becomes."""
+    """The constants of a composition, which become parameters of its process."""
     return sorted(set(CONSTANT.findall(composition(body, {}))))
 
 

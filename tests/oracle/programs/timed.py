@@ -1,5 +1,5 @@
 """Random programs with sampled inputs, for `schedulable`: loops one after another, waits and events between and within
-them, several ports of one period or of several, partners that keep a loop waiting, and supervisors.
+them, several ports with one period or with several, partners that make a loop wait, and supervisors.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class _Timed:
         return self.rng.choice([0, 3, 5, 12, 20, 33]) * MS
 
     def sample(self) -> Comp:
-        """Reads one of the sampled inputs, itself or by a law."""
+        """Read one of the sampled inputs, directly or by a law."""
         if self.laws and (not self.samples or self.rng.random() < 0.6):
             return Run(self.rng.choice(self.laws).name)
         if self.samples:
@@ -95,7 +95,7 @@ class _Timed:
         return Read(channel.name, self.target()) if read else Write(channel.name, Lit(self.rng.randrange(2), INT))
 
     def between(self, depth: int = 1) -> Comp:
-        """What may keep a loop from its samples."""
+        """Something that may make a loop late for its samples."""
         choice = self.rng.random()
         if choice < 0.07:
             return Wait(self.instant(), until=True)
@@ -184,14 +184,14 @@ class _Timed:
 
 
 def _shares(body: Comp, event: Event) -> bool:
-    """Whether a guard reads what its body reads, or into what it uses, which are parallel parts."""
+    """Whether a guard reads what its body reads, or into what it uses: guard and body are parallel parts."""
     if not isinstance(event, Read):
         return False
     return event.channel + "?" in uses(body, {}) or event.target.name in repr(body)
 
 
 def timed(seed: int, *, outputs: bool = False) -> Program:
-    """A program with sampled inputs; with `outputs` its laws write sampled ones, too."""
+    """A program with sampled inputs; with `outputs`, its laws write sampled outputs, too."""
     rng = Random(seed)
     parts = [_Timed(rng, owner) for owner in range(rng.choice([1, 1, 2, 2, 3]))]
     periods = [value * MS for value in rng.choice([(5,), (10,), (4, 8), (5, 10), (3, 6), (4, 6)])]
@@ -252,13 +252,13 @@ def _shifted(rng: Random, ports: list[Port]) -> list[Port]:
 
 
 def _values(rng: Random) -> tuple[tuple[int, int], ...]:
-    """What the environment that is printed offers, changing between the instants of all grids."""
+    """The values that the printed environment offers, changing between the instants of all grids."""
     first, second = rng.randint(1, 20), rng.randint(21, 38)
     return (0, rng.randrange(2)), (first * MS + MS // 2, rng.randrange(3)), (second * MS + MS // 2, rng.randrange(3))
 
 
 def _writing(law: Law, port: Port) -> Law:
-    """The law with one more output, which counts its runs besides."""
+    """The law with one more output, which also counts its runs."""
     ref = Ref("n", INT)
     count = ("n", INT, 0, Bin("%", Bin("+", ref, Lit(1, INT), INT), Lit(4, INT), INT))
     return replace(

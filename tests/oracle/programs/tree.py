@@ -1,4 +1,4 @@
-"""The abstract syntax of the programs that the oracle makes and runs."""
+"""The abstract syntax of the programs that the oracle generates and runs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 MS = 10**6
-"""Nanoseconds, as all times."""
+"""Nanoseconds, like all times."""
 
 # ---- types ----
 
@@ -65,7 +65,7 @@ CONSTANTS: tuple[tuple[int, Int], ...] = (
     *((number, INT) for number in (0, 1, 2, 3, 2**63 - 1, -(2**63), 2**63 - 2, 2**62, -(2**62))),
     *((number, TIME) for number in (2**63 - 1, -(2**63), 9223372036 * 10**9, 5 * MS)),
 )
-"""What the constants `k0`, `k1`, … of every program are worth."""
+"""The values of the constants `k0`, `k1`, … of every program."""
 
 # Values: int, bool, float, an enumeration's literal as `Mode.idle`, structs and arrays as tuples.
 Value = int | bool | float | str | tuple["Value", ...]
@@ -77,7 +77,7 @@ Value = int | bool | float | str | tuple["Value", ...]
 class Lit:
     value: Value
     type: Type
-    constant: bool = False  # written by the name of a constant, or of a parameter
+    constant: bool = False  # written as the name of a constant, or of a parameter
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class Now:
 
 @dataclass(frozen=True)
 class Make:
-    """A struct or an array from its parts."""
+    """A struct or an array built from its parts."""
 
     parts: tuple[Expr, ...]
     type: Struct | Array
@@ -159,7 +159,7 @@ Expr = Lit | Ref | Field | Index | Bin | Un | Call | Convert | If3 | Now | Make
 
 @dataclass(frozen=True)
 class Target:
-    """What is assigned to: a variable, or one field or element of it."""
+    """The target of an assignment: a variable, or one field or element of it."""
 
     name: str
     type: Type
@@ -329,19 +329,19 @@ class Port:
     type: Type
     period: int | None = None  # nanoseconds
     immediate: bool = False
-    values: tuple[tuple[int, Value], ...] = ()  # from an instant on, what the environment offers
-    domain: tuple[Value, ...] = ()  # values that stand for all, in a general environment
+    values: tuple[tuple[int, Value], ...] = ()  # from an instant on, the value that the environment offers
+    domain: tuple[Value, ...] = ()  # representative values, in a general environment
     offset: int = 0  # nanoseconds, shorter than the period
 
     @property
     def ticks(self) -> tuple[int, int] | None:
-        """What has to be equal for instants to be: the period and the offset."""
+        """The instants of two ports are equal if this is equal: the period and the offset."""
         return (self.period, self.offset) if self.period else None
 
 
 @dataclass(frozen=True)
 class Law:
-    """An instance of a submodel that is defined for it alone."""
+    """An instance of a submodel that is defined for this instance only."""
 
     name: str
     inputs: tuple[tuple[str, Type, str], ...]  # name, type, the port or variable that it reads
@@ -388,7 +388,7 @@ def parts(node: Comp) -> tuple[Comp, ...]:
 
 
 def with_parts(node: Comp, new: tuple[Comp, ...]) -> Comp:
-    """The same composition of other parts."""
+    """The same composition with other parts."""
     match node:
         case Seq() | Par():
             return replace(node, parts=new)
@@ -415,7 +415,7 @@ def walk(node: Comp) -> list[Comp]:
 
 
 def changed_at(node: Comp, number: int, change: Callable[[Comp], Comp]) -> Comp:
-    """The composition with its `number`th part, in the order of the text, changed."""
+    """The composition with part `number`, in the order of the text, changed."""
     found = walk(node)[number]
 
     def put(part: Comp) -> Comp:
@@ -427,5 +427,5 @@ def changed_at(node: Comp, number: int, change: Callable[[Comp], Comp]) -> Comp:
 
 
 def early(instant: int) -> Bin:
-    """Whether an instant has not come: `now < 5 ms`."""
+    """Whether an instant has not been reached: `now < 5 ms`."""
     return Bin("<", Now(), Lit(instant, TIME), BOOL)

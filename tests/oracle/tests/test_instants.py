@@ -1,4 +1,4 @@
-"""The present instant in the oracle: what programs make of it, and how much of the clock their states hold."""
+"""The present instant in the oracle: what programs do with it, and how much of the clock their states contain."""
 
 from random import Random
 
@@ -118,12 +118,12 @@ def test_the_present_instant_ends_a_program(body: Comp, ends: int) -> None:
     ],
 )
 def test_loops_that_the_present_instant_does_not_end_continue(body: Comp) -> None:
-    """Also where times are kept: what is told of them apart is only how old they are."""
+    """Even if times are kept: only their ages make a difference."""
     assert decide(made(body), "terminates").holds is False
 
 
 def test_ages_that_are_distinguished_are_those_that_are_compared() -> None:
-    """The writer is lost if the reader stops at a time that is 2 ms old, which every one is when it is read."""
+    """The writer is lost if the reader stops at a time that is 2 ms old, as every time is when it is read."""
     for age, free in ((2, False), (3, True)):
         asks = Seq((Read("c", Target("t", TIME)), If(Bin("==", AGE, time(age), BOOL), Stop())))
         body = Par((Mu(Seq((Write("c", Now()), Wait(2 * MS)))), Mu(Seq((Wait(2 * MS), asks)))))
@@ -165,7 +165,7 @@ def test_nothing_is_reported_while_the_clock_advances() -> None:
 def test_states_with_less_of_the_clock_give_the_answers_of_full_states(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Of random programs of which the states end in either way."""
+    """The numbers of random programs whose states end and do not end."""
     programs = [tidy(with_instants(single_steps(Random(seed)), Random(seed))) for seed in range(30)]
     bounded = [decide(program, "terminates", limit=250) for program in programs]
     assert sum(answer.holds is not None for answer in bounded) > 25
@@ -210,7 +210,7 @@ def test_programs_that_the_present_instant_ends_are_not_taken_for_endless() -> N
 
 
 def test_the_end_of_a_run_is_read_from_its_report() -> None:
-    """The first ends with an exception of its own, after a warning; the second with that instead of a fault."""
+    """The first ends with an exception of its own, after a warning; the second ends with that instead of a fault."""
     report = hunt("trace", iter([283, 188]))
     assert not report.wrong, report.wrong[0][1].wrong
     assert report.counts["now"] == 2

@@ -1,5 +1,5 @@
-"""Nested interrupts in the oracle: what guards that meet mean, worked out from the page, and the programs that have
-them.
+"""Nested interrupts in the oracle: the meaning of guards that meet, worked out from the page, and the programs that
+have them.
 """
 
 from collections import Counter
@@ -63,20 +63,20 @@ INNER = interrupted(write("o", 5), WRITES, 6)
 @pytest.mark.parametrize(
     ("body", "expected"),
     [
-        # Each guard makes the other ready; the inner one is taken back, and the outer process waits for its own alone.
+        # Each guard makes the other ready; the inner one is withdrawn, and the outer process waits for its own alone.
         (interrupted(interrupted(INNER, READS, 7), LATE, 8), [(1, 8)]),
         (interrupted(interrupted(interrupted(Wait(5 * MS), READS, 2), WRITES, 3), LATE, 9), [(1, 9)]),
         (interrupted(interrupted(interrupted(INNER, After(2 * MS), 7), READS, 1), After(3 * MS), 2), [(3, 2)]),
-        # What stands between is cancelled too: a handler, and a branch that raises nothing any more.
+        # What is in between is cancelled too: a handler, and a branch that no longer raises anything.
         (interrupted(interrupted(Catch(INNER, "Alarm", write("o", 1)), READS, 2), LATE, 3), [(1, 3)]),
         (interrupted(interrupted(Par((INNER, Seq((Wait(MS), Raise("Alarm"))))), READS, 2), LATE, 3), [(1, 3)]),
-        # The inner handler writes when the inner time-out is over: it makes the outer guard ready, and is taken back.
+        # The inner handler writes when the inner time-out is over: it makes the outer guard ready, and is withdrawn.
         (interrupted(interrupted(interrupted(Stop(), LATE, WRITES), READS, 1), After(2 * MS), 3), [(2, 3)]),
-        # Two time-outs of one instant: the outer one takes the inner one back.
+        # Two time-outs at one instant: the outer one withdraws the inner one.
         (interrupted(interrupted(Wait(5 * MS), LATE, 1), LATE, 2), [(1, 2)]),
         # The inner process waits for its guard alone when the outer guard is ready.
         (Par((interrupted(INNER, LATE, 1), Seq((Wait(2 * MS), write("d", 1))), read("d", "w"))), [(0, 5)]),
-        # A round of a loop begins both guards again.
+        # An iteration of a loop begins both guards again.
         (interrupted(Mu(interrupted(interrupted(Stop(), LATE, 1), LATE, 2)), After(2 * MS), 3), [(1, 2), (2, 3)]),
     ],
 )  # fmt: skip
@@ -85,7 +85,7 @@ def test_guards_of_nested_interrupts(body: Comp, expected: list[tuple[int, objec
 
 
 def test_a_body_that_makes_its_guard_ready_is_taken_back_from_there() -> None:
-    """Its cancellation has a turn of its own; nobody else reads, and the guard alone has no writer."""
+    """Its cancellation runs separately; there is no other reader, and the guard alone has no writer."""
     body = interrupted(Seq((WRITES, write("o", 1))), READS, 2)
     assert outputs(body) == ([], "deadlock")
     assert outputs(interrupted(body, LATE, 3)) == ([(1, 3)], "terminated")
@@ -93,7 +93,7 @@ def test_a_body_that_makes_its_guard_ready_is_taken_back_from_there() -> None:
 
 
 def test_a_writer_that_was_taken_back_meets_nobody_later() -> None:
-    """The reader of 1 ms finds no writer: that of the body was taken back at once."""
+    """The reader of 1 ms finds no writer: that of the body was withdrawn at once."""
     body = Par((interrupted(Seq((WRITES, write("o", 1))), READS, 2), Seq((Wait(MS), read("c", "w")))))
     assert outputs(body, "any") == ([], "deadlock")
     assert decide(made(body, "any"), "terminates").holds is False
@@ -110,7 +110,7 @@ def test_an_alternative_in_a_body_chooses_the_guard_around_it_and_ends_at_its_ne
 
 
 def test_crossing_guards_of_two_nests_meet_once() -> None:
-    """Both outer guards and both inner ones could meet; the last guard that begins finds its partner first."""
+    """Both outer guards and both inner ones could meet; the last guard to begin finds its partner first."""
     left = interrupted(interrupted(Stop(), READS, 1), write("d", 4), 2)
     right = interrupted(interrupted(Stop(), read("d", "w"), Skip()), WRITES, Skip())
     run = page_run(made(Par((left, right))), 20 * MS)

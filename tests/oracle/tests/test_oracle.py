@@ -1,4 +1,4 @@
-"""The oracle itself, on small programs of which the answers are worked out by hand from docs/language.md."""
+"""The oracle itself, on small programs whose answers are worked out by hand from docs/language.md."""
 
 import pytest
 
@@ -108,7 +108,9 @@ def test_interrupts_that_meet_cancel_both_bodies_and_the_first_without_one_choos
 
 
 def test_an_alternative_chooses_the_guard_of_an_interrupt_that_is_ready_at_once() -> None:
-    """The guard is ready for the writer that waits plainly; the alternative, which is more urgent, comes first."""
+    """The guard is ready for the writer that waits plainly; the alternative, which has a higher priority,
+    comes first.
+    """
     chooses = Alt((Guarded(write("c", 1), write("o", 1)), Guarded(After(3 * MS), Skip())))
     reader = Interrupt(Seq((Wait(MS), write("o", 3))), Guarded(read("c"), write("o", 2)))
     body = Par((chooses, Seq((Wait(0), write("c", 7))), Seq((Wait(MS), reader))), prioritized=True)
@@ -145,7 +147,7 @@ def test_a_sample_that_is_never_read_is_missed() -> None:
 
 @pytest.mark.parametrize("what", ["livelock free", "terminates"])
 def test_a_run_that_always_takes_the_same_guard_is_a_run(what: str) -> None:
-    """As the page on proofs says, of the oracle and of what is judged."""
+    """As the page on proofs says, of both the oracle and the judged program."""
     one = Guarded(read("c"), Skip())
     other = Guarded(read("d"), Assign(Target("w", INT), number(1)))
     chooses = Mu(Alt((one, other)), Bin("==", Ref("w", INT), number(1), BOOL))
@@ -190,13 +192,13 @@ def test_a_pair_that_loops_without_time_livelocks() -> None:
 
 @pytest.mark.parametrize(("time", "ends"), [(2, True), (3, False)])
 def test_a_program_terminates_if_every_run_ends(time: int, ends: bool) -> None:
-    """With both time-outs due at once, one of the runs takes the second, after which nobody reads."""
+    """With both time-outs due at once, one of the runs takes the second, after which nothing reads."""
     choice = Alt((Guarded(After(3 * MS), write("c", 1)), Guarded(After(time * MS), Skip())))
     assert decide(program(Par((choice, Skip()))), "terminates").holds is ends
 
 
 def test_an_instant_stays_where_it_is_when_an_alternative_begins_anew() -> None:
-    """Twice `after 2 ms` is chosen, and then it is 5 ms; the writers of `o` say when."""
+    """`after 2 ms` is chosen twice, and then it is 5 ms; the writers of `o` show when."""
     at = Guarded(After(5 * MS, at=True), write("o", 1))
     turn = Alt((at, Guarded(After(2 * MS), write("o", 2))))
     body = Seq((turn, turn, turn, Wait(4 * MS, until=True), turn, Wait(7 * MS, until=True), write("o", 3)))
@@ -207,7 +209,7 @@ def test_an_instant_stays_where_it_is_when_an_alternative_begins_anew() -> None:
 
 @pytest.mark.parametrize(("late", "holds"), [(3, True), (4, False)])
 def test_states_are_distinguished_by_instants(late: int, holds: bool) -> None:
-    """A loop comes back to its place, at another instant: it never ends before 3 ms."""
+    """A loop reaches its place again at another instant: it never ends before 3 ms."""
     ends = Seq((Mu(Wait(MS), Un("not", early(3 * MS), BOOL)), If(early(late * MS), Stop())))
     assert decide(program(Par((ends, Mu(Wait(MS))))), "terminates").holds is False
     assert decide(program(ends), "terminates").holds is holds
@@ -223,7 +225,7 @@ def test_a_guard_that_is_a_port_leaves_the_sample_to_the_law() -> None:
     [("terminates", 2000), ("schedulable", 5000), ("refines", 100), ("trace", 3), ("deadlock", 900037)],
 )
 def test_a_slice_of_the_hunt_finds_nothing_wrong(name: str, first: int) -> None:
-    """Of the last, the third program waits forever after a sum of 64 bits that overflows."""
+    """Of the last pair, the third program waits forever after a sum of 64 bits that overflows."""
     report = hunt(name, range(first, first + 5, 1 if name != "trace" else 2))
     assert not report.wrong, report.wrong[0][1].wrong
     assert report.counts["rejected"] < 3

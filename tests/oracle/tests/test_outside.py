@@ -1,4 +1,4 @@
-"""What comes from outside, refinement and guards of broadcasts in the oracle: answers worked out by hand from the
+"""What comes from outside, refinement, and guards of broadcasts in the oracle: answers worked out by hand from the
 pages.
 """
 
@@ -63,15 +63,15 @@ def test_waiting_for_an_event_is_not_a_deadlock_because_it_occurs_eventually() -
 
 
 def test_an_event_may_arrive_while_a_process_runs() -> None:
-    """The second is there when the process looks for it, although it has not waited since the first."""
+    """The second event is there when the process checks for it, although it has not waited since the first."""
     again = Alt((Guarded(event("e"), read("c", "v")), Guarded(Skip(), Skip())), prioritized=True)
     program = made(Seq((event("e"), write("o", 1), again)), E, channels=(Channel("c", INT, "sync"),))
     assert decide(program, "deadlock free").holds is False
 
 
 def test_parts_in_sequence_share_the_session_of_an_input() -> None:
-    """`wait 12 ms || x ? v`, and then `x ? w`: the second read finds the sample of 10 ms taken and waits for
-    the next.
+    """`wait 12 ms || x ? v`, and then `x ? w`: the second read finds that the sample of 10 ms has been taken, and waits
+    for the next.
     """
     body = Seq((Par((Wait(12 * MS), read("x", "v"))), read("x", "w"), write("o", 1)))
     assert page_run(made(body, X), 100 * MS).trace == [(10 * MS, "x", 0), (20 * MS, "x", 0), (20 * MS, "o", 1)]

@@ -1,4 +1,4 @@
-"""Arithmetic at the ends of the ranges in the oracle: what faults and what only just does not, worked out by hand from
+"""Arithmetic at the ends of the ranges in the oracle: what faults and what just avoids a fault, worked out by hand from
 the section Faults of docs/language.md.
 """
 
@@ -55,7 +55,7 @@ def of(kind: Int, a: int, op: str, b: int) -> Expr:
 
 
 def made(body: Comp, first: int = 0, kind: Int = INT, laws: tuple[Law, ...] = ()) -> Program:
-    """`v` is the variable that is tried, `w` another one."""
+    """`v` is the variable under test, `w` another one."""
     return Program(body, SYNC, (Variable("v", kind, first, 0), Variable("w", kind, 0, 0)), (O,), laws)
 
 
@@ -135,7 +135,7 @@ def test_a_sum_that_faults_leads_to_its_handler(initial: int, ends: bool) -> Non
 
 @pytest.mark.parametrize(("received", "holds"), [(1, True), (2, False)])
 def test_a_value_received_from_a_channel_is_added_as_it_was_sent(received: int, holds: bool) -> None:
-    """Where the sum faults the reader does not read again, and the writer waits forever."""
+    """If the sum faults, the reader does not read again, and the writer waits forever."""
     adds = Assign(Target("w", INT), Bin("+", Ref("v", INT), Lit(MOST - 1, INT), INT))
     reader = Seq((read("c"), Catch(Seq((adds, read("c", "w"))), "Fault", Skip())))
     body = Par((reader, Seq((write("c", received), write("c", 0)))))
@@ -150,7 +150,7 @@ def test_a_loop_that_doubles_faults_in_the_end() -> None:
 
 
 def test_what_waits_for_a_sum_of_times_faults_where_that_overflows() -> None:
-    """`v` is 9223372036 s; beyond 854 ms and 775807 ns more there is no time."""
+    """`v` is 9223372036 s; more than 854 ms and 775807 ns later there is no time."""
     first = 9223372036 * 10**9
 
     def late(more: int) -> Expr:

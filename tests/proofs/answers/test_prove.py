@@ -1,4 +1,4 @@
-"""Questions and answers."""
+"""Assertions and the answers to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Counterexamples in words: who writes and who reads, and whom a process waits for."""
+"""Counterexamples in words: which process writes, which reads, and for which one a process waits."""
 
 from __future__ import annotations
 
@@ -78,9 +78,7 @@ assert Main deadlock free
 
 
 def test_a_process_that_would_have_ended_is_not_reported_as_ended() -> None:
-    """The third branch reads at 1 ms, in every run: that it gives up at 3 ms is only what a proof without times
-    supposes.
-    """
+    """The third branch reads at 1 ms, in every run: only a proof without times assumes that it gives up at 3 ms."""
     answer = answer_to(READS_IN_TIME)
     assert answer.outcome == "unknown"
     assert "`3` does not reach `after 2 ms`" in answer.reason

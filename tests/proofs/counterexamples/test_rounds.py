@@ -1,4 +1,6 @@
-"""Rounds of counted loops in the table of a counterexample: the first, the last, and one row for those between."""
+"""Iterations of counted loops in the table of a counterexample: the first, the last, and one row for those in
+between.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether one small process refines another, by following both through all that they can do."""
+"""Whether one small process refines another, by following both through everything that they can do."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ from typing import Literal, TypeAlias
 from tests.proofs.refine.small_processes import FIRST, Label, State, Statement, steps
 
 MOST_UNSEEN = 300
-"""States to which steps lead that nobody sees."""
+"""The maximum number of states that hidden steps may reach."""
 Truth: TypeAlias = Literal["refines", "violates", "not known"]
 
 
 @dataclass(frozen=True)
 class Sight:
-    """How closely it is looked.
+    """How much of a process is visible.
 
-    Inputs have ``numbers``. ``failures``: what is refused counts too. Communications at
-    ``hidden`` are not seen.
+    Inputs have ``numbers``. ``failures``: what is refused counts too. Communications at ``hidden`` are invisible.
     """
 
     numbers: tuple[int, ...]
@@ -26,16 +25,16 @@ class Sight:
     hidden: str = ""
 
     def steps(self, state: State) -> Iterator[tuple[Label | None, State]]:
-        """What can be done in a state."""
+        """The possible steps in a state."""
         for label, after in steps(state, self.numbers):
             yield None if label is not None and label[0] == self.hidden else label, after
 
 
 def refines(body: Statement, specification: Statement, sight: Sight, most: int) -> Truth:
     """Whether every sequence of communications of ``body``, with its end, is one of the specification; with failures,
-    whether it refuses nothing that may not be refused.
+    also whether it refuses only what may be refused.
 
-    Not known where more than ``most`` pairs of states would have to be looked at.
+    Not known if more than ``most`` pairs of states would have to be explored.
     """
     try:
         return _followed(body, specification, sight, most)
@@ -44,7 +43,7 @@ def refines(body: Statement, specification: Statement, sight: Sight, most: int) 
 
 
 class _TooManyError(Exception):
-    """One of the processes can do too much without being seen."""
+    """One of the processes can take too many hidden steps."""
 
 
 def _followed(body: Statement, specification: Statement, sight: Sight, most: int) -> Truth:
@@ -69,8 +68,8 @@ def _followed(body: Statement, specification: Statement, sight: Sight, most: int
 
 
 def _may_rest(state: State, allowed: Iterable[State], sight: Sight) -> bool:
-    """Whether a process that is in this state goes on by itself, or offers all that one state of the specification that
-    rests does.
+    """Whether a process in this state continues by itself, or offers everything that some resting state of the
+    specification offers.
     """
     offers = _offers(state, sight)
     return offers is None or any(
@@ -79,7 +78,7 @@ def _may_rest(state: State, allowed: Iterable[State], sight: Sight) -> bool:
 
 
 def _offers(state: State, sight: Sight) -> set[object] | None:
-    """What a process offers in a state; None where it goes on by itself."""
+    """What a process offers in a state; None if it continues by itself."""
     if not state[0]:
         return {"end"}
     labels = [label for label, _ in sight.steps(state)]
@@ -91,7 +90,7 @@ def _after(states: Iterable[State], wanted: Label, sight: Sight) -> list[State]:
 
 
 def _closed(states: Iterable[State], sight: Sight) -> frozenset[State]:
-    """The states and all to which steps lead that nobody sees."""
+    """The states, and all that hidden steps reach from them."""
     seen = set(states)
     pending = list(seen)
     while pending:

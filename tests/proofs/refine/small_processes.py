@@ -1,5 +1,5 @@
-"""Sequential processes with a few variables, as text and as what they can do: the oracle of refinements, which shares
-nothing with the transition systems.
+"""Sequential processes with a few variables, as text and as the steps that they can take, for the oracle of
+refinements, which shares nothing with the transition systems.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Condition:
         return self.operator if "b" in self.operator else f"n {self.operator} {self.number}"
 
     def holds(self, environment: Environment) -> bool:
-        """Whether it does."""
+        """Whether the condition holds."""
         values = dict(environment)
         n = values["n"]
         match self.operator:
@@ -145,8 +145,8 @@ class Guarded:
 
 @dataclass(frozen=True)
 class Alternative:
-    """The first of its guards that comes; of several that are ready any, or with ``prioritized`` the first in
-    the text.
+    """Alternatives: the first guard that becomes ready; if several are ready any of them, or with ``prioritized`` the
+    first in the text.
     """
 
     branches: tuple[Guarded, ...]
@@ -156,8 +156,8 @@ class Alternative:
         return f"({(' []> ' if self.prioritized else ' [] ').join(map(str, self.branches))})"
 
     def possible(self, environment: Environment) -> Iterator[Guarded]:
-        """The branches that may be taken: what comes from outside may come at any time, outputs and ``skip`` are always
-        ready.
+        """The branches that may be chosen: what comes from outside may come at any time, outputs and ``skip`` are
+        always ready.
         """
         enabled = [branch for branch in self.branches if branch.when is None or branch.when.holds(environment)]
         at_once = [branch for branch in enabled if branch.guard.kind in ("write", "skip")]
@@ -178,14 +178,14 @@ Statement: TypeAlias = Do | Sequence | If | Loop | Alternative
 
 @dataclass(frozen=True)
 class _Again:
-    """The end of a round of a loop."""
+    """The end of an iteration of a loop."""
 
     loop: Loop
 
 
 Todo: TypeAlias = tuple[Statement | _Again, ...]
 State: TypeAlias = tuple[Todo, Environment]
-"""What is still to be done, the next first, and the variables."""
+"""What is still to be done, the next step first, and the variables."""
 
 
 def process(name: str, body: Statement, without: str = "", *, sampled: bool = False) -> str:
@@ -205,7 +205,7 @@ def process(name: str, body: Statement, without: str = "", *, sampled: bool = Fa
 
 
 def steps(state: State, numbers: tuple[int, ...]) -> Iterator[tuple[Label | None, State]]:
-    """What can be done in a state, and the states after it; inputs have ``numbers``. None is what nobody sees."""
+    """The possible steps in a state, and the states after them; inputs have ``numbers``. None is a hidden step."""
     todo, environment = state
     if not todo:
         return
@@ -286,7 +286,7 @@ def _value(text: str, environment: Environment) -> Number:
 
 
 def erased(body: Statement, port: str) -> Statement:
-    """The same, with nothing instead of the communications at a port."""
+    """The same process, with nothing in place of the communications at a port."""
     match body:
         case Do():
             return Do("skip") if body.name == port else body
@@ -308,8 +308,8 @@ def erased(body: Statement, port: str) -> Statement:
 
 
 class Drawing:
-    """Draws processes with certain ports; every loop waits somewhere. ``numbers`` are those of tests
-    and assignments.
+    """Draws processes with certain ports; every loop waits somewhere. ``numbers`` are those of conditions and
+    assignments.
     """
 
     def __init__(self, random: Random, numbers: tuple[int, ...], ports: tuple[str, ...] = (*INPUTS, *OUTPUTS)) -> None:
@@ -322,7 +322,7 @@ class Drawing:
         return Loop(self._waiting(self.statement(3)), None if self._random.random() < 0.6 else self.test())
 
     def changed(self, body: Statement) -> Statement:
-        """The same, but for one place at most."""
+        """The same statement, with at most one change."""
         if self._random.random() < 0.15:
             return self.statement(2)
         match body:
@@ -350,7 +350,7 @@ class Drawing:
                 return body if self._random.random() < 0.5 else self._do()
 
     def statement(self, depth: int) -> Statement:
-        """Anything, with so many levels at most."""
+        """Any statement, at most ``depth`` levels deep."""
         if depth == 0:
             return self._do()
         match self._random.choice(("sequence", "sequence", "if", "alternative", "alternative", "do", "loop")):
@@ -372,7 +372,9 @@ class Drawing:
         return Condition(operator, self._random.choice(self._numbers))  # type: ignore[arg-type]
 
     def refined(self, body: Statement) -> Statement:
-        """What does no more than ``body``: some of its free choices are made, some of its values written otherwise."""
+        """A statement that does no more than ``body``: some of its free choices are made, some of its values written in
+        another way.
+        """
         match body:
             case Sequence(steps=parts):
                 return Sequence(tuple(map(self.refined, parts)))

@@ -1,4 +1,4 @@
-"""What specifications say of single runs: agreement with the search over all of them, and values that a proof leaves
+"""What specifications allow for single runs: agreement with the search over all of them, and values that a proof leaves
 open.
 """
 
@@ -22,7 +22,7 @@ LAMP = System(
         Event("Lamp.level", (0,), "external", "off", visible=True),
     ),
 )
-"""Switched on and off, and never on twice; it may end when it is off."""
+"""It is switched on and off, and never on twice; it may end when it is off."""
 
 ENDED = RunEnd(ended=True)
 BUSY = RunEnd(ended=False)

@@ -1,7 +1,7 @@
 """Random refinements: what is proved and what is refuted agrees with an oracle that follows both processes through
 everything.
 
-``python -m tests.proofs.refine.test_random_refinements N`` looks at so many.
+``python -m tests.proofs.refine.test_random_refinements N`` tries N refinements.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOST = 4_000
 
 def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...], str]:
     """A process, a specification that is often much like it, numbers for its inputs, and the port that the
-    specification does not see, if any.
+    specification does not have, if any.
 
     The numbers are those of both texts, and their neighbours.
     """
@@ -48,7 +48,7 @@ def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...], str]:
 
 
 def comparison(seed: int) -> str:
-    """How the answer compares with the truth; ``refused`` where the program has errors."""
+    """How the answer compares with the truth; ``refused`` if the program has errors."""
     body, specification, numbers, hidden = drawn(seed)
     failures = seed % 2 == 1
     claim = f"P refines Q{' in failures' if failures else ''}{f' hide {hidden}' if hidden else ''}"

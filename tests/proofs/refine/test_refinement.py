@@ -1,5 +1,5 @@
-"""Refinement in traces and in stable failures: known specifications, what a violation says, and agreement with traces
-and failures written out.
+"""Refinement in traces and in stable failures: known specifications, reported violations, and agreement with enumerated
+traces and failures.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def test_a_limit_leaves_the_question_open() -> None:
 
 
 def buffers(number: int) -> System:
-    """Places in a row."""
+    """Single-place buffers in a row."""
     names = ["accept", *(f"pass{at}" for at in range(number - 1)), "deliver"]
     return compose(
         [cycle(f"place{at}", names[at], names[at + 1]) for at in range(number)], visible=["accept", "deliver"]
@@ -123,7 +123,7 @@ def buffers(number: int) -> System:
 
 
 def counter(most: int) -> System:
-    """A buffer of so many places."""
+    """A buffer with this number of places."""
     table = {
         str(held): [("accept", str(held + 1))] * (held < most) + [("deliver", str(held - 1))] * (held > 0)
         for held in range(most + 1)

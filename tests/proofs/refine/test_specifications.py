@@ -1,5 +1,5 @@
-"""A specification is taken at its word: what of it is not followed is not any value, and what priorities and times rule
-out is not allowed.
+"""A specification is taken literally: what is not followed in it does not allow every value, and what priorities and
+times rule out is not allowed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from tests.support.verifying import answer_to
 
 @dataclass(frozen=True)
 class Pair:
-    """What is asserted of a process and its specification, with the ports of both, and the declarations of each."""
+    """The assertion about a process and its specification, with the ports of both, and the declarations of each."""
 
     process: str
     specification: str

@@ -82,10 +82,10 @@ def test_invariants_with_equality_hold_in_every_reachable_state() -> None:
 
 
 def test_the_invariants_with_equality_are_all_there_are() -> None:
-    # Of the forks: who has one, and who does not; of the butler: how many are seated.
+    # For the forks: whether a philosopher has it or not; for the butler: how many philosophers are seated.
     assert len(invariants_with_equality(Structure(known.philosophers(6)), Limits())) == 12
     assert len(invariants_with_equality(Structure(table_with_butler(6, 5)), Limits())) == 13
-    # The token is somewhere: one sum for all stations. Whoever wishes says nothing about the others.
+    # The token is somewhere: one sum for all stations. Stations that wish to work say nothing about the others.
     (weights,) = invariants_with_equality(Structure(known.token_ring(4)), Limits())
     assert sorted(weights) == [0, 1, 2, 3]
 
@@ -93,16 +93,17 @@ def test_the_invariants_with_equality_are_all_there_are() -> None:
 def test_weights_that_increase_somewhere_are_refused() -> None:
     problem = problem_of(Structure(known.philosophers(3)))
     assert problem.never_increases({})
-    # Only a philosopher's second state weighs something: taking the step to it increases the sum.
+    # Only a philosopher's second state has a weight: taking the step to it increases the sum.
     assert not problem.never_increases({0: {1: 1}})
-    # With a minus sign, leaving it does.
+    # With a minus sign, leaving the state increases it.
     assert not problem.never_increases({0: {1: -1}})
 
 
 def test_a_fork_is_taken_by_the_philosopher_that_holds_it() -> None:
     system = known.philosophers(3)
     problem = problem_of(Structure(system))
-    # Philosopher 0 picks fork 0 in its second step, and puts it back in its last; the fork is then in its state 1.
+    # Philosopher 0 picks fork 0 in its second step, and puts it back in its last; in between, the fork is in its state
+    # 1.
     fork = next(at for at, part in enumerate(system.components) if part.name == "fork0")
     weights = {0: dict.fromkeys((2, 3, 4, 5), 1), fork: {1: -1}}
     assert problem.never_increases(weights)
@@ -115,7 +116,7 @@ def test_the_solver_is_ended_when_its_time_is_up() -> None:
         deadline = time.monotonic() + 20
         while process.weights([0] * len(problem.places)) is not None:
             assert time.monotonic() < deadline
-        # Whoever asks again is told that there is nothing, not left waiting.
+        # Another request is answered with None instead of waiting.
         assert process.weights([0] * len(problem.places)) is None
 
 
@@ -123,7 +124,7 @@ def test_the_solver_is_ended_when_its_time_is_up() -> None:
 def test_the_solver_has_no_more_memory_than_the_limit_says() -> None:
     structure = Structure(known.counted_meals(60, meals=1))
     problem = problem_of(structure)
-    # The last philosopher has eaten, and nobody else has done anything.
+    # The last philosopher has eaten, and no other process has done anything.
     candidate = [shape.initial for shape in structure.shapes]
     candidate[59] = 4
     with WeightsProcess(problem, Limits()) as process:

@@ -1,4 +1,4 @@
-"""Proofs by SAT: they agree with looking at every state, and settle what no search could."""
+"""Proofs by SAT: they agree with exploring every state, and settle what no search could."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_the_candidate_of_the_philosophers_is_their_deadlock(together: bool) -> 
     verdict = proof(system, together=together)
     assert isinstance(verdict, Unknown)
     assert verdict.candidate is not None
-    # Every philosopher has one fork, all the same one, and every fork is taken.
+    # Every philosopher has one fork, all on the same side, and every fork is taken.
     assert len({verdict.candidate[at] for at in range(4)}) == 1
     assert system.components[4].initial not in verdict.candidate[4:]
     assert verdict.stuck == tuple(range(8))

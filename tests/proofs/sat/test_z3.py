@@ -1,5 +1,5 @@
-"""z3 in place of python-sat: its own where it is installed, and everywhere a stub with the part of its interface that
-is used.
+"""z3 in place of python-sat: the real one where it is installed, and everywhere a stub with the part of its interface
+that is used.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Literal:
 
 
 class StubSolver:
-    """Decides by trying: a variable of the shortest clause that is left gets one value, then the other."""
+    """Decides by trying: a variable of the shortest remaining clause gets one value, then the other."""
 
     def __init__(self) -> None:
         self.clauses: list[list[Literal]] = []
@@ -86,7 +86,7 @@ def _decided(clauses: list[list[Literal]], values: dict[str, bool]) -> dict[str,
 
 
 def stub() -> SimpleNamespace:
-    """What is used of z3."""
+    """The part of z3 that is used."""
 
     def solver_for(logic: str) -> StubSolver:
         assert logic == "QF_FD"
@@ -105,7 +105,7 @@ def stub() -> SimpleNamespace:
 
 @pytest.fixture(params=["stub", "z3"], autouse=True)
 def only_z3(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """python-sat is not there."""
+    """python-sat is not available."""
     monkeypatch.setitem(sys.modules, "pysat.solvers", None)
     if request.param == "stub":
         monkeypatch.setitem(sys.modules, "z3", stub())

@@ -27,7 +27,7 @@ def first_layer(system: System, holds: Callable[[System, naive.State], bool]) ->
 
 
 def check(system: System, verdict: Verdict, holds: Callable[[System, naive.State], bool], *, shortest: bool) -> bool:
-    """Compare with what is true. Returns whether the property holds."""
+    """Compare with the truth. Returns whether the property holds."""
     depth = first_layer(system, holds)
     if depth is None:
         assert isinstance(verdict, Proved)

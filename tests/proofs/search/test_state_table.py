@@ -1,4 +1,4 @@
-"""The table of states keeps each state once, whatever batches bring, and grows."""
+"""The table of states keeps each state once, whatever the batches contain, and grows."""
 
 from __future__ import annotations
 

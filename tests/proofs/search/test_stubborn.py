@@ -60,7 +60,7 @@ def test_a_knot_is_found_next_to_a_loop_and_its_trace_has_no_move_of_the_loop(na
 
 
 def test_an_event_that_a_loop_would_delay_forever_is_followed() -> None:
-    """A process that spins is the smallest choice in every state, while two others go to wait for each other."""
+    """A process that spins is the smallest choice in every state, while two others start to wait for each other."""
     spinner = Component("spinner", (((INTERNAL, 0),),))
     ring = known.compose([known.cycle("one", "begin", "a", "b"), known.cycle("other", "b", "a")])
     system = System((spinner, *ring.components), tuple(

@@ -1,4 +1,4 @@
-"""Events that only one party tells apart count as one, and nothing changes by that."""
+"""Events that only one party distinguishes count as one, and that changes nothing else."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tests.proofs.systems.random_networks import FORMS, plain_knot, random_netwo
 
 
 def split(system: System) -> System:
-    """The system with two events for each of two parties or more: the first party takes one in even states, the other
-    in odd ones.
+    """The system with two events for each one of two or more parties: the first party takes one in even states, the
+    other in odd ones.
     """
     count = len(system.events)
     components = []

@@ -1,4 +1,4 @@
-"""Traps hold what they say: no step of the system empties one."""
+"""Traps are what they claim to be: no step of the system empties one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def never_empty(system: System, trap: list[Place]) -> bool:
 
 def test_the_token_of_a_ring_is_always_somewhere() -> None:
     system = known.token_ring(4)
-    # Nobody has the token: every station is idle, where it began only if it had no token.
+    # No station has the token: every station is idle, in its initial state only if it had no token.
     idle = [
         part.edges.index(system.components[1].edges[0]) if at == 99 else 1 for at, part in enumerate(system.components)
     ]

@@ -1,5 +1,4 @@
-"""Systems of which the number of states, the deadlocks and the length of the shortest trace are known, built directly
-from machines.
+"""Systems with known numbers of states, deadlocks and lengths of the shortest trace, built directly from machines.
 
 They come from the literature (Dijkstra; Milner; Welch, Justo and Willcock; Bartlett, Scantlebury and Wilkinson;
 Martin); every machine has events of two parties, or of one with the environment.
@@ -68,8 +67,8 @@ def cycle(name: str, *events: str) -> Machine:
 
 
 def philosophers(number: int, left_handed: int = 0) -> System:
-    """Philosophers who think, pick left, pick right, eat, put right, put left; ``left_handed`` of them with sides
-    exchanged.
+    """Philosophers who think, pick left, pick right, eat, put right, put left; for ``left_handed`` of them the sides
+    are exchanged.
     """
     machines = []
     for at in range(number):
@@ -109,7 +108,7 @@ def milner(number: int) -> System:
 
 
 def token_ring(number: int) -> System:
-    """Stations that may wish to work at any time, and do so when they have the token."""
+    """Stations that may wish to work at any time, and work when they have the token."""
     machines = []
     for at in range(number):
         take, give = f"token{at}", f"token{(at + 1) % number}"
@@ -129,7 +128,7 @@ def token_ring(number: int) -> System:
 
 
 def io_par_ring(number: int) -> System:
-    """Processes that read and write in parallel, compute, and do it again."""
+    """Processes that read and write in parallel, compute, and start again."""
     machines = []
     for at in range(number):
         read, write = f"c{at}", f"c{(at + 1) % number}"
@@ -149,7 +148,7 @@ def io_seq_ring(number: int) -> System:
 
 
 def _server(name: str, above: str, below: str | None, starts: bool) -> Machine:
-    """A process that serves requests from above, for which it makes one below; with ``starts`` it also makes requests
+    """A process that serves requests from above by making one below for each; with ``starts`` it also makes requests
     for itself.
     """
     table: dict[str, list[tuple[str, str]]] = {"idle": []}
@@ -169,7 +168,7 @@ def _server(name: str, above: str, below: str | None, starts: bool) -> Machine:
 
 
 def client_server_chain(number: int) -> System:
-    """A client, and servers each of which asks the next."""
+    """A client, and servers each of which sends requests to the next."""
     return compose(
         _server(f"p{at}", str(at) if at else "", str(at + 1) if at + 1 < number else None, starts=at == 0)
         for at in range(number)
@@ -177,7 +176,7 @@ def client_server_chain(number: int) -> System:
 
 
 def client_server_ring(number: int) -> System:
-    """Processes that are client of the next and server of the one before."""
+    """Processes that are clients of the next and servers of the previous one."""
     return compose(_server(f"p{at}", str(at), str((at + 1) % number), starts=True) for at in range(number))
 
 
@@ -191,8 +190,8 @@ def beside_a_loop(system: System) -> System:
 
 
 def alternating_bit(lossy: bool = True) -> System:
-    """The alternating bit protocol over media of one place; on media that lose nothing the time-out makes
-    it deadlock.
+    """The alternating bit protocol over media of one place; if the media lose nothing, the time-out leads to a
+    deadlock.
     """
     sender: dict[str, list[tuple[str, str]]] = {}
     receiver: dict[str, list[tuple[str, str]]] = {}
@@ -228,7 +227,7 @@ MODES = 4
 
 
 def controller(joints: int, commits: bool = False) -> System:
-    """Joints with four modes in sequence, a sensor, a timer, an actuator and an overwriting log each; a supervisor, a
+    """Joints, each with four modes in sequence, a sensor, a timer, an actuator and an overwriting log; a supervisor, a
     stop button, a display.
 
     A joint reports the end of its modes, and can be halted between steps; if the last joint ``commits`` to its report,
@@ -272,7 +271,7 @@ def _joint(joint: int, commits: bool) -> list[Machine]:
 
 
 def table_with_butler(seats: int, admitted: int) -> System:
-    """Philosophers of one hand; a butler lets so many of them sit down at once."""
+    """Philosophers with the same hand; a butler lets at most ``admitted`` of them sit down at once."""
     machines = []
     for at in range(seats):
         left, right = f"{at}.{at}", f"{at}.{(at + 1) % seats}"
@@ -298,8 +297,8 @@ def table_with_butler(seats: int, admitted: int) -> System:
 
 
 def counted_meals(seats: int, meals: int = 3, *, one_left_handed: bool = True) -> System:
-    """Philosophers, the last of the other hand or not, who have so many meals; a fork only counts how often it is
-    taken.
+    """Philosophers, the last one perhaps with the other hand, each with a number of meals; a fork only counts how often
+    it is taken.
     """
     machines = []
     for at in range(seats):

@@ -1,4 +1,4 @@
-"""The plainest reading of what a system does: global states as tuples, one at a time. Engines are compared with it."""
+"""The plainest interpretation of a system: global states as tuples, one at a time. Engines are compared with it."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ def layers(system: System) -> list[list[State]]:
 
 
 def deadlocked(system: System, state: State) -> bool:
-    """Nothing is possible, and a process has not ended."""
+    """Nothing is possible, and some process has not ended."""
     ended = all(state[at] in component.terminal for at, component in enumerate(system.components) if component.process)
     return not ended and not any(True for _ in steps(system, state))
 
 
 def knotted(system: System, state: State) -> bool:
-    """Some set of components never moves again, if nothing fails later, and a process in it wants to: every set is
-    tried.
+    """Some set of components never moves again, if nothing fails later, and a process in the set is waiting: every set
+    is tried.
     """
     offers = [
         frozenset(event for event, _ in component.edges[local])
@@ -86,7 +86,7 @@ def _never_moves(system: System, offers: Sequence[frozenset[int]], at: int, memb
 
 
 def replay(system: System, trace: Sequence[Move]) -> State:
-    """Take every move of a trace from the initial state: each must be possible. Returns the last state."""
+    """Take every step of a trace from the initial state: each must be possible. Returns the last state."""
     state = system.initial
     for move in trace:
         after = [after for possible, after in steps(system, state) if set(possible.moves) == set(move.moves)
@@ -97,7 +97,7 @@ def replay(system: System, trace: Sequence[Move]) -> State:
 
 
 def repeats(system: System, state: State, events: Collection[int]) -> bool:
-    """Whether the state can come again by these events and internal steps only."""
+    """Whether the state can be reached again by these events and internal steps alone."""
     pending = [state]
     seen: set[State] = set()
     while pending:
@@ -113,7 +113,7 @@ def repeats(system: System, state: State, events: Collection[int]) -> bool:
 
 
 def livelocked(system: System, state: State) -> bool:
-    """The state can come again unseen, without environment or time."""
+    """The state can be reached again without visible events, environment or time."""
     hidden = {
         number
         for number, event in enumerate(system.events)
@@ -123,5 +123,5 @@ def livelocked(system: System, state: State) -> bool:
 
 
 def never_ends(system: System, state: State) -> bool:
-    """The state is a deadlock, or can come again."""
+    """The state is a deadlock, or can be reached again."""
     return deadlocked(system, state) or repeats(system, state, range(len(system.events)))

@@ -1,4 +1,4 @@
-"""Random networks of the forms that designs have, and what is true of them by looking at every state."""
+"""Random networks of the forms that designs have, and the truth about them by exploring every state."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _edges_of_graph(chooser: random.Random, number: int) -> list[tuple[int, int]
 
 
 def _sequence(events: list[list[str]]) -> Table:
-    """A machine that goes round the groups in turn; the events of a group happen in any order."""
+    """A machine that repeats the groups in turn; the events of a group happen in any order."""
     table: Table = []
     starts = []
     for group in events:
@@ -109,8 +109,8 @@ def _cycles(chooser: random.Random, number: int) -> System:
 
 
 def _choices(chooser: random.Random, number: int) -> System:
-    """Clients and servers: a client asks and waits for the answer, a server takes who comes; some have an opinion of
-    their own.
+    """Clients and servers: a client makes a request and waits for the answer, a server takes any request; some make
+    internal choices.
     """
     tables: list[Table] = [[[]] for _ in range(number)]
     for channel, (one, two) in enumerate(_edges_of_graph(chooser, number)):
@@ -157,7 +157,9 @@ def _resources(chooser: random.Random, number: int) -> System:
 
 
 def _tokens(chooser: random.Random, number: int) -> System:
-    """Rings of stations, some of which have a token; stations may do something in between, and may choose to."""
+    """Rings of stations, some of which have a token; stations may do something in between, and may choose
+    whether to.
+    """
     tables: list[Table] = []
     for index in range(number):
         take, give, work = f"pass{index}", f"pass{(index + 1) % number}", f"work{index}"
@@ -180,7 +182,7 @@ def _tokens(chooser: random.Random, number: int) -> System:
 
 
 def _turned(table: Table) -> Table:
-    """The same machine with its first two states exchanged: it begins with the token."""
+    """The same machine with its first two states exchanged: it starts with the token."""
     exchanged = [table[1], table[0], *table[2:]]
     return [[(name, 1 - after if after < 2 else after) for name, after in edges] for edges in exchanged]
 
@@ -197,7 +199,7 @@ def _anything(chooser: random.Random, number: int) -> System:
     for index, alphabet in enumerate(alphabets):
         states = chooser.randint(1, 4)
         table: Table = [[] for _ in range(states)]
-        # Every event of the alphabet occurs, so that it has the parties that it should have.
+        # Every event of the alphabet occurs, so it has the parties that it should have.
         for name in alphabet:
             table[chooser.randrange(states)].append((name, chooser.randrange(states)))
         for edges in table:
@@ -214,7 +216,7 @@ def _anything(chooser: random.Random, number: int) -> System:
 
 @dataclass(frozen=True)
 class Truth:
-    """What every reachable state says; None if there are more states than were looked at."""
+    """The truth about all reachable states; None if there are more states than were explored."""
 
     states: int
     deadlock: bool
@@ -222,7 +224,7 @@ class Truth:
 
 
 def truth(system: System, most: int = 20_000) -> Truth | None:
-    """Look at every reachable state, one after the other, in the plainest way."""
+    """Explore every reachable state, one after the other, in the plainest way."""
     found = {system.initial}
     waiting = [system.initial]
     deadlock = knot = False
@@ -241,7 +243,7 @@ def truth(system: System, most: int = 20_000) -> Truth | None:
 
 
 def plain_knot(system: System, state: tuple[int, ...]) -> set[int]:
-    """The greatest knot of a state, by leaving out who cannot be in it until nothing changes."""
+    """The greatest knot of a state, by removing processes that cannot be in it until nothing changes."""
     stuck = set(range(len(state)))
     while True:
         free = {
@@ -251,7 +253,7 @@ def plain_knot(system: System, state: tuple[int, ...]) -> set[int]:
             if event == INTERNAL
             or all(
                 any(event == other for other, _ in system.components[party].edges[state[party]])
-                # Nobody outside the knot will bring a failure about.
+                # No process outside the knot will cause a failure.
                 or (party not in stuck and system.events[event].kind != "failure")
                 for party in system.events[event].parties
             )

@@ -1,4 +1,4 @@
-"""Small random systems: few states, every kind of edge, so that deadlocks, knots and ends of all sorts appear."""
+"""Small random systems: few states, every kind of edge, so that deadlocks, knots and ends of all kinds occur."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _component(random: Random, at: int, events: list[int]) -> Component:
 
 
 def _ending(random: Random, at: int, events: list[int]) -> Component:
-    """A component that goes forward only, mostly to its end."""
+    """A component without cycles, usually with an end."""
     states = random.randint(2, 5)
     edges: list[tuple[tuple[int, int], ...]] = []
     for state in range(states - 1):

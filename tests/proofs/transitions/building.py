@@ -22,7 +22,7 @@ def system_of(text: str, top: str | None = None) -> System:
 
 
 def component(system: System, name: str) -> Component:
-    """The component of that name."""
+    """The component with that name."""
     (found,) = (one for one in system.components if one.name == name)
     return found
 

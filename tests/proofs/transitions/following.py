@@ -32,7 +32,7 @@ class Lost(Exception):  # noqa: N818
 
 
 def moves(system: System, state: State) -> Iterator[tuple[int, State]]:
-    """All steps out of a state: the event, or INTERNAL, and the state after it."""
+    """All steps from a state: the event, or INTERNAL, and the state after it."""
     offers: dict[int, dict[int, list[int]]] = {}
     for number, (component, local) in enumerate(zip(system.components, state, strict=True)):
         for event, target in component.edges[local]:
@@ -50,7 +50,7 @@ def moves(system: System, state: State) -> Iterator[tuple[int, State]]:
 
 
 def has_ended(system: System, state: State) -> bool:
-    """Whether every process has come to its end, or waits for others that have."""
+    """Whether every process has reached its end, or waits for others that have."""
     return all(
         local in component.terminal or not component.process
         for component, local in zip(system.components, state, strict=True)
@@ -58,13 +58,13 @@ def has_ended(system: System, state: State) -> bool:
 
 
 def is_stuck(system: System, state: State) -> bool:
-    """Whether nothing happens any more unless the environment offers something, and not every process has ended."""
+    """Whether nothing more happens unless the environment offers something, and not every process has ended."""
     waiting = all(event != INTERNAL and system.events[event].kind in _GIVEN for event, _ in moves(system, state))
     return waiting and not has_ended(system, state)
 
 
 def observed(network: Network, communications: Iterable[tuple[str, Any]]) -> tuple[list[Communication], set[str]]:
-    """The communications of a run, channels with values, but for those of sampled outputs, and the names of these.
+    """The communications of a run, channels with values, except those of sampled outputs, and the names of these.
 
     A sampled output communicates at the next tick; in the system it is an event where it is written.
     """
@@ -85,7 +85,7 @@ def _types(network: Network) -> dict[str, Type]:
 
 
 def is_written_as(value: str, reported: str | None) -> bool:
-    """Whether a value that passed is one of those that an event stands for."""
+    """Whether a value that passed is one of those that an event represents."""
     if reported is None or ".." not in reported:
         return reported in (None, value)
     number, *ends = (_number(text) for text in (value, *reported.split("..")))
@@ -101,7 +101,9 @@ def _number(text: str) -> int | None:
 
 
 def _readers(system: System, event: Event) -> int:
-    """How many communications of the trace an event is: an output guard on a broadcast serves all readers at once."""
+    """How many communications of the trace an event represents: an output guard on a broadcast serves all readers at
+    once.
+    """
     processes = sum(system.components[party].process for party in event.parties)
     return processes - 1 if event.kind == "communication" and processes > 2 else 1
 
@@ -116,8 +118,8 @@ def follow(
     """A state after the communications, at which ``wanted`` holds; None if ``limit`` states were not enough to find
     one.
 
-    Communications of the channels ``unseen`` are not looked at. Raises Lost, with what could not be followed, if there
-    is none.
+    Communications of the channels ``unseen`` are ignored. Raises Lost, with what could not be followed, if there is no
+    such state.
     """
     start = (system.initial, 0)
     seen = {start}

@@ -1,8 +1,8 @@
-"""Looks for random programs that do what their transition system does not allow:
-``python -m tests.proofs.transitions.hunt --random 1000``.
+"""Searches for random programs that do what their transition system does not allow: ``python -m
+tests.proofs.transitions.hunt --random 1000``.
 
-With ``--schedules 20`` each program is run so often by the specification too, in any order and with anything from
-outside; a program that is proved free from deadlock comes to none in any of these runs.
+With ``--schedules 20`` each program is also run 20 times by the reference, in any order and with any input from
+outside; a program that is proved free from deadlock reaches none in any of these runs.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.proofs.transitions.test_following import assert_allowed, is_followed,
 from tests.properties.drawing import draw_programs
 
 LONGEST_RUN = 40_000_000
-"""Nanoseconds that a program runs in any order."""
+"""How long a program runs in any order, in nanoseconds."""
 A_START = 10
 """How many programs are drawn from one start."""
 
@@ -36,7 +36,7 @@ class NotAllowedError(Exception):
 
 
 def hunt(count: int, start: int, limit: int, schedules: int = 0, *, shrink: bool) -> Counter[str]:
-    """How the runs of so many programs ended, and how many could not be followed within ``limit`` states. Raises
+    """How the runs of ``count`` programs ended, and how many could not be followed within ``limit`` states. Raises
     NotAllowedError.
     """
     found: Counter[str] = Counter()
@@ -58,8 +58,8 @@ def hunt(count: int, start: int, limit: int, schedules: int = 0, *, shrink: bool
 
 
 def schedule(network: Network, count: int, limit: int, system: System | None = None) -> Counter[str]:
-    """How so many runs in any order ended. Raises Lost, with the seed of the run that the system, that of the network
-    unless another is given, does not allow.
+    """How a number of runs in any order ended. Raises Lost, with the seed of the run, if the system (that of the
+    network unless another one is given) does not allow it.
     """
     system = system or transition_system(network)
     proved = isinstance(prove_deadlock_free(system, Limits(5.0)), Proved)
@@ -78,7 +78,7 @@ def schedule(network: Network, count: int, limit: int, system: System | None = N
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """0 if every run was allowed; the smallest program otherwise."""
+    """0 if every run was allowed; otherwise the smallest program."""
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("--random", type=int, default=200, metavar="N", help="how many programs (default: 200)")
     parser.add_argument("--start", type=int, help="for the same programs as another time")

@@ -1,5 +1,5 @@
-"""What a small program without inputs may do at all: by the meaning of the language over all its schedules, and by its
-transition system over all its paths.
+"""What a small program without inputs may do at all: by the semantics of the language over all its schedules, and by
+its transition system over all its paths.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class TooManyError(Exception):
 
 
 def outcomes_of_meaning(network: Network) -> set[Outcome]:
-    """Whoever is ready on the highest level may run, and whichever guard of ``[]`` is ready may be taken. Raises
+    """Any ready process of the highest level may run, and any ready guard of ``[]`` may be chosen. Raises
     TooManyError.
     """
     decisions = Decisions()
@@ -49,7 +49,7 @@ def outcomes_of_meaning(network: Network) -> set[Outcome]:
 
 
 def outcomes_of_system(system: System) -> set[Outcome]:
-    """Whatever step there is may be taken. Raises TooManyError."""
+    """Any possible step may be taken. Raises TooManyError."""
     start: tuple[State, frozenset[tuple[str, int]]] = (system.initial, frozenset())
     seen, pending = {start}, [start]
     found: set[Outcome] = set()

@@ -1,5 +1,5 @@
-"""Runs of the specification in which all that the language leaves open is drawn: who goes on, which guard is taken, and
-what the environment offers.
+"""Runs of the reference in which everything that the language leaves open is drawn: which process continues, which
+guard is chosen, and what the environment offers.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NUMBERS = (-1, 0, 1, 2, 3, 7)
 
 
 class Whim:
-    """An environment that offers anything, or nothing any more."""
+    """An environment that may offer anything, until it stops offering."""
 
     grid = Sampling(STEP)
 
@@ -36,7 +36,7 @@ class Whim:
         self._now = 0
 
     def advance(self, now: int) -> None:
-        """Go on to ``now``."""
+        """Advance to ``now``."""
         self._now = now
         for name, type_ in self._types.items():
             if now < self._ends[name] and self._random.random() < 0.4:
@@ -47,7 +47,7 @@ class Whim:
         return self._present[port]
 
     def give(self, port: str, value: Any) -> None:
-        """Takes everything."""
+        """Accept any value."""
 
 
 def drawn(type_: Type, random: Random) -> Any:
@@ -69,8 +69,8 @@ def drawn(type_: Type, random: Random) -> Any:
 
 
 def random_run(network: Network, seed: int, until: int) -> Execution:
-    """One of the runs of a network, up to ``until`` nanoseconds: who of one level goes on, and which guard of ``[]`` is
-    taken, is drawn too.
+    """One of the runs of a network, up to ``until`` nanoseconds: which process of a level continues, and which guard of
+    ``[]`` is chosen, is drawn too.
     """
     random = Random(seed)
     timeouts = not network.environments or any(entry.on_miss == "timeout" for entry in network.environments)

@@ -1,5 +1,5 @@
-"""A transition system allows every run of its program, in whatever order those go on who are ready, and whatever comes
-from outside.
+"""A transition system allows every run of its program, in whatever order the ready processes continue, and whatever
+comes from outside.
 """
 
 from __future__ import annotations

@@ -26,9 +26,9 @@ ROOT = Path(__file__).parents[3]
 MODELS = ("buffer", "cascade", "commstime", "dining/deadlock", "dining", "emergency", "jiwy", "ring", "watchdog")
 PROGRAMS = sorted((ROOT / "tests/conformance/programs").glob("*.csp"))
 TOO_LARGE = {"branches_of_one_body"}
-"""Of these the states are too many: what was looked at is allowed, and that is all."""
+"""These have too many states: the explored part is allowed, and no more is known."""
 LONGEST = 120
-"""Communications that are followed at most."""
+"""The maximum number of communications to follow."""
 
 
 def network_named(name: str) -> Network:
@@ -42,7 +42,7 @@ def run_of(network: Network) -> Run:
 
 
 def assert_allowed(network: Network, run: Run, limit: int = 60_000) -> bool:
-    """Whether the run was followed; it may take too many states to do so."""
+    """Whether the run was followed; that may take too many states."""
     communications = [(entry.channel, entry.value) for entry in run.communications]
     return is_followed(transition_system(network), network, communications, run.outcome.ended, limit)
 
@@ -50,8 +50,8 @@ def assert_allowed(network: Network, run: Run, limit: int = 60_000) -> bool:
 def is_followed(
     system: System, network: Network, made: Iterable[tuple[str, Any]], ended: str, limit: int = 60_000
 ) -> bool:
-    """Whether a run that made some communications and ``ended`` was followed; it may take too many states to do so.
-    Raises Lost where it is not allowed.
+    """Whether a run that made some communications and ``ended`` was followed; that may take too many states. Raises
+    Lost if it is not allowed.
     """
     communications, unseen = observed(network, made)
     wanted = {"terminated": has_ended, "deadlock": is_stuck}.get(ended)

@@ -1,4 +1,4 @@
-"""Frames and labels are tuples of which no two classes have equal values."""
+"""Frames and labels are tuples, and instances of different classes are never equal."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Programs of the literature have the numbers of states and deadlocks, and the shortest traces, that are known of them.
+"""Programs from the literature have the known numbers of states and deadlocks, and the known shortest traces.
 
-Written in the language they have what their machines have: the start of a parallel that is the first thing to happen is
-no step of its own.
+Written in the language they have the same numbers as their machines: a parallel that starts first does not need a step
+of its own.
 """
 
 from __future__ import annotations

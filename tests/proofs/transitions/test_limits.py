@@ -61,7 +61,7 @@ def test_values_are_given_up_before_a_process_is_refused(monkeypatch: pytest.Mon
 
 
 def _silent_steps(guests: int, monkeypatch: pytest.MonkeyPatch) -> int:
-    """How many silent steps are taken to make the system of a porter who counts."""
+    """The number of silent steps taken to build the system of a porter who counts."""
     taken = 0
     step = Follower._step
 
@@ -84,6 +84,6 @@ def _silent_steps(guests: int, monkeypatch: pytest.MonkeyPatch) -> int:
 
 def test_a_choice_of_many_guards_is_prepared_once_however_many_lead_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
     few, many = (_silent_steps(guests, monkeypatch) for guests in (8, 16))
-    # As many guards again, and as many states again; from each state as many steps back to the choice again: 4 times,
-    # not 8.
+    # Twice as many guards, and twice as many states; from each state twice as many steps back to the choice: 4 times as
+    # many, not 8 times.
     assert 3 * few < many < 5 * few

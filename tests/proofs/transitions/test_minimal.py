@@ -1,4 +1,4 @@
-"""States are merged where nobody can tell them apart, and nowhere else."""
+"""States are merged exactly if they cannot be distinguished."""
 
 from __future__ import annotations
 

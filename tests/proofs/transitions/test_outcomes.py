@@ -1,9 +1,9 @@
-"""A transition system does what the meaning of the language does over all schedules, construct by construct.
+"""A transition system does what the semantics of the language does over all schedules, construct by construct.
 
-The explorers do not step the interpreter: a system has no times, few values, and components apart, where the
-interpreter has one state with all of that. What both say about a program without times is compared instead: how often
-each channel may have communicated when the program has come to its end or is stuck. With times, and with interrupts,
-which a system lets come at any moment, it may only say more.
+The explorers do not step the interpreter: a system has no times, few values, and separate components, where the
+interpreter has one state with all of that. Instead, their results for a program without times are compared: how often
+each channel may have communicated when the program has ended or is stuck. With times, and with interrupts, which may
+come at any moment in a system, the system may only allow more.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Who waits at a channel is known there, and who stops waiting is forgotten: readers, writers and alternatives that are
-interrupted or choose something else.
+"""Channels know the processes that wait there, and forget those that stop waiting: readers, writers and alternatives
+that are interrupted or choose something else.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def test_an_alternative_that_chose_another_guard_is_not_a_partner(kind: type[Cha
 
 
 def test_a_writer_stays_when_an_alternative_next_to_it_withdraws() -> None:
-    """The guard of the reader is ready as long as one of two that write waits."""
+    """The guard of the reader is ready as long as one of the two writers waits."""
     channel = AnyChannel[int]("c")
     chosen: list[int] = []
 

@@ -1,4 +1,4 @@
-"""Generated code as the runtime sees it: generator functions that touch the slots of rendezvous channels."""
+"""Generated code as the runtime sees it: generator functions that access the slots of rendezvous channels."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Body = Callable[[Task], Steps]
 
 
 class Program(Routine):
-    """The outermost process: a body that is given."""
+    """The outermost process, with the given body."""
 
     def __init__(self, body: Body) -> None:
         super().__init__("Top")
@@ -193,7 +193,7 @@ def two_at_once(first: Rendezvous[int], second: Rendezvous[int], ended: list[str
 
 
 def test_a_process_with_one_of_two_communications_done_is_abandoned_once() -> None:
-    """The one that is done has put it into the ready queue, where it is no longer found."""
+    """The completed communication has put the process into the ready queue, where it is no longer found."""
     first, second, got, ended = Rendezvous[int]("a"), Rendezvous[int]("b"), list[int](), list[str]()
     outcome = run(two_at_once(first, second, ended), reader(first, got, 1), failing("no"))
     assert (outcome.ended, got, ended) == ("failed", [1], ["both"])
@@ -201,7 +201,7 @@ def test_a_process_with_one_of_two_communications_done_is_abandoned_once() -> No
 
 
 def goes_on(channel: Rendezvous[int], seen: list[str]) -> Body:
-    """Is readied, and tells that it goes on after that."""
+    """Is made ready, and records that it continues after that."""
 
     def steps(me: Task) -> Steps:
         yield from write(me, channel, 1)

@@ -88,7 +88,7 @@ def _chosen(policy: Policy | None) -> list[int]:
 
 def test_a_policy_decides_which_ready_guard_is_taken() -> None:
     assert _chosen(None) == _chosen(Policy()) == [0, 1, 2, 0]
-    # The last in the order that is fair is the one that was taken last.
+    # The last one in the fair order is the one that was chosen last.
     assert _chosen(Last()) == [2, 2, 2, 2]
 
 
@@ -147,7 +147,7 @@ def test_a_policy_is_notified_of_what_processes_do_and_when_laws_compute() -> No
 
 
 class _Gate:
-    """Where a task of a ``_Halting`` policy stands."""
+    """The state of a task of a ``_Halting`` policy."""
 
     chosen: Option | None = None
 
@@ -179,7 +179,7 @@ class _Halting(Policy):
         self.interruptions.remove(interruption)
 
     def pass_(self, run: StepwiseRun, action: str, channel: str = "") -> None:
-        """Lets the one go on that can do this."""
+        """Lets the process continue that can do this."""
         ((gate, option),) = [
             (g, o) for g in self.gates for o in g.options if (o.action, o.channel) == (action, channel)
         ]

@@ -32,7 +32,7 @@ from tests.runtime.support import Body, Scripted
 
 
 class Device:
-    """Counts what is done with it; an operation named in ``fails`` fails."""
+    """Counts the operations on it; an operation named in ``fails`` fails."""
 
     def __init__(self, fails: str = "", blocking: bool = False) -> None:
         self.fails = fails
@@ -154,7 +154,7 @@ def test_events_of_a_blocking_driver_come_from_a_thread_of_their_own() -> None:
     for value in (1, 2, 3):
         threading.Timer(0.01 * value, button.presses.put, [value]).start()
     outcome = Network(Body(top), [presses, light]).run(real_time=True)
-    button.presses.put(0)  # Its thread ends with the call that it is in.
+    button.presses.put(0)  # Its thread ends together with the call that it is executing.
     assert outcome.ended == "terminated"
     assert lamp.written[-1] == 0
     # On a busy machine several presses become one event, and a slow device may skip values, but never the safe one.
@@ -171,7 +171,7 @@ def test_a_blocking_sampled_driver_is_read_ahead_outside_the_scheduler() -> None
         for _ in range(3):
             assert await end.read() == 1.0
 
-    # A busy machine may let this program miss samples; who reads is what is tested.
+    # A busy machine may let this program miss samples; the test is about which thread reads.
     assert Network(Body(top), [port]).run(real_time=True, on_miss="count").ended == "terminated"
     assert device.threads == {"MainThread", "driver of x"}
     assert device.calls[-1] == "close"

@@ -28,8 +28,8 @@ ROUNDS = 300
 
 
 def _network(first: int, meet: Callable[[], object] = lambda: None) -> tuple[Network, Trace, list[object], Scripted]:
-    """A program with channels, delays and samples; its values begin at ``first``, and it calls ``meet`` in
-    the middle of each round.
+    """A program with channels, delays and samples; its values begin at ``first``, and it calls ``meet`` in the middle
+    of each iteration.
     """
     environment = Scripted({"x": {0: first, 5 * ms: first + 1}}, ["y"])
     x = SampledInput[int]("x", period=1 * ms, driver=environment.drivers["x"])
@@ -73,7 +73,7 @@ def test_two_threads_run_one_network_each() -> None:
     expected = [_alone(0), _alone(1000)]
     together = threading.Barrier(2, timeout=20)
     outcomes: dict[int, Outcome] = {}
-    # They wait for each other in the middle of every round, so that both are always under way.
+    # They wait for each other in the middle of every iteration, so both are always running.
     programs = [_network(first, together.wait) for first in (0, 1000)]
 
     def run(number: int) -> None:
@@ -155,5 +155,5 @@ def test_one_network_runs_once_at_a_time() -> None:
     outcome = network.run()
     assert isinstance(outcome.error, RuntimeError)
     assert "running already" in str(outcome.error)
-    # It can be run once more.
+    # It can be run again.
     assert isinstance(network.run().error, RuntimeError)

@@ -1,4 +1,4 @@
-"""A run that ends inside another, or beside it in another thread, leaves the signals of that to it."""
+"""A run that ends inside another, or at the same time in another thread, leaves the signals to the other run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.runtime.support import Body
 
 
 class _Lamp:
-    """A device: a run that drives one takes over the signals of the process."""
+    """A device: a run that drives one handles the signals of the process."""
 
     def write(self, value: int) -> None:
         pass

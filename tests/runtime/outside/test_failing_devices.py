@@ -1,4 +1,4 @@
-"""Devices that fail or fall silent, and signals: outputs are released, and somebody is told."""
+"""Devices that fail or fall silent, and signals: outputs are released, and there is a report."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tests.runtime.support import Body, Scripted
 
 
 class Dumb:
-    """Its first ``reads`` succeed; then it does not come back until it is closed."""
+    """Its first ``reads`` calls succeed; the next one does not return until it is closed."""
 
     blocking = True
 
@@ -268,14 +268,14 @@ def test_a_thread_started_next_to_the_run_receives_no_signals() -> None:
 
 
 class Unspeakable(Exception):  # noqa: N818
-    """Its text cannot be made."""
+    """An exception whose text cannot be made."""
 
     def __str__(self) -> str:
         return self.args[0]  # type: ignore[no-any-return]
 
 
 class Bus:
-    """Remembers what it is handed, and raises ``error`` at a safe value (0.0) or at ``close``."""
+    """Remembers the values written to it, and raises ``error`` at a safe value (0.0) or at ``close``."""
 
     def __init__(
         self, fails: str = "", error: type[BaseException] = KeyboardInterrupt, *, blocking: bool = False

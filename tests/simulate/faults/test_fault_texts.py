@@ -1,4 +1,4 @@
-"""What a fault says is the same wherever the program runs, on the meaning of the language, too."""
+"""The message of a fault is the same wherever the program runs, in the reference semantics, too."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Faults of what guards need when their alternative begins: guard by guard in the order of the text, on
-every target.
+"""Faults in computing what guards need when their alternative begins: guard by guard in the order of the text, on every
+target.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Runs on the C target: the same results, recordings and words as in Python, from a cache that rebuilds
-what changed.
+"""Runs on the C target: the same results, recordings and messages as in Python, from a cache that rebuilds what
+changed.
 """
 
 from __future__ import annotations
@@ -264,7 +264,7 @@ def test_messages_of_a_compiler_name_places_in_the_program(monkeypatch: pytest.M
 
 
 def test_a_compiler_that_computes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """With all that it has started; its other options are not tried then."""
+    """With everything that it has started; its other options are then not tried."""
     log = tmp_path / "log"
     script = f'[ "$1" = --version ] && echo mine && exit\necho tried >> {log}\nsh -c "while :; do :; done"; exit 1'
     monkeypatch.setenv("CC", compiler_that(tmp_path, script))
@@ -341,7 +341,7 @@ def test_an_interrupted_run_is_reported_to_its_end() -> None:
 
 @needs_compiler
 def test_a_signal_without_a_reader_loses_no_record() -> None:
-    """A program that is ahead of its reader waits in the middle of a write: the signal must not cut that short."""
+    """A program that is ahead of its reader waits in the middle of a write, which the signal must not cut short."""
     network = network_of(FAULTY.replace("n + 10", "n"))
     files = pipeline.generate(network, read_source, "c")
     sources = [path for path in files if path.endswith(".c") and not path.endswith("csp_port_posix.c")]

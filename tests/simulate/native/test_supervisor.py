@@ -1,4 +1,4 @@
-"""A native program ends when it is to: after a signal, after it has reported its end, and with its parent."""
+"""A native program ends when it should: after a signal, after it has reported its end, and with its parent."""
 
 from __future__ import annotations
 
@@ -129,9 +129,7 @@ def is_native(process: int) -> bool:
 
 
 def signals_are_for_the_main_thread(process: int) -> bool:
-    """A signal that another thread is sent does not wake the main one, which waits for what the native
-    program tells.
-    """
+    """A signal sent to another thread does not wake the main one, which waits for what the native program reports."""
     masks = {
         int(status.parent.name): int(status.read_text().partition("SigBlk:")[2].split()[0], 16)
         for status in Path(f"/proc/{process}/task").glob("*/status")

@@ -1,4 +1,4 @@
-"""Labels of events: never two in one place, and never one that passes over a mark."""
+"""Labels of events: never two in one place, and never one that covers a mark."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plots: every part and port has a place of its own, and no text stands on another, on a curve or on a legend."""
+"""Plots: every part and port has a place of its own, and no text overlaps another, a curve or a legend."""
 
 from __future__ import annotations
 
@@ -290,7 +290,7 @@ def drawn(run: Run) -> Figure:
 
 
 def boxes(figure: Figure) -> Iterator[tuple[str, Bbox]]:
-    """Every text that is seen, with its place on the page."""
+    """Every visible text, with its place on the page."""
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     for axes in figure.axes:
         legend = axes.get_legend()
@@ -390,7 +390,7 @@ def test_events_that_bring_the_same_again_are_all_seen(runs: dict[str, Run]) -> 
 
 
 def texts_in_lane(figure: Figure, port: str) -> list[str]:
-    """The texts beside the marks of a lane, from left to right."""
+    """The texts next to the marks of a lane, from left to right."""
     axes = lanes_of(figure)
     row = names(axes).index(port)
     found = [(*text.get_position()[::-1], text.get_text()) for text in axes.texts]
@@ -626,8 +626,8 @@ environment Bench for Main { turn : Turn  turn.angle -> angle  rounds -> _  puls
 
 
 def test_variables_and_whole_numbers_of_very_different_size_have_panels_of_their_own() -> None:
-    """The greatest of one unit is not far above the least in any panel, of ports and of variables; the panels of a unit
-    follow each other.
+    """In no panel is the greatest value of a unit far above the least, for ports and for variables; the panels of a
+    unit follow each other.
     """
     network = pipeline.build(SourceFile(name="shown.csp", text=COUNTS), read_source, alone=True).network
     assert network is not None

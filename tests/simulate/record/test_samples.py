@@ -1,4 +1,6 @@
-"""Recordings have what was measured: every sample of a sampled input, read or not; vectors and structs as numbers."""
+"""Recordings contain what was measured: every sample of a sampled input, read or not; vectors and structs as
+numbers.
+"""
 
 from __future__ import annotations
 
@@ -104,7 +106,7 @@ def test_a_sampled_input_is_recorded_at_every_tick_read_or_not(run: Run) -> None
     assert run.outcome.time == 244_000_000
     assert run.time("speed") == pytest.approx(numpy.arange(1, 25) * 0.01)
     assert run["speed"].tolist() == [10.0 * k for k in range(1, 25)]
-    # Nobody reads it, ever.
+    # It is never read.
     assert run.time("mode") == pytest.approx(numpy.arange(1, 17) * 0.015)
     recorded = columns(csv_text(run))
     assert dict(zip(recorded["time"], recorded["speed"], strict=True))["0.24"] == "240.0"

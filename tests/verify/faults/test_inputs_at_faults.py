@@ -1,4 +1,4 @@
-"""Values from outside at which operations of a program fault: a replay tries them, whatever the proof left open."""
+"""Values from outside for which operations of a program fault: a replay tries them, whatever the proof left open."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of which a proof leaves open whether they come: they end a program, and what is stuck in it."""
+"""Faults that a proof leaves open: they end a program, and whatever is stuck in it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Sums of 64-bit integers and times that overflow, inside a ``catch Fault``: only what counts by little is taken not
-to overflow.
+"""Sums of 64-bit integers and times that overflow, inside a ``catch Fault``: only what counts by small steps is taken
+not to overflow.
 """
 
 from __future__ import annotations
@@ -89,8 +89,8 @@ def test_what_counts_by_little_does_not_overflow(name: str) -> None:
 
 @pytest.mark.parametrize("name", COUNTS)
 def test_what_counts_from_an_input_may_overflow(name: str) -> None:
-    """The environment may give any integer, and any duration; a remainder is small, whatever it is taken of, but not
-    what it is taken of.
+    """The environment may give any integer, and any duration; a remainder is small, whatever its dividend, but the
+    dividend need not be.
     """
     first = "e ? n -> f ? t ; m := n" if name != "a beat" else "f ? t -> t := t"
     composition = f"({first}) ; {COUNTS[name].replace('t := now ; ', '')}"

@@ -1,4 +1,4 @@
-"""A refutation is a run that the program has: where it goes on forever, comes to a halt, or refuses something."""
+"""A refutation is a real run of the program: it continues forever, halts, or refuses something."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ assert Lamp refines Patient in failures
 
 
 def test_what_a_process_refuses_is_seen_before_it_continues() -> None:
-    """After the first press the specification wants another one; the lamp is lit at once."""
+    """After the first press the specification expects another one; the lamp is lit at once."""
     assert refuted(REFUSES)
 
 
@@ -73,7 +73,7 @@ assert Collected deadlock free
 
 
 def test_the_run_in_the_order_of_its_times_is_reported() -> None:
-    """Each cell writes every two milliseconds, so that none can be served three times before the other is."""
+    """Each cell writes every two milliseconds, so none can be served three times before the other is."""
     answer = answer_to(TURNS)
     assert (answer.outcome, answer.replayed) == ("refuted", True)
     assert answer.counterexample is not None
@@ -142,7 +142,7 @@ assert Starts refines Ignores
 
 
 def test_the_environment_may_act_just_before_a_process_checks() -> None:
-    """The alternative comes at once after the first output, and can always take the second one."""
+    """The alternative follows immediately after the first output, and can always take the second one."""
     assert refuted(AT_ONCE)
 
 
@@ -176,7 +176,7 @@ assert Both terminates
 
 
 def test_a_repeated_cycle_keeps_its_times() -> None:
-    """Where one loop is a little slower than the other, the two go round in step ten times, and then come to a halt."""
+    """If one loop is a little slower than the other, the two run in step ten times, and then halt."""
     for every, is_for_ever in (("10 ms", True), ("10100 us", False)):
         answer = answer_to(DRIFTS.replace("EVERY", every))
         assert answer.replayed
@@ -288,14 +288,12 @@ assert Logged terminates
 
 
 def test_loops_of_different_rates_continue_forever() -> None:
-    """The cycle that is found has one round of each; twenty of the first take as long as one of the other."""
+    """The cycle that is found has one iteration of each; twenty of the first take as long as one of the other."""
     assert refuted(LOGGED)
 
 
 def test_a_stuck_process_does_not_end() -> None:
-    """Without priorities and times the second process may be left alone; a program that comes to a halt has not ended
-    either.
-    """
+    """Without priorities and times the second process may be neglected; a program that halts has not ended either."""
     for delay, comes_too_late in (("wait 5 ms", False), ("wait 15 ms", True)):
         text = RACE.replace("DELAY", delay).replace("assert Both deadlock free", "assert Both terminates")
         assert refuted(text) == comes_too_late
@@ -358,7 +356,7 @@ assert Both terminates
 def test_steps_required_before_a_round_are_reported(
     offers: str, takes: str, before: list[str], again: list[str]
 ) -> None:
-    """No time passes while a process can get on, so that a delay is never the first that happens beside an offer."""
+    """No time passes while a process can continue, so a delay is never the first to happen next to an offer."""
     answer = answer_to(OFFERS.replace("OFFERS_", offers).replace("TAKES_", takes))
     found = answer.counterexample
     assert answer.replayed

@@ -1,4 +1,4 @@
-"""A refutation is a run that the program has: with its priorities, and in exact times."""
+"""A refutation is a real run of the program: with its priorities, and in exact times."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tests.support.verifying import answer_to, refuted
 
 @pytest.fixture(autouse=True)
 def few_actions(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What no run comes to is looked for until none of them are left."""
+    """Candidates that no run reaches are searched until none is left."""
     monkeypatch.setattr(guided, "MOST_ACTIONS", 10_000)
 
 
@@ -56,7 +56,7 @@ assert Both deadlock free
     ],
 )
 def test_delays_end_on_time(delay: str, comes_too_late: bool) -> None:
-    """At one instant the two may come in either order."""
+    """At one instant the two may happen in either order."""
     assert refuted(RACE.replace("DELAY", delay)) == comes_too_late
 
 
@@ -68,7 +68,7 @@ def test_the_reason_says_which_delay_is_over_before_which() -> None:
 
 
 def test_computations_take_any_time() -> None:
-    """The same delay, and a control law before it writes."""
+    """The same delay, and a control law before the write."""
     law = "submodel Law {\n  in  x : double\n  out y : double\n\n  y = 2 * x\n}\n\n"
     text = RACE.replace("DELAY", "law ; wait 5 ms")
     text = text.replace(
@@ -271,7 +271,7 @@ assert Both deadlock free
 
 @pytest.mark.parametrize("channel", ["", "buffer 2 ->", "overwrite 1 ->"])
 def test_the_more_urgent_process_continues_first_alone_or_with_a_buffer(channel: str) -> None:
-    """The value is there before the less urgent process looks, unless a delay comes before it."""
+    """The value is there before the process with the lower priority checks, unless a delay comes before it."""
     text = URGENT.replace("CHANNEL", channel)
     assert not refuted(text.replace("BODY", "item ! 1"))
     assert refuted(text.replace("BODY", "wait 1 ms ; item ! 1"))

@@ -1,4 +1,4 @@
-"""The lines in the rows of a run that is shown for a counterexample: those at which the run was."""
+"""The line numbers in the rows of a run that is shown for a counterexample are those that the run executed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ process Q { in a : int communication { var v : int = 0 } composition { mu (a ? v
 process Main { communication { p : P q : Q p.a -> a : int -> q.a } composition { p || q } }
 assert Main deadlock free
 """
-"""The proof leaves `n` open: after each round there is the next, the exception, or the end of the loop."""
+"""The proof leaves `n` open: after each iteration there is the next one, the exception, or the end of the loop."""
 
 
 def test_rows_have_the_lines_at_which_the_run_was() -> None:

@@ -1,4 +1,4 @@
-"""Whether one run does what its specification forbids, with values of which the specification tells only the range."""
+"""Whether a run does what its specification forbids, if the specification knows only the range of a value."""
 
 from __future__ import annotations
 
@@ -94,6 +94,6 @@ assert Two refines Once hide lamp
 
 
 def test_elements_of_hidden_ports_are_hidden() -> None:
-    """They may come in another order than they were found in."""
+    """They may occur in another order than they were found in."""
     (answer,) = answers_to({"case.csp": HIDES_AN_ARRAY})
     assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason

@@ -1,4 +1,4 @@
-"""Every refutation is one that the program itself does; a trace that it does not do is noticed."""
+"""Every refutation is a real run of the program; a trace that is not one is noticed."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ assert All deadlock free
 
 
 def test_runs_that_priorities_exclude_are_not_refutations() -> None:
-    """Without priorities `tell` may be chosen, and then everything stops; with them `ask` is always there before."""
+    """Without priorities `tell` may be chosen, and then everything stops; with them `ask` is always ready before."""
     (answer,) = answers_to({"case.csp": PRIORITIES})
     assert answer.outcome == "unknown"
     assert "`chooses` continues with `urgent.ask` before `later.tell`" in answer.reason
@@ -159,7 +159,7 @@ def test_a_counting_loop_is_not_endless() -> None:
 
 
 def test_values_that_the_trace_leaves_open_are_searched_for() -> None:
-    """Only the value 17 leads to where nothing happens any more; the text mentions it."""
+    """Only the value 17 leads to the state in which nothing more happens; the text contains it."""
     text = """process Picky {
   in key : int
 
@@ -175,7 +175,7 @@ assert Picky deadlock free
 
 
 def test_refutations_of_random_programs_replay() -> None:
-    """Where nothing was left open, every trace that was found is one of the program, unless priorities or times exclude
+    """If nothing was left open, every trace that was found is one of the program, unless priorities or times exclude
     it.
     """
     replays = 0
@@ -196,7 +196,7 @@ def test_refutations_of_random_programs_replay() -> None:
         assert network is not None
         trace = _trace(found, question.process)
         replay = replayed(network, trace, read)
-        # Proofs speak of runs without a fault that nobody catches: what comes after one is no counterexample.
+        # Proofs are about runs without an uncaught fault: what comes after one is not a counterexample.
         faults = (replay.divergence or "").startswith("it ends with Fault")
         assert replay.succeeded or replay.excluded or faults, (replay.divergence, text)
         replays += replay.succeeded
@@ -244,7 +244,7 @@ assert Fills deadlock free
 
 
 def test_a_value_that_is_taken_from_a_buffer_writes_none() -> None:
-    """Two values enter and one leaves in each repetition, so that the writer waits forever in the last one."""
+    """Two values enter and one leaves in each repetition, so the writer waits forever in the last one."""
     (answer,) = answers_to({"case.csp": KEPT})
     assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason
 
@@ -279,7 +279,9 @@ assert Pair deadlock free
 
 
 def test_a_guard_that_is_always_ready_comes_after_what_a_more_urgent_process_offers() -> None:
-    """The more urgent process has written before the other one looks; otherwise the writer may come too late."""
+    """The process with the higher priority has written before the other one checks; otherwise the writer may be too
+    late.
+    """
     (answer,) = answers_to({"case.csp": SKIPS})
     assert answer.outcome == "unknown"
     assert "`polls` prefers `gives.y` to `skip`" in answer.reason
@@ -332,7 +334,7 @@ def test_a_value_in_a_buffer_comes_before_a_guard_that_is_always_ready() -> None
 
 
 def test_independent_steps_may_be_reordered() -> None:
-    """The value may come into the buffer after the other process has looked, whatever the order in which a proof tells
+    """The value may enter the buffer after the other process has checked, whatever the order in which a proof reports
     it.
     """
     program = POLLED.replace("told ! 1 ;", "").replace("; told ? value", "").replace("  polls.told -> keeps.told\n", "")

@@ -1,5 +1,5 @@
-"""Counterexamples that go through loops whose end is computed: the program goes round until it is where they
-have it.
+"""Counterexamples that go through loops whose end is computed: the program iterates until it is where the
+counterexample has it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The values of a replay: those that the environment offers, and how they are told."""
+"""The values of a replay: those that the environment offers, and how they are shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rounds that a replay adds are shown with their values, directions and lines, as those of the trace itself."""
+"""Iterations that a replay adds are shown with their values, directions and lines, like those of the trace itself."""
 
 from __future__ import annotations
 

@@ -20,9 +20,7 @@ from cspdiag.verify.runs.trace import Trace, TraceStep
 
 
 class _Record(Policy):
-    """Notes the first things that a run does, and leaves everything as it is in any run. ``visible`` are those at
-    ports, in order.
-    """
+    """Records the first steps of a run, and changes nothing. ``visible`` are those at ports, in order."""
 
     def __init__(self, network: Network, most: int) -> None:
         self.entries: list[Passed] = []
@@ -82,7 +80,7 @@ class _Observed:
 
 
 def followed(network: Network, until: int, most: int) -> tuple[list[Passed], GuidedRun]:
-    """The first ``most`` things that a network does in its first environment, and a guided run that is to do the same,
+    """The first ``most`` steps of a network in its first environment, and a guided run that has to take the same steps,
     with nothing else at its ports.
     """
     files = pipeline.generate(network, read_source, level=0)

@@ -1,7 +1,7 @@
-"""All schedules of small closed programs, by the plain interpreter of the language: can they come to a deadlock?
+"""All schedules of small closed programs, by the plain interpreter of the language: can they reach a deadlock?
 
-Whoever is ready on the highest level may run, and whichever guard of ``[]`` is ready may be taken; times are exact.
-Nothing of this is shared with replays.
+Any ready process of the highest level may run, and any ready guard of ``[]`` may be chosen; times are exact. None of
+this is shared with replays.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class TooManyError(Exception):
 
 
 def endings(network: Network, most: int) -> set[str]:
-    """How a program without ports may end, over all its schedules. Raises TooManyError where there are more than
+    """How a program without ports may end, over all its schedules. Raises TooManyError if there are more than
     ``most``.
     """
     decisions = Decisions()
@@ -71,7 +71,7 @@ def _process(name: str, channels: Sequence[_Channel], random: Random) -> str:
     inputs = [c.name for c in channels if c.reader == name]
     ports = "".join(f"  out {c} : int\n" for c in outputs) + "".join(f"  in {c} : int\n" for c in inputs)
     plain = [f"{c} ! 1" for c in outputs] + [f"{c} ? v" for c in inputs]
-    # Every port is used somewhere, so that the channel has both its ends.
+    # Every port is used somewhere, so the channel has both its ends.
     steps = random.sample(plain, len(plain)) + [_step(plain, random) for _ in range(random.randrange(3))]
     random.shuffle(steps)
     return (

@@ -1,5 +1,5 @@
-"""A body that has the other end of the channel of its interrupt makes the guard ready: it is cancelled in the middle of
-the communication, and the process waits for the guard alone. So do the guards of nested interrupts.
+"""A body with the other end of the channel of its interrupt makes the guard ready: it is cancelled in the middle of the
+communication, and the process waits for the guard alone. The same is true of the guards of nested interrupts.
 """
 
 from __future__ import annotations

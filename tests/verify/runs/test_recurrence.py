@@ -1,4 +1,4 @@
-"""What goes on forever was stepped through until everything was as before; a loop that may come to an end was not."""
+"""What continues forever was stepped through until everything was as before; a loop that may end was not."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ ENDING = [
     ("(mu (c ! 1 ; n := 2 * n + 1)) || mu (c ? b)", "livelock free"),
     ("(mu (c ! n ; n := n - 1)) || mu (c ? b ; a := 1 / (b + 30))", "livelock free"),
 ]
-"""What comes to an end, or to a halt, because something is counted that proofs may not follow."""
+"""What ends or halts because something is counted that proofs may not follow."""
 
 ENDLESS = [
     ("(c ! 1 || c ? a) ; mu (skip -> n := a [] skip -> n := 2) until n > a", "livelock free"),

@@ -1,4 +1,4 @@
-"""Replays know all runs of a program and no others: seen from real runs, and from all schedules of small programs."""
+"""Replays know all runs of a program and no others, as real runs and all schedules of small programs show."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_a_program_can_be_guided_to_repeat_a_run() -> None:
 
 
 def test_what_some_schedule_reaches_is_refuted() -> None:
-    """The answer for small closed programs, and what an interpreter finds that tries all their schedules in exact
+    """The answer for small closed programs, and the result of an interpreter that tries all their schedules in exact
     times.
     """
     seen = Counter[tuple[str, bool]]()

@@ -1,5 +1,5 @@
-"""Who never goes on: the greatest set of processes of which every possible partner is in it or has ended, in a state
-that a run has really come to.
+"""Processes that never continue: the greatest set of processes of which every possible partner is in the set or has
+ended, in a state that a run has really reached.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ GONE = plant("command ? x ; wait 3 ms", "command ! 1 ; command ! 2")
     ],
 )
 def test_a_partner_that_may_still_arrive_is_waited_for(text: str, outcome: str) -> None:
-    """What runs on and never comes is no knot: see the page on proofs."""
+    """A process that runs on but never communicates is not in a knot: see the page on proofs."""
     answer = answer_to(text)
     assert (answer.outcome, answer.replayed) == (outcome, outcome == "refuted"), answer.reason
     assert not answer.suggestions or outcome == "refuted"
@@ -124,7 +124,7 @@ def test_a_replay_reports_which_processes_are_stuck_and_when(
 
 
 def test_a_process_abandoned_at_once_does_not_arrive() -> None:
-    """The writer stops before it has written, so that its reader waits forever."""
+    """The writer stops before it has written, so its reader waits forever."""
     text = """process Main {
       communication {
         var x : int = 0

@@ -136,7 +136,7 @@ class _Reader:
 
 
 def reader(seed: int) -> Program:
-    """A program of one process that follows samples of ``x``, and perhaps of ``z``, in a loop, often after something
+    """A program with one process that follows samples of ``x``, and perhaps of ``z``, in a loop, often after something
     else.
     """
     rng = Random(seed)

@@ -1,4 +1,4 @@
-"""What W0707 says of the turns of a loop is so of all ways through it, told one by one.
+"""What W0707 reports about the iterations of a loop is true of all paths through it, enumerated one by one.
 
 ``python -m tests.network.checks.samples.test_iterations NUMBER`` tries more loops.
 """
@@ -27,11 +27,11 @@ PROGRAM = """process Main {{
 """
 
 Ways: TypeAlias = set[tuple[int, int]]
-"""The milliseconds that are waited and the samples that are taken, on each way."""
+"""The waiting time in milliseconds and the number of samples taken, for each path."""
 
 
 def part(chance: random.Random, depth: int) -> tuple[str, Ways]:
-    """A part of a turn, and the ways through it."""
+    """A part of an iteration, and the paths through it."""
     kind = chance.randrange(3, 8) if depth else chance.randrange(4)
     match kind:
         case 0 | 3:
@@ -60,7 +60,7 @@ def _one_after_the_other(ways: Ways, others: Ways) -> Ways:
 
 
 def is_so(found: SamplesMissed, ways: Ways) -> bool:
-    """Whether the ways through the loop are as it is said."""
+    """Whether the report is true of the paths through the loop."""
     said = found.waits // 1_000_000, found.reads
     idle = {way for way in ways if not way[1]}
     match found.extent:
@@ -75,7 +75,7 @@ def is_so(found: SamplesMissed, ways: Ways) -> bool:
 
 
 def hunt(seeds: range) -> tuple[Counter[str], list[int]]:
-    """How often what was said, and the seeds of the loops of which something was said that is not so."""
+    """How often each kind of report occurred, and the seeds of the loops for which a report is not true."""
     counts: Counter[str] = Counter()
     wrong = []
     for seed in seeds:

@@ -1,4 +1,4 @@
-"""Where W0707 says that samples are missed, a run misses them.
+"""Where W0707 reports that samples are missed, a run misses them.
 
 ``python -m tests.network.checks.samples.test_missed NUMBER`` tries more programs.
 """
@@ -61,7 +61,7 @@ def part(chance: random.Random, depth: int) -> str:
 
 
 def missed(seed: int) -> tuple[bool, bool] | None:
-    """Whether samples are certainly missed, and whether they are; None where the program is refused."""
+    """Whether samples are reported as certainly missed, and whether they are missed; None if the program is refused."""
     chance = random.Random(seed)
     a, b, c = chance.choice(((1, 1, 2), (1, 2, 3), (2, 3, 1), (1, 10, 1), (2, 2, 4), (1, 4, 2)))
     turn = f"{part(chance, 3)} ; {part(chance, 2)}"
@@ -77,9 +77,7 @@ def missed(seed: int) -> tuple[bool, bool] | None:
 
 
 def hunt(seeds: range) -> tuple[int, int, list[int]]:
-    """How many programs were said to miss samples, how many did in all, and the seeds of those of which it was said
-    wrongly.
-    """
+    """How many programs were reported to miss samples, how many did in all, and the seeds of the false reports."""
     answers = {seed: answer for seed in seeds if (answer := missed(seed)) is not None}
     wrong = [seed for seed, (is_said, is_so) in answers.items() if is_said and not is_so]
     return (

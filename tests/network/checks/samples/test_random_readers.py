@@ -1,5 +1,5 @@
-"""W0707 of random loops, held against all runs of them: where it warns a run misses a sample, and where a run without
-events misses one it has warned.
+"""W0707 for random loops, compared with all runs of them: if it warns, a run misses a sample, and if a run without
+events misses one, it has warned.
 
 ``python -m tests.network.checks.samples.test_random_readers NUMBER [FIRST]`` tries more programs.
 """
@@ -21,23 +21,23 @@ from tests.oracle.programs.tree import After, Alt, Bin, Interrupt, Program, Skip
 
 
 def warned(source: str) -> list[SamplesMissed] | None:
-    """The warnings that say that samples are missed; None where the program is refused."""
+    """The warnings about missed samples; None if the program is refused."""
     built = pipeline.build(SourceFile(name="reader.csp", text=source), read_source)
     if built.network is None:
         return None
     found = [item for item in built.checked.report.diagnostics if isinstance(item, SamplesMissed)]
-    # Where a turn takes exactly as long as its samples, something else has to take time.
+    # If an iteration takes exactly as long as its samples, something else has to take time.
     return [item for item in found if not (item.turns and item.waits == item.reads * item.period)] or found[:0]
 
 
 def goes_by_values(program: Program) -> bool:
-    """Whether a value decides the way, and perhaps twice."""
+    """Whether a value decides which path is taken, perhaps twice."""
     tests = [getattr(part, name, None) for part in walk(program.body) for name in ("condition", "until", "when")]
     return any(isinstance(test, Bin) for test in tests)
 
 
 def goes_by_phases(program: Program) -> bool:
-    """Whether it matters how long ago a sample came: to a time-out, or to a branch that is ready at once."""
+    """Whether the age of a sample matters: to a time-out, or to a branch that is ready at once."""
     for part in walk(program.body):
         events = [part.guard.event] if isinstance(part, Interrupt) else []
         events += [branch.event for branch in part.branches] if isinstance(part, Alt) else []
@@ -47,7 +47,7 @@ def goes_by_phases(program: Program) -> bool:
 
 
 def compare(seed: int) -> str:
-    """What is found of a program: ``alarm`` and ``silence`` are wrong."""
+    """The result for a program: ``alarm`` and ``silence`` are wrong."""
     program = reader(seed)
     source = text(program)
     found = warned(source)
@@ -68,7 +68,7 @@ def compare(seed: int) -> str:
 
 
 def hunt(seeds: Iterable[int]) -> tuple[Counter[str], list[tuple[int, str]]]:
-    """How many programs were found to be what, and those of which something wrong was said."""
+    """How many programs had each result, and those with a wrong result."""
     counts: Counter[str] = Counter()
     wrong: list[tuple[int, str]] = []
     for seed in seeds:

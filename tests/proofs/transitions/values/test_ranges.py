@@ -1,5 +1,5 @@
 """Ranges of numbers: what is known of a range holds for each of its numbers, and inputs and counters have no more
-ranges than conditions tell apart.
+ranges than conditions distinguish.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def test_an_input_passed_on_is_split_where_it_is_compared() -> None:
 
 
 def test_an_input_with_many_ranges_is_left_open_if_there_are_too_many_states() -> None:
-    """Three inputs of 17 ranges each: 4913 combinations, of which none is distinguished."""
+    """Three inputs with 17 ranges each: 4913 combinations, none of which is distinguished."""
     conditions = " ; ".join(f"(if {name} == {number} then b ! true)" for name in "xyz" for number in range(0, 16, 2))
     text = f"""process Main {{
       in a : int
@@ -243,7 +243,7 @@ def test_numbers_that_a_specification_writes_are_distinguished(most: int, outcom
 
 
 def test_number_of_a_range_is_not_the_same_as_another_one() -> None:
-    """Both write a number from 3 on, but not the same one."""
+    """Both write a number of at least 3, but not the same one."""
     text = """process Adds {
       in a : int
       out b : int
