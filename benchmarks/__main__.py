@@ -1,4 +1,6 @@
-"""``cspdiag bench``, ``make bench`` or ``python benchmarks``: measures, prints a table, writes a JSON file if asked."""
+"""``cspdiag bench``, ``make bench`` or ``python benchmarks``: measures, prints a table, and writes a JSON file on
+request.
+"""
 
 from __future__ import annotations
 

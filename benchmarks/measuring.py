@@ -1,8 +1,8 @@
-"""What is measured, and how: each sample in a process of its own, the contestants in turn, so that a busy machine harms
-all alike.
+"""What is measured, and how: each sample in a process of its own, the contestants in turn, so that a busy machine
+affects all of them alike.
 
-A program under ``programs/`` takes the name of a benchmark and prints one number a line, or nothing if it lacks what it
-needs.
+A program in ``programs/`` takes the name of a benchmark and prints one number per line, or nothing if something that it
+needs is missing.
 """
 
 from __future__ import annotations
@@ -25,9 +25,7 @@ OURS = ("-O0", "-O1", "C", "cspdiag")
 
 @dataclass(frozen=True)
 class Benchmark:
-    """``less`` tells whether a smaller figure is the better one; ``contestants`` are commands by the name
-    people know.
-    """
+    """``less`` says whether a smaller figure is better; ``contestants`` are commands by the names that users see."""
 
     name: str
     about: str
@@ -53,11 +51,11 @@ BENCHMARKS = (
         "C 4 ns: Go 25 times",
     ),
     Benchmark(
-        "alternative-10", "a selection among 10 writers", "ns", _TARGETS | _ALTERNATING,
+        "alternative-10", "a choice among 10 writers", "ns", _TARGETS | _ALTERNATING,
         "-O1 220 ns, C 5 ns, and no more for 1000 writers",
     ),
-    Benchmark("alternative-100", "a selection among 100 writers", "ns", _TARGETS | _ALTERNATING),
-    Benchmark("alternative-1000", "a selection among 1000 writers", "ns", _TARGETS),
+    Benchmark("alternative-100", "a choice among 100 writers", "ns", _TARGETS | _ALTERNATING),
+    Benchmark("alternative-1000", "a choice among 1000 writers", "ns", _TARGETS),
     Benchmark("ring", "a hop in a ring of 1000 processes", "ns", _TARGETS | _PEERS),
     Benchmark("ring-100000", "a hop in a ring of 100 000 processes", "ns", {"C": "networks c", "Go": "peer_go"}),
     Benchmark("parallel", "a parallel of two that add one", "ns", _TARGETS | _PEERS),
@@ -66,11 +64,11 @@ BENCHMARKS = (
     ),
     Benchmark("delay", "a delay in virtual time, ten processes", "ns", _TARGETS | {"simpy": "peer_simpy"}),
     Benchmark(
-        "closed-loop", "two motors with PID at 1 kHz: simulated seconds a second", "", _TARGETS | _FUSED,
+        "closed-loop", "two motors with PID at 1 kHz: simulated seconds per second", "", _TARGETS | _FUSED,
         "-O1 450, C 15 000", less=False,
     ),
     Benchmark(
-        "jiwy", "JIWY against its plant: simulated seconds a second", "", _TARGETS,
+        "jiwy", "JIWY against its plant: simulated seconds per second", "", _TARGETS,
         "-O0 40, -O1 100, C 3000", less=False,
     ),
     Benchmark("check-cold", "a cold `cspdiag check` of JIWY", "ms", {"cspdiag": "cold_start"}, "at most 120 ms"),
@@ -87,7 +85,7 @@ BENCHMARKS = (
         {"cspdiag": "proving started", "whole": "proving", "SPIN": "peer_spin"}, "SPIN, with gcc and pan, 20 times",
     ),
     Benchmark(
-        "prove-philosophers-1000", "the same for 1000 philosophers, as a whole process", "ms", _PROVE,
+        "prove-philosophers-1000", "the same for 1000 philosophers, in a new process", "ms", _PROVE,
         "at most 1000 ms",
     ),
     Benchmark("prove-philosophers-10000", "the same for 10 000 philosophers", "ms", _PROVE, "at most 10 000 ms"),
@@ -103,12 +101,12 @@ BENCHMARKS = (
         "prove-butler-20", "the same for 20 philosophers and a butler who counts them", "ms", _PROVE, "at most 2000 ms",
     ),
     Benchmark("prove-butler-60", "the same for 60 of them", "ms", _PROVE, "at most 10 000 ms"),
-    Benchmark("respond-100", "response times of 100 tasks, a level of priority each", "ms", _RESPOND, "at most 50 ms"),
+    Benchmark("respond-100", "response times of 100 tasks, each with its own level", "ms", _RESPOND, "at most 50 ms"),
     Benchmark(
         "respond-levels-100", "the same with five levels, first come, first served", "ms", _RESPOND, "at most 50 ms",
     ),
     Benchmark(
-        "search-states-8", "states a second of the processor, breadth-first, 8 philosophers", "/s",
+        "search-states-8", "states per second of processor time, breadth-first, 8 philosophers", "/s",
         {"cspdiag": "searching", "SPIN": "peer_spin", "SPIN, our export": "peer_spin exported"},
         "SPIN 5 times", less=False,
     ),
@@ -116,7 +114,7 @@ BENCHMARKS = (
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the benchmarks; 0, or 2 for a wrong option (from argparse)."""
+    """Run the benchmarks; returns 0, or 2 for a wrong option (from argparse)."""
     parser = argparse.ArgumentParser(
         prog="python benchmarks", epilog="example: python benchmarks --only commstime --rounds 7"
     )
@@ -163,7 +161,7 @@ def _count(text: str) -> int:
 
 
 def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:
-    """All samples of a benchmark by contestant; those that cannot take part are left out."""
+    """All samples of a benchmark by contestant; contestants that cannot take part are left out."""
     samples: dict[str, list[float]] = {name: [] for name in benchmark.contestants}
     for _ in range(rounds):
         for name, program in benchmark.contestants.items():
@@ -172,7 +170,7 @@ def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:
 
 
 def run_program(program: str, benchmark: str) -> list[float]:
-    """The figures that one run of a program prints; ``program`` is its name, and what it is given after that of the
+    """The figures that one run of a program prints; ``program`` is its name, with arguments that follow the name of the
     benchmark.
     """
     program, *given = program.split()
@@ -191,7 +189,7 @@ def run_program(program: str, benchmark: str) -> list[float]:
 
 
 def rows(benchmark: Benchmark, samples: dict[str, list[float]]) -> Iterator[str]:
-    """The part of the table for one benchmark: medians, and how many times better ours are than the others."""
+    """The part of the table for one benchmark: medians, and how many times better cspdiag's are than the others."""
     yield f"{benchmark.name}: {benchmark.about}" + (f" (goal: {benchmark.goal})" if benchmark.goal else "")
     ours = {name: median(samples[name]) for name in OURS if name in samples}
     for name, values in samples.items():
@@ -213,7 +211,7 @@ def _times(benchmark: Benchmark, figure: float, reference: float) -> float:
 
 
 def results(chosen: Sequence[Benchmark], samples: dict[str, dict[str, list[float]]]) -> list[dict[str, object]]:
-    """What the JSON file holds: an object for each benchmark and contestant."""
+    """The contents of the JSON file: an object for each benchmark and contestant."""
     return [
         {
             "benchmark": benchmark.name,

@@ -1,4 +1,4 @@
-"""Puts what ``third_party`` fetches into wheels; where it cannot be fetched, a wheel is built that cannot draw, and the
+"""Puts what ``third_party`` fetches into wheels; if it cannot be fetched, the wheel cannot draw, and the
 build says so.
 """
 
@@ -15,10 +15,10 @@ import third_party
 
 
 class ThirdParty(BuildHookInterface):  # type: ignore[type-arg]
-    """Runs before a distribution is built; a checkout that is installed as editable is fetched for, too."""
+    """Runs before a distribution is built; also fetches for a checkout that is installed as editable."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Fetch, and name the folder among what a wheel includes."""
+        """Fetch, and add the folder to what a wheel includes."""
         try:
             third_party.fetch()
         except (third_party.FetchError, OSError) as problem:

@@ -1,4 +1,4 @@
-"""Checks that no folder has more entries than a reader takes in at a glance; part of ``make check``.
+"""Checks that no folder has more entries than a reader can take in at a glance; part of ``make check``.
 
 Entries are modules and folders of modules; ``__init__`` and ``__main__`` do not count, nor do data files.
 

@@ -1,7 +1,7 @@
 """A contract for import-linter that forbids import cycles.
 
-Imports under TYPE_CHECKING and inside functions count as well, and so do those of a package by the modules inside it,
-which the contract ``acyclic_siblings`` does not see.
+Imports under TYPE_CHECKING and inside functions count as well, and so do imports of a package by the modules inside it,
+which the contract ``acyclic_siblings`` does not detect.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class NoCyclesContract(Contract):  # type: ignore[misc]
     type_name = "no_cycles"
 
     def check(self, graph: ImportGraph, verbose: bool) -> ContractCheck:
-        """Look at all modules of the graph."""
+        """Check all modules of the graph."""
         cycles = cycles_of(graph)
         return ContractCheck(kept=not cycles, metadata={"cycles": cycles})
 

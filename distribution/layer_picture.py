@@ -1,6 +1,6 @@
-"""Makes the picture of the layers in docs/architecture.md from the import rules and the imports.
+"""Draws the picture of the layers in docs/architecture.md from the import rules and the imports.
 
-``--check`` only says that it is not current.
+``--check`` only reports whether it is out of date.
 
 python distribution/layer_picture.py [--check]
 """
@@ -30,21 +30,21 @@ ROW = 26.0
 NAMES = 112.0
 """The width of the names, left of the matrix."""
 TYPING = {"typing_extensions"}
-"""What type checkers know without its being installed, and nothing loads."""
+"""What type checkers know without an installation, and nothing loads."""
 
 
 @dataclass(frozen=True)
 class Layers:
-    """``levels`` from the top, each with the layers that know nothing of each other.
+    """``levels`` from the top, each with the layers that are independent of each other.
 
-    The pairs are of who imports and what is imported.
+    The pairs are importer and imported layer.
     """
 
     levels: tuple[tuple[str, ...], ...]
     imports: frozenset[tuple[str, str]]
     forbidden: frozenset[tuple[str, str]]
     libraries: dict[str, tuple[str, ...]]
-    """What others have written, by the layers that import it; the standard library is left out."""
+    """Third-party packages, by the layers that import them; without the standard library."""
 
     @property
     def names(self) -> list[str]:
@@ -52,13 +52,13 @@ class Layers:
         return [name for level in self.levels for name in level]
 
     def last_beside(self, name: str) -> int:
-        """How many layers stand above a layer or on its level, itself included."""
+        """The number of layers above a layer or on its level, including itself."""
         (level,) = (level for level in self.levels if name in level)
         return self.names.index(level[-1]) + 1
 
 
 def read_layers() -> Layers:
-    """The layers as pyproject.toml has them, and what they import, in functions and for types too."""
+    """The layers from pyproject.toml, and what they import, including imports in functions and for types."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
         "contracts"
     ]
@@ -94,7 +94,7 @@ def _is_layer(module: str) -> bool:
 
 
 def _forbidden(contracts: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
-    """The pairs of whole layers of which the first must not import the second; rules about parts of one are
+    """The pairs of entire layers of which the first must not import the second; rules about parts of one are
     left out.
     """
     for contract in contracts:
@@ -114,7 +114,7 @@ def draw(layers: Layers) -> Scene:
     """A row and a column for each layer; what is to the left of the steps can never be imported."""
     names = layers.names
     right = NAMES + len(names) * ROW
-    items: list[Item] = [_text(right + 14, 0, "libraries of others", Ink.FAINT)]
+    items: list[Item] = [_text(right + 14, 0, "third-party libraries", Ink.FAINT)]
     for index, name in enumerate(names):
         y = (index + 1) * ROW
         items += [
@@ -146,7 +146,7 @@ def _legend(y: float) -> list[Item]:
         *_cross(90, y + ROW / 2),
         _text(102, y, "below it, but must not be imported", Ink.FAINT),
         Box(Rectangle(312, y + 5, 16, 16), fill=Ink.ACCENT_FILL, stroke=None),
-        _text(336, y, "above or beside it: never imported", Ink.FAINT),
+        _text(336, y, "above it or on its level: never imported", Ink.FAINT),
     ]
 
 
@@ -166,12 +166,12 @@ def picture() -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the picture, or check it; 1 where it is not current."""
+    """Write the picture, or check it; returns 1 if it is out of date."""
     text = picture()
     if PICTURE.exists() and PICTURE.read_text(encoding="utf-8") == text:
         return 0
     if "--check" in arguments:
-        print(f"{PICTURE.relative_to(ROOT)} is not current: make pictures")
+        print(f"{PICTURE.relative_to(ROOT)} is out of date: make pictures")
         return 1
     PICTURE.write_text(text, encoding="utf-8")
     print(f"wrote {PICTURE.relative_to(ROOT)}")

@@ -1,4 +1,4 @@
-"""Makes the pictures of the models and of docs/drawing.md; ``--check`` only says which are not current.
+"""Draws the pictures of the models and of docs/drawing.md; ``--check`` only reports which are out of date.
 
 python distribution/model_pictures.py [--check]
 """
@@ -30,7 +30,7 @@ ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "docs" / "pictures"
 
 MISTAKE = ("joystick_buttons    -> broadcast ->", "joystick_buttons    ->")
-"""What the picture of a review shows: a press of the button that one joint can take from the other."""
+"""The subject of the picture of a review: a press of the button that one joint can take from the other."""
 
 CHANGES = (
     ("alignR        : Align(T, speed = alignSpeed,", "alignR        : Align(T, speed = 2 * alignSpeed,"),
@@ -41,7 +41,7 @@ CHANGES = (
     ("motionControl.control, homing.control", "motionControl.control, parking.control"),
     ("alignL ; alignR ; motionControl ; homing", "alignL ; alignR ; motionControl ; parking"),
 )
-"""What the picture of a difference shows."""
+"""The subject of the picture of a difference."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Picture:
 
 @cache
 def _checked(model: str, *changes: tuple[str, str]) -> Checked:
-    """A model, its text changed."""
+    """A model with its text changed."""
     path = f"models/{model}.csp"
     text = (ROOT / path).read_text(encoding="utf-8")
     for old, new in changes:
@@ -152,11 +152,11 @@ def pictures() -> Iterator[tuple[Path, str]]:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the pictures, or check them; 1 where one is not current."""
+    """Write the pictures, or check them; returns 1 if one is out of date."""
     stale = [(path, text) for path, text in pictures() if not path.exists() or path.read_text(encoding="utf-8") != text]
     for path, text in stale:
         if "--check" in arguments:
-            print(f"{path.relative_to(ROOT)} is not current: make pictures")
+            print(f"{path.relative_to(ROOT)} is out of date: make pictures")
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")

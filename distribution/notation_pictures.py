@@ -1,5 +1,5 @@
-"""Makes the pictures of docs/notation.md from the compositions that stand above them; ``--check`` only says which are
-not current.
+"""Draws the pictures of docs/notation.md from the compositions above them; ``--check`` only reports which are out of
+date.
 
 python distribution/notation_pictures.py [--check]
 """
@@ -39,7 +39,7 @@ process Mode { in angle : double out voltage : double
 
 @dataclass(frozen=True)
 class Example:
-    """A composition, and how many levels of it are drawn."""
+    """A composition, and how many of its levels are drawn."""
 
     text: str
     depth: int
@@ -76,7 +76,7 @@ def pictures() -> Iterator[tuple[Path, str]]:
 
 
 def main(arguments: list[str]) -> int:
-    """Write the pictures, or check them; 1 where one is not current."""
+    """Write the pictures, or check them; returns 1 if one is out of date."""
     stale = [(path, text) for path, text in pictures() if not path.exists() or path.read_text(encoding="utf-8") != text]
     for path, text in stale:
         print(path.relative_to(DOCS.parent))

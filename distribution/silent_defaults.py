@@ -1,7 +1,7 @@
-"""A ``match`` says of every case what happens; ``make check`` says where a default is silent.
+"""A ``match`` handles every case explicitly; ``make check`` reports defaults that are silent.
 
-A default (``case _:``, or a name that takes whatever is left) raises, above all by ``assert_never``, or a comment
-beside it says why what is left out may be anything: the nodes of a walk, or what a rewriting leaves as it is.
+A default (``case _:``, or a name that takes all remaining cases) raises, preferably by ``assert_never``, or a comment
+next to it says why the remaining cases may be anything: the nodes of a walk, or what a rewriting leaves as it is.
 
 python distribution/silent_defaults.py
 """
@@ -19,7 +19,7 @@ ROOT = Path(__file__).parent.parent
 
 
 def complaints(root: Path) -> list[str]:
-    """One line for each default below ``root`` that neither raises nor says why it is there."""
+    """One line for each default below ``root`` that neither raises nor has a reason in a comment."""
     return [
         f"{path.relative_to(root).as_posix()}:{line}: the default is silent: name the cases that are left, and "
         "`assert_never` the rest, or say in a comment beside `case` why they may be anything"

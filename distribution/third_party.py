@@ -1,10 +1,10 @@
-"""Fetches what others have written and cspdiag ships: the layout engine elkjs, and the typefaces of PNG and PDF.
+"""Fetches third-party files that cspdiag ships: the layout engine elkjs, and the typefaces of PNG and PDF.
 
     python distribution/third_party.py
 
-puts them into ``third-party/``, each with its licence, unless they are there. They come through npm, in fixed versions
-whose checksums are verified; wheels carry them, so that users of a wheel need neither npm nor a network. Standard
-library only.
+puts them into ``third-party/``, each with its licence, unless they are already there. They come through npm, in fixed
+versions whose checksums are verified; wheels contain them, so users of a wheel need neither npm nor a network. Uses
+only the standard library.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ PACKAGES = (
 
 
 def fetch(folder: Path = FOLDER) -> None:
-    """Put everything into ``folder``, or leave it alone where it is complete. Raises FetchError, having changed
+    """Put everything into ``folder``, or leave it alone if it is complete. Raises FetchError, having changed
     nothing.
     """
     versions = "".join(f"{package.name} {package.version} {package.integrity}\n" for package in PACKAGES)
@@ -94,7 +94,7 @@ def fetch(folder: Path = FOLDER) -> None:
 
 
 def _archive(package: Package, folder: Path, scratch: Path) -> bytes:
-    """The archive of a package: one that somebody has put beside the folder, or npm's."""
+    """The archive of a package: one that was put next to the folder, or npm's."""
     given = folder.parent / package.archive
     if not given.is_file():
         given = _packed(package, scratch)

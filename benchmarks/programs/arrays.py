@@ -1,8 +1,7 @@
-"""What arrays of instances cost: whole commands on networks in which the number of instances is a constant.
+"""The cost of arrays of instances: entire commands on networks in which the number of instances is a constant.
 
-``arrays.py arrays-check-1000 ring`` is one row of ``cspdiag bench``, in milliseconds.
-``arrays.py table --count 10 --count 1000 --step check`` prints processor time and memory of each command on each
-network.
+``arrays.py arrays-check-1000 ring`` is one row of ``cspdiag bench``, in milliseconds. ``arrays.py table --count 10
+--count 1000 --step check`` prints processor time and memory of each command on each network.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from timing import BATCHES, asked, report, size_of
 
 NETWORKS = Path(__file__).parents[1] / "networks"
 SIZES = {"ring": "size", "pipeline": "size", "workers": "size", "star": "size", "philosophers": "number"}
-"""The constant that says how many instances a network has."""
+"""The constant that gives the number of instances of a network."""
 
 STEPS = {
     "check": ("check",),
@@ -36,24 +35,24 @@ COUNTS = (10, 100, 1_000, 10_000, 100_000)
 
 
 class Cost(NamedTuple):
-    """Of one command; ``status`` is its exit code, or the negative number of the signal that ended it."""
+    """The cost of one command; ``status`` is its exit code, or the negative number of the signal that ended it."""
 
     wall: float
     processor: float
     memory: int
-    """Bytes at most."""
+    """The maximum, in bytes."""
     status: int
 
 
 def text_of(network: str, count: int) -> str:
-    """The network with so many instances; `check` takes no settings, so that the constant itself is changed."""
+    """The network with ``count`` instances; `check` takes no settings, so the constant itself is changed."""
     lines = (NETWORKS / f"{network}.csp").read_text(encoding="utf-8").splitlines()
     head = f"const {SIZES[network]} = "
     return "\n".join(f"{head}{count}" if line.startswith(head) else line for line in lines) + "\n"
 
 
 def cost(step: str, network: str, count: int, limit: int) -> Cost:
-    """What one command costs that is ended after ``limit`` seconds."""
+    """The cost of one command, which is killed after ``limit`` seconds."""
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder, f"{network}.csp")
         program.write_text(text_of(network, count), encoding="utf-8")
@@ -74,9 +73,9 @@ def cost(step: str, network: str, count: int, limit: int) -> Cost:
 
 
 def table(arguments: Sequence[str]) -> None:
-    """Processor time and memory of all that is asked for; a command that takes too long ends its row."""
+    """Print processor time and memory for all requested counts; a command that takes too long ends its row."""
     parser = argparse.ArgumentParser(prog="arrays.py table")
-    parser.add_argument("--count", type=int, action="append", help="so many instances; may be repeated")
+    parser.add_argument("--count", type=int, action="append", help="the number of instances; may be repeated")
     parser.add_argument("--network", choices=SIZES, action="append", help="only this one; may be repeated")
     parser.add_argument("--step", choices=STEPS, action="append", help="only this one; may be repeated")
     parser.add_argument("--limit", type=int, default=120, help="seconds that a command may take (default: 120)")

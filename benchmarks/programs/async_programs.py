@@ -1,4 +1,4 @@
-"""The benchmarks for libraries with ``await``, in terms of a channel and a parallel."""
+"""The benchmarks for libraries with ``await``, in terms of a channel and a parallel composition."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checking and compiling models of any size: chains of cells, a line an instance."""
+"""Checking and compiling models of any size: chains of cells, one line per instance."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ process Cell {
 
 
 def model(lines: int) -> str:
-    """About ``lines`` lines: a third each of instances, relationships and their names in the composition."""
+    """About ``lines`` lines: one third each of instances, relationships, and their names in the composition."""
     cells = lines // 3
     instances = "\n".join(f"    cell{index} : Cell" for index in range(cells))
     relationships = "\n".join(f"    cell{index}.output -> cell{(index + 1) % cells}.input" for index in range(cells))

@@ -1,4 +1,4 @@
-"""The time that a check takes over a bare interpreter, each in a new process, with compiled bytecode."""
+"""How much longer a check takes than a bare interpreter, each in a new process, with compiled bytecode."""
 
 from __future__ import annotations
 

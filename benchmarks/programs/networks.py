@@ -1,7 +1,7 @@
 """The networks of ``benchmarks/networks``, compiled: ``networks.py commstime python-O1``.
 
-Targets: ``python-O0``, ``python-O1``, ``c``; the last two keep the processes as they are, and with ``-fused`` at the
-end they are fused where that is possible.
+Targets: ``python-O0``, ``python-O1``, ``c``; the last two keep the processes apart, and with the suffix ``-fused`` they
+are fused if possible.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from cspdiag.simulate.run.package import LoadedPackage
 NETWORKS = Path(__file__).parents[1] / "networks"
 MODELS = Path(__file__).parents[2] / "models"
 LONGER = {"python-O0": 1, "python-O1": 3, "python-O1-fused": 30, "c": 200, "c-fused": 2000}
-"""How many times as many rounds each target gets, so that each takes some tenths of a second."""
+"""How many times more iterations each target gets, so that each takes some tenths of a second."""
 
 
 def network_of(name: str, settings: dict[str, int]) -> Network:
@@ -94,7 +94,7 @@ def runs_of(network: Network, target: str, folder: Path, until: int | None = Non
 
 
 def memory(target: str, folder: Path) -> None:
-    """Bytes a process: of C those of its static memory, of Python what the resident memory grows by."""
+    """Bytes per process: in C those of its static memory, in Python the growth of the resident memory."""
     size = 2_000 if target.startswith("c") else 10_000
     if target.startswith("c"):
         static = [static_memory(count, folder / str(count)) for count in (size, 2 * size)]
@@ -140,7 +140,7 @@ def measure(name: str, target: str, folder: Path) -> None:
 
 
 def times(network: Network, target: str, folder: Path, communications: int) -> None:
-    """Nanoseconds for each of what the network does."""
+    """Nanoseconds for each operation of the network."""
     run = runs_of(network, target, folder)
     run()
     for _ in range(BATCHES):
@@ -148,7 +148,7 @@ def times(network: Network, target: str, folder: Path, communications: int) -> N
 
 
 def speed(network: Network, target: str, folder: Path, until: int, *, limited: bool = True) -> None:
-    """Simulated seconds a second."""
+    """Simulated seconds per second."""
     run = runs_of(network, target, folder, until if limited else None)
     run()
     for _ in range(BATCHES):

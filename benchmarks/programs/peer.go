@@ -1,4 +1,4 @@
-// Go: goroutines and channels without a buffer, on one processor.
+// Go: goroutines and unbuffered channels, on one processor.
 package main
 
 import (
@@ -15,7 +15,7 @@ const batches = 3
 
 func report(nanoseconds float64) { fmt.Printf("%.2f\n", nanoseconds) }
 
-// timed repeats step and reports nanoseconds for each of divisor parts of it, once for every batch.
+// timed repeats step and reports nanoseconds for each of its divisor parts, once for every batch.
 func timed(step func(), count, divisor int) {
 	for i := 0; i < count/10; i++ {
 		step()

@@ -1,4 +1,4 @@
-"""asyncio: queues of one place."""
+"""asyncio: queues with one place."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ async def parallel(*bodies: Any) -> None:
 
 
 async def alternative(size: int) -> None:
-    """The usual way: a task waits for each queue, and the first to be done is taken."""
+    """The usual way: a task waits for each queue, and the first one to complete is chosen."""
     queues: list[asyncio.Queue[int]] = [asyncio.Queue(1) for _ in range(size)]
 
     async def writer(queue: asyncio.Queue[int]) -> None:

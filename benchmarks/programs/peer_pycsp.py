@@ -1,4 +1,4 @@
-"""PyCSP 0.9 with greenlets, the faster of its implementations."""
+"""PyCSP 0.9 with greenlets, its faster implementation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from timing import asked, leave, report, resident, size_of, timed_blocking
 
 collections.Callable = collections.abc.Callable  # type: ignore[attr-defined]  # it was written for older Pythons
 
-asked_for, sys.argv = asked(), sys.argv[:1]  # it reads options of its own from the command line
+asked_for, sys.argv = asked(), sys.argv[:1]  # it reads its own options from the command line
 try:
     import pycsp.greenlets as pycsp
 except ImportError:

@@ -1,4 +1,4 @@
-"""simpy: stores of one place."""
+"""simpy: stores with one place."""
 
 from __future__ import annotations
 

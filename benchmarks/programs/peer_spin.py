@@ -1,8 +1,8 @@
 """SPIN on the same philosophers: processes and rendezvous channels, as its users write them, or with ``states`` the
 model that cspdiag exports.
 
-Proofs take spin, gcc and pan together; states a second of the processor are those of pan alone. Prints nothing where
-SPIN is missing.
+Proofs take the time of SPIN, gcc and pan together; states per second of processor time are those of pan alone. Prints
+nothing if SPIN is missing.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def guard(system: System, at: int, event: int) -> str:
 
 
 def processor() -> float:
-    """Seconds of the processor that the programs run so far have taken."""
+    """The processor time, in seconds, of the programs run so far."""
     used = getrusage(RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

@@ -13,7 +13,7 @@ PROGRAM = str(Path(__file__).parents[1] / "networks/philosophers.csp")
 
 
 def table(number: int) -> System:
-    """So many philosophers, one of whom takes the forks the other way round."""
+    """``count`` philosophers, one of whom takes the forks in the opposite order."""
     built = build(read_source(PROGRAM), read_source, top="Table", settings={"number": str(number)})
     assert built.network is not None
     return transition_system(built.network)

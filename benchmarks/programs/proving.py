@@ -1,6 +1,6 @@
-"""What a proof takes, in milliseconds; the network and its size are in the name of the benchmark.
+"""The time of a proof, in milliseconds; the network and its size are in the name of the benchmark.
 
-As a whole process, or with ``started`` from the text to the answer in a process that has loaded what it needs.
+Either of an entire process, or with ``started`` from the text to the answer in a process that has loaded what it needs.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ NETWORKS = {
     "controller": ("joints", "Controller"),
     "butler": ("seats", "Table"),
 }
-"""The constant that says how large a network is, and its outermost process."""
+"""The constant that gives the size of a network, and its outermost process."""
 
 name = asked().split("-")[1]
 size, top = NETWORKS[name]

@@ -1,4 +1,4 @@
-"""What a generated network takes while it waits: ``resident.py FOLDER PROCESSES``."""
+"""The memory that a generated network takes while it waits: ``resident.py FOLDER PROCESSES``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from timing import leave, report, resident
 
 
 class Observer:
-    """An environment that only looks at the memory."""
+    """An environment that only reads the memory."""
 
     step = 1_000_000
     drivers: dict[str, Any] = {}  # noqa: RUF012 - what every environment has

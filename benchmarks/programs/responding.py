@@ -1,5 +1,5 @@
-"""What the response times of 100 tasks take, in milliseconds: a level each, or five levels in which who comes first is
-served first.
+"""The time to compute the response times of 100 tasks, in milliseconds: one level per task, or five levels in which
+tasks are served first come, first served.
 """
 
 from __future__ import annotations

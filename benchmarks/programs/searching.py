@@ -1,4 +1,4 @@
-"""States a second of the processor, for the breadth-first search over all states."""
+"""States per second of processor time, for the breadth-first search over all states."""
 
 from __future__ import annotations
 

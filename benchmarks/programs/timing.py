@@ -1,4 +1,4 @@
-"""What the programs share."""
+"""Functions that the programs share."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def report(nanoseconds: float) -> None:
 
 
 def leave() -> None:
-    """Ends at once: what was measured never ends by itself."""
+    """End immediately: what was measured never ends by itself."""
     import os
 
     sys.stdout.flush()
@@ -40,7 +40,7 @@ def leave() -> None:
 
 
 async def timed(step: Callable[[], Awaitable[object]], count: int, divisor: int = 1) -> None:
-    """Repeats ``step`` and reports nanoseconds for each of ``divisor`` parts of it, once for every batch."""
+    """Repeat ``step`` and report nanoseconds for each of its ``divisor`` parts, once for every batch."""
     for _ in range(count // 10):
         await step()
     for _ in range(BATCHES):

@@ -1,9 +1,9 @@
-/* What the kernel's operations cost, in nanoseconds of processor time; the least of many short samples.
+/* The cost of the kernel's operations, in nanoseconds of processor time; the minimum of many short samples.
  *
  *   benchmark commstime            Prefix, Delta, Successor, Consumer: a communication
  *   benchmark alternative N        N writers, one fair alternative: a selection
- *   benchmark ring N               a value goes round N processes: a hop; and bytes a process with its channel
- *   benchmark parallel             PAR of two processes that end at once
+ *   benchmark ring N               a value circulates through N processes: a hop; and bytes per process with its channel
+ *   benchmark parallel             PAR of two processes that end immediately
  */
 #define _POSIX_C_SOURCE 200112L
 
@@ -419,7 +419,7 @@ int main(int count, char **arguments)
     const csp_ending ending = csp_run(&program, -1);
     printf("%s: %.2f ns", name, least);
     if (strcmp(name, "ring") == 0) {
-        printf(", %lu bytes a process", (unsigned long)(sizeof(struct relay) + sizeof(csp_channel)));
+        printf(", %lu bytes per process", (unsigned long)(sizeof(struct relay) + sizeof(csp_channel)));
     }
     printf("\n");
     return (ending == CSP_TERMINATED) ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -59,7 +59,7 @@ static void prepare_guard(script *self, const script_step *step)
     }
 }
 
-/* Begins the action of a step, or goes on with it. */
+/* Begins the action of a step, or continues it. */
 static csp_progress act(csp_party *party, script *self, const script_step *step, bool again)
 {
     const bool cancelled = csp_is_cancelled(party);

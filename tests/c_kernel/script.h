@@ -1,7 +1,7 @@
-/* Processes for tests of the kernel: what one does is a list of steps.
+/* Processes for tests of the kernel: each executes a list of steps.
  *
- * A step function like those that are generated runs the list; the state of the process is the number of the step where it waits, plus 1.
- * Every communication is printed as it happens, so that a test is a scenario and the trace that it must give. */
+ * A step function like the generated ones executes the list; the state of the process is the number of the step where it waits, plus 1.
+ * Every communication is printed as it happens, so a test is a scenario and the trace that it must produce. */
 #ifndef SCRIPT_H
 #define SCRIPT_H
 
@@ -10,21 +10,21 @@
 enum { SCRIPT_STEPS = 24, SCRIPT_OFFERS = 4 };
 
 typedef enum script_action {
-    END = 0, /* the process comes to its end; or, where `exception` is set, it is raised */
+    END = 0, /* the process ends; or, if `exception` is set, it is raised */
     READ,    /* from `medium` into the value of the process */
     WRITE,   /* `value` to `medium`; 0: the value of the process */
-    SELECT,  /* from `alternative`; goes on at step `jump` + index of the guard chosen */
-    JUMP,    /* goes on at step `jump` */
-    REPEAT,  /* goes on at step `jump`, `value` times in all */
+    SELECT,  /* from `alternative`; continues at step `jump` + index of the guard chosen */
+    JUMP,    /* continues at step `jump` */
+    REPEAT,  /* continues at step `jump`, `value` times in all */
     DELAY,   /* `value` milliseconds */
     STOP,
     CALL,      /* `process` in sequence */
     PARALLEL,  /* `branches` */
-    INTERRUPT, /* body `process`, guard on `medium` of kind `value`; goes on at step `jump` if the guard was taken */
-    OFFER,     /* one of several reads or writes at once: follows others at once, up to a step TOGETHER */
+    INTERRUPT, /* body `process`, guard on `medium` of kind `value`; continues at step `jump` if the guard was taken */
+    OFFER,     /* one of several concurrent reads or writes: begun together with the next ones, up to a step TOGETHER */
     TOGETHER,  /* waits for the offers before it */
     RAISE,     /* `exception` */
-    TRY,       /* from here on `exception` is caught and goes on at step `jump` */
+    TRY,       /* from here on `exception` is caught, and the process continues at step `jump` */
     SAY        /* prints `text` and the value */
 } script_action;
 
@@ -68,10 +68,10 @@ struct script {
     csp_class kind;
 };
 
-/* Branches and called processes lie in an array of scripts: offsets count from `parent`. */
+/* Branches and called processes are in an array of scripts: offsets count from `parent`. */
 void script_init(script *self, uint32_t number, const char *name, const script_step *steps);
 
-/* Runs the first of `scripts`, and tells how that ends. Names of channels by number. */
+/* Runs the first of `scripts`, and prints how that ends. Names of channels by number. */
 void script_run(script *scripts, const char *const *channel_names, const csp_port *ports, uint32_t port_count,
                 csp_environment *environment, int64_t until);
 

@@ -60,7 +60,7 @@ def releases(lines: list[str]) -> list[str]:
 def test_an_interrupt_delivers_an_event_to_a_sleeping_program(package: Path) -> None:
     status, lines = emulated(package, "pressed")
     assert status == 0
-    assert lines[:5] == ["masked in between 1", "masked behind 0", "lamp", *BOTH]
+    assert lines[:5] == ["masked in between 1", "masked after 0", "lamp", *BOTH]
     assert int(lines[5].removeprefix("sampled ")) > 0
     assert lines[6:] == ["ending 0", "alive 1", "end"]
 

@@ -280,7 +280,7 @@ def test_the_hook_is_called_in_each_turn(machine: Path) -> None:
 
 
 def test_critical_sections_nest(machine: Path) -> None:
-    assert ended(machine, "critical").lines == ["masked in between 1", "masked behind 0"]
+    assert ended(machine, "critical").lines == ["masked in between 1", "masked after 0"]
 
 
 def test_a_run_leaves_nothing_that_sanitizers_object_to(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ static void semihost(uintptr_t operation, uintptr_t argument)
     __asm__ volatile("bkpt 0xab" : "+r"(number) : "r"(value) : "memory");
 }
 
-/* What the C library calls. */
+/* Called by the C library. */
 int _write(int file, const char *text, int length)
 {
     (void)file;

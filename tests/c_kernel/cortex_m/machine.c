@@ -1,5 +1,5 @@
-/* The machine of devices/machine.csp on the emulated board: its button is a real interrupt, that of a timer, and texts go to its serial
- * line. TROUBLE says what is wrong. */
+/* The machine of devices/machine.csp on the emulated board: its button is a real interrupt, that of a timer, and it prints to its serial
+ * line. TROUBLE says what goes wrong. */
 #include <assert.h>
 #include <stdlib.h>
 
@@ -31,7 +31,7 @@ static bool is(const char *name)
     return strcmp(TROUBLE, name) == 0;
 }
 
-/* Whether the name is a part of it. */
+/* Whether the name is part of it. */
 static bool has(const char *name)
 {
     return strstr(TROUBLE, name) != NULL;
@@ -123,13 +123,13 @@ static bool read_level(void *device, void *value)
             for (;;) {
             }
         } else if (is("interrupt without a handler")) {
-            SERIAL_CONTROL = SERIAL_SENDS | SERIAL_INTERRUPTS; /* stays until somebody takes it back */
+            SERIAL_CONTROL = SERIAL_SENDS | SERIAL_INTERRUPTS; /* stays until it is acknowledged */
             ENABLED_INTERRUPTS = 1U << OF_SERIAL;
             SERIAL_DATA = (uint32_t)'\n';
         } else if (is("unexpected interrupt")) {
             *(volatile uint32_t *)0xE000ED04U = 1U << 28U; /* PendSV */
         } else {
-            /* It goes on. */
+            /* It continues. */
         }
     }
     if (is("slow")) {
@@ -180,7 +180,7 @@ static void look_at_critical_sections(void)
     csp_port_leave_critical(inner);
     say("masked in between ", (int)masked());
     csp_port_leave_critical(outer);
-    say("masked behind ", (int)masked());
+    say("masked after ", (int)masked());
 }
 
 static void run(void)

@@ -1,4 +1,4 @@
-/* Runs a generated program with a simulated plant and writes its trace: "time channel value", the value as the bytes of a double or int64_t.
+/* Runs a generated program with a simulated plant and writes its trace: "time channel value", where the value is the bytes of a double or int64_t.
  * Compiled for the bare machine, or for the host in virtual time. */
 #include <stdio.h>
 

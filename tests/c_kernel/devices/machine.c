@@ -1,5 +1,5 @@
-/* The machine with devices of a test: the argument says what they do wrong. What happens is written by `write` alone, which handlers of
- * signals may call. */
+/* The machine with the devices of a test: the argument says what they do wrong. Reports use only `write`, which signal handlers may
+ * call. */
 #define _XOPEN_SOURCE 700
 
 #include <pthread.h>
@@ -29,7 +29,7 @@ static bool is(const char *name)
     return strcmp(trouble, name) == 0;
 }
 
-/* Whether the name is a part of it. */
+/* Whether the name is part of it. */
 static bool has(const char *name)
 {
     return strstr(trouble, name) != NULL;
@@ -163,7 +163,7 @@ static bool read_level(void *device, void *value)
         } else if (is("pressed by a signal")) {
             (void)raise(SIGUSR1);
         } else {
-            /* It goes on. */
+            /* It continues. */
         }
     }
     if (is("slow")) {
@@ -179,7 +179,7 @@ static void write_drive(void *device, const void *value)
         say("released drive", (long)*(const double *)value);
         released = true;
         if (has("another thread")) {
-            pass(100); /* for whoever goes on writing */
+            pass(100); /* for a thread that continues to write */
         } else if (has("safe value crashes")) {
             *(volatile int *)zero = 1;
         } else if (has("safe value hangs")) {
@@ -204,7 +204,7 @@ static void write_lamp(void *device, const void *value)
     say(*(const bool *)value ? "lamp" : "released lamp", (long)*(const bool *)value);
 }
 
-/* Sections in sections leave everything as it was. */
+/* Nested sections leave everything as it was. */
 static void look_at_critical_sections(void)
 {
     sigset_t mask;
@@ -215,7 +215,7 @@ static void look_at_critical_sections(void)
     say("masked in between", sigismember(&mask, SIGUSR1));
     csp_port_leave_critical(outer);
     (void)pthread_sigmask(SIG_BLOCK, NULL, &mask);
-    say("masked behind", sigismember(&mask, SIGUSR1));
+    say("masked after", sigismember(&mask, SIGUSR1));
 }
 
 static csp_ending run(bool built)
@@ -234,7 +234,7 @@ static csp_ending run(bool built)
     CSP_STORE(sampled, 0);
     if (built) {
         network_initialize(&drivers);
-        if (!is("slow")) { /* the machine of a test may be late */
+        if (!is("slow")) { /* the machine that runs the test may be late */
             ((csp_sampled_input *)(void *)network_program.ports[1].medium)->counts = true;
         }
     }
@@ -274,7 +274,7 @@ int main(int count, char **arguments)
         (void)pthread_create(&thread, NULL, make_trouble, NULL);
         (void)pthread_detach(thread);
     } else {
-        /* It is alone. */
+        /* There is no other thread. */
     }
     if (has("held back") || is("thread ends")) {
         (void)pthread_create(&thread, NULL, run_in_thread, &ending);

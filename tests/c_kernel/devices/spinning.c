@@ -1,4 +1,4 @@
-/* The program of devices/spinning.csp with devices that are all right. */
+/* The program of devices/spinning.csp with devices that work. */
 #include <unistd.h>
 
 #include "csp_signals.h"

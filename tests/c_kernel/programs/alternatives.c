@@ -1,4 +1,4 @@
-/* A fair alternative goes round, a prioritized one does not; disabled guards, time-outs, two alternatives that meet. */
+/* A fair alternative chooses its guards in turn, a prioritized one does not; disabled guards, time-outs, two alternatives that meet. */
 #include "script.h"
 
 static script scripts[6];

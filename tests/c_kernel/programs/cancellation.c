@@ -1,4 +1,4 @@
-/* An exception cancels the siblings where they wait (each kind of waiting), and goes up to the catch; a nested call fails through its caller. */
+/* An exception cancels the siblings where they wait (each kind of waiting), and propagates to the catch; a nested call fails through its caller. */
 #include "script.h"
 
 enum { ALARM = CSP_FIRST_EXCEPTION, OTHER };
@@ -33,7 +33,7 @@ static const script_list called = {
 static const script_list reads = {{.action = READ, .medium = &never.medium}};
 static const script_list works = {
     {.action = READ, .medium = &work.medium},
-    {.action = SAY, .text = "goes on to its next communication"},
+    {.action = SAY, .text = "continues to its next communication"},
     {.action = DELAY, .value = 0},
     {.action = SAY, .text = "never"},
 };

@@ -1,4 +1,4 @@
-/* The guard of an interrupt is promised to a reader; when the body has ended, and before the interrupt goes on, everything is cancelled. */
+/* The guard of an interrupt is promised to a reader; when the body has ended, and before the interrupt continues, everything is cancelled. */
 #include "script.h"
 
 enum { ALARM = CSP_FIRST_EXCEPTION };

@@ -54,7 +54,7 @@ static const script_list interrupts_itself = {
 };
 static const script_list stores = {
     {.action = WRITE, .medium = &memory.medium, .value = 3},
-    {.action = SAY, .text = "goes on to its next communication"},
+    {.action = SAY, .text = "continues to its next communication"},
     {.action = WRITE, .medium = &memory.medium, .value = 4},
 };
 static const script_list ends = {{.action = DELAY, .value = 1}};

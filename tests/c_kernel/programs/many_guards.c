@@ -1,4 +1,4 @@
-/* An alternative of more guards than a word has bits: fair over all of them, with and without some enabled. */
+/* An alternative with more guards than a word has bits: fair over all of them, with and without some enabled. */
 #include "script.h"
 
 enum { GUARDS = 130 };
@@ -14,7 +14,7 @@ static script_list writing[GUARDS];
 static const csp_branches branches[] = {{sizeof(script), sizeof(script), GUARDS + 1U, 0U, 0U}};
 static const script_list top = {{.action = PARALLEL, .branches = branches, .branch_runs = 1U}};
 
-/* What script_step_function would do for a list of GUARDS ways on: chooses until it has heard all that are enabled. */
+/* What script_step_function would do for a list with GUARDS continuations: chooses until all enabled guards have been chosen. */
 static csp_party *chooser_step(csp_party *party)
 {
     script *const self = (script *)(void *)party;
@@ -66,7 +66,7 @@ int main(void)
         names[index] = text;
         csp_any_init(&channel[index], index);
         csp_guard_read(&choice, index, &channel[index].medium, &scripts[GUARDS + 1].value, sizeof(int64_t));
-        /* Some come late, and all but every seventh never. */
+        /* Some arrive late, and all but every seventh never do. */
         writing[index][0].action = DELAY;
         writing[index][0].value = ((index % 2U) == 0U) ? 0 : (GUARDS - index);
         writing[index][1].action = ((index % 7U) == 0U) ? WRITE : STOP;

@@ -1,4 +1,4 @@
-/* What another thread is told of the process that runs, and of one of the communications that it has offered. */
+/* What another thread sees of the running process, and of one of the communications that it has offered. */
 #include <stdio.h>
 
 #include "csp_internal.h"

@@ -1,4 +1,4 @@
-/* A prioritized parallel: who is more urgent runs first once it is ready; timers of one instant in the order in which they began. */
+/* A prioritized parallel: the process with the higher priority runs first once it is ready; timers of one instant in the order in which they began. */
 #include "script.h"
 
 static script scripts[4];
@@ -18,7 +18,7 @@ static const script_list middle = {
     {.action = DELAY, .value = 2},
     {.action = SAY, .text = "middle"},
     {.action = DELAY, .value = 0},
-    {.action = SAY, .text = "middle goes on"},
+    {.action = SAY, .text = "middle continues"},
 };
 static const script_list idle = {
     {.action = WRITE, .medium = &channel.medium, .value = 1},

@@ -1,4 +1,4 @@
-/* A writing alternative has chosen a reader that is only ready, and is cancelled before that reads; run again, it waits as ever. */
+/* A writing alternative has chosen a reader that is only ready, and is cancelled before that reads; run again, it waits as before. */
 #include "script.h"
 
 static script scripts[5];

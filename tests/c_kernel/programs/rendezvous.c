@@ -1,4 +1,4 @@
-/* One writer and one reader; then nobody writes any more. */
+/* One writer and one reader; then there are no more writes. */
 #include "script.h"
 
 static script scripts[3];

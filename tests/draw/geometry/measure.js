@@ -1,9 +1,9 @@
-// Measures the drawings of this page as the browser shows them: which words overlap, and which lines run through words.
+// Measures the drawings on this page as the browser shows them: which words overlap, and which lines run through words.
 function measured(svg) {
   const faults = [];
   const shown = (text) => text.textContent;
   const inked = (text) => {
-    // Letters leave a fifth of the line free above capitals, and a fifth below the baseline.
+    // A fifth of the line is free above capitals, and a fifth below the baseline.
     const r = text.getBoundingClientRect();
     return { left: r.left + 0.3, right: r.right - 0.3, top: r.top + 0.22 * r.height, bottom: r.bottom - 0.22 * r.height };
   };
