@@ -72,8 +72,13 @@ def folded(expression: Expression) -> Expression:
     """The expression, or its constant value; its operands have already been folded.
 
     An operation that would fault stays, and so does one whose bits depend on the machine. Whatever is removed cannot
-    fault.
+    fault. The result is at the place of the expression, so a condition stays at its place.
     """
+    result = _simplified(expression)
+    return result if result.span is expression.span else replaced(result, span=expression.span)
+
+
+def _simplified(expression: Expression) -> Expression:
     match expression:
         case LiteralValue():
             return expression

@@ -168,6 +168,10 @@ class ProcessInstance:
         """
         return value_of(expression, self.parameters, self._variable, self.laws.values.__getitem__, self.world.now)
 
+    def holds(self, condition: Expression) -> bool:
+        """The value of a condition. «Expressions»"""
+        return bool(self.value(condition))
+
     def _variable(self, name: str) -> Any:
         variable = self.channels[name]
         assert isinstance(variable, media.Variable)
@@ -226,19 +230,19 @@ class ProcessInstance:
             case act.Repeat():
                 while True:
                     yield from self.steps(action.body)
-                    if action.until is not None and self.value(action.until):
+                    if action.until is not None and self.holds(action.until):
                         return
             case act.WhileLoop():
-                while self.value(action.condition):
+                while self.holds(action.condition):
                     yield from self.steps(action.body)
             case act.CountedLoop():
                 for _ in range(action.iterations):
                     yield from self.steps(action.body)
             case act.IfElse():
-                yield from self.steps(action.then if self.value(action.condition) else action.otherwise)
+                yield from self.steps(action.then if self.holds(action.condition) else action.otherwise)
             case act.CatchException():
                 yield from self._catching(action)
-            case act.InterruptOn(branch=branch) if branch.condition is not None and not self.value(branch.condition):
+            case act.InterruptOn(branch=branch) if branch.condition is not None and not self.holds(branch.condition):
                 yield from self.steps(action.body)
             case act.InterruptOn():
                 guard = self._alternative((action.branch,), True, f"at {id(action)}")
@@ -331,7 +335,7 @@ class ProcessInstance:
         number = self.program.alternatives.get((self.path, memory), 0)
         request = Choose(prioritized, self.memories.setdefault(memory, {}), number)
         for index, branch in enumerate(branches):
-            if branch.condition is not None and not self.value(branch.condition):
+            if branch.condition is not None and not self.holds(branch.condition):
                 continue
             event = branch.event
             match event:

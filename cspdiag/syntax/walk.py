@@ -8,7 +8,9 @@ from typing import assert_never
 from cspdiag.base.record import field_names, is_record
 from cspdiag.syntax import ast
 
-_SKIPPED = frozenset({"source", "comments", "span", "unit_span", "target_span", "composition_span", "doc"})
+_SKIPPED = frozenset(
+    {"source", "comments", "span", "unit_span", "target_span", "composition_span", "inner_span", "doc"}
+)
 
 
 def nodes(*roots: ast.Node | None) -> Iterator[ast.Node]:

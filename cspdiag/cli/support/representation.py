@@ -10,7 +10,7 @@ from cspdiag.base.span import Span
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 
-_DETAILS = frozenset({"span", "unit_span", "target_span", "composition_span", "source", "parenthesized"})
+_DETAILS = frozenset({"span", "unit_span", "target_span", "composition_span", "source", "inner_span", "parenthesized"})
 
 
 def show_tree(tree: ast.SourceTree) -> str:

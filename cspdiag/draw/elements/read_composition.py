@@ -26,7 +26,7 @@ from cspdiag.draw.elements.composition import (
     Watched,
 )
 from cspdiag.draw.elements.diagram import BoxKind
-from cspdiag.draw.elements.texts import optional, replicator, written
+from cspdiag.draw.elements.texts import optional, replicator, written, written_span
 from cspdiag.syntax import ast
 from cspdiag.syntax.parse.nesting import raised_recursion_limit
 from cspdiag.syntax.walk import instances_in
@@ -176,19 +176,19 @@ class _Reader:
         node: ast.Run | ast.Read | ast.Write | ast.Assign | ast.Skip | ast.Stop | ast.Wait | ast.Reset | ast.Raise,
         key: str,
     ) -> Activity | Inside:
-        text = _bare(node)
+        text = written_span(node.place)
         if not isinstance(node, ast.Run):
-            return Activity(key=key, spans=(node.span,), form=_FORMS[type(node)], text=text)
+            return Activity(key=key, spans=(node.place,), form=_FORMS[type(node)], text=text)
         instance = self._instances.get(node.instance.name.text)
         if instance is None:
-            return Activity(key=key, spans=(node.span,), form="run", text=text, kind="unknown")
+            return Activity(key=key, spans=(node.place,), form="run", text=text, kind="unknown")
         definition = self._definitions.get(instance.definition.text)
         if self._shows_inside(definition) and definition.composition is not None:
             reader = _Reader(self._definitions, definition, self._depth - 1, (*self._within, definition))
             return Inside(
                 key=key,
                 doc=instance.doc,
-                spans=(node.span,),
+                spans=(node.place,),
                 text=text,
                 definition=instance.definition.text,
                 process=reader.composition(definition.composition, f"{key}.1"),
@@ -196,7 +196,7 @@ class _Reader:
         return Activity(
             key=key,
             doc=instance.doc,
-            spans=(node.span,),
+            spans=(node.place,),
             form="run",
             text=text,
             kind=_kind(definition),
@@ -208,14 +208,6 @@ class _Reader:
     def _shows_inside(self, definition: ast.Definition | None) -> TypeGuard[ast.ProcessDefinition]:
         is_process = isinstance(definition, ast.ProcessDefinition)
         return is_process and self._depth > 1 and definition not in self._within
-
-
-def _bare(node: ast.Composition) -> str:
-    """The text of a process without parts, without its parentheses; by itself it begins with a word."""
-    text = written(node)
-    while text.startswith("("):
-        text = text[1:-1].strip()
-    return text
 
 
 _FORMS: dict[type[ast.Node], ActivityForm] = {

@@ -52,7 +52,7 @@ class RaisedExceptions:
     def warn(self) -> None:
         """Report handlers that never run in any shape of their process."""
         processes = dict.fromkeys(found.process for found in self._idle.values())
-        catches = {node.span: node for node in nodes(*processes) if isinstance(node, ast.Catch)}
+        catches = {node.place: node for node in nodes(*processes) if isinstance(node, ast.Catch)}
         for span, found in self._idle.items():
             name = catches[span].exception
             declared = self._program.definitions.get(name.text)

@@ -81,7 +81,7 @@ class _Composer:
         self.indexes = Indexes(self.program, shape, places.loops)
 
     def action(self, part: ast.Composition, values: Values) -> CoreAction:
-        span = part.span
+        span = part.place
         match part:
             case ast.Run():
                 instance = self.places.instance(part.instance, values)
@@ -150,12 +150,12 @@ class _Composer:
         holds = self._decided(part.condition, condition)
         if holds is not None:
             chosen = part.then if holds else part.otherwise
-            return SkipStep(span=part.span) if chosen is None else self.action(chosen, values)
+            return SkipStep(span=part.place) if chosen is None else self.action(chosen, values)
         return IfElse(
-            span=part.span,
+            span=part.place,
             condition=condition,
             then=self.action(part.then, values),
-            otherwise=self.action(part.otherwise, values) if part.otherwise else SkipStep(span=part.span),
+            otherwise=self.action(part.otherwise, values) if part.otherwise else SkipStep(span=part.place),
         )
 
     def _decided(self, condition: ast.Expression, lowered: Expression) -> bool | None:
@@ -168,21 +168,21 @@ class _Composer:
 
     def _interrupt(self, part: ast.Interrupt, values: Values) -> CoreAction:
         body = self.action(part.process, values)
-        branch = self._branch(part.guard, part.handler, values, part.span)
-        return body if branch is None else InterruptOn(span=part.span, body=body, branch=branch)
+        branch = self._branch(part.guard, part.handler, values, part.place)
+        return body if branch is None else InterruptOn(span=part.place, body=body, branch=branch)
 
     def _replicated(self, part: ast.Replicated, values: Values) -> CoreAction:
         if part.operator in ("alt", "prialt"):
             prioritized = part.operator == "prialt"
             branches = tuple(self._branches((part,), values, prioritized))
             if not branches:
-                return StopStep(span=part.span)
-            return Choice(span=part.span, branches=branches, prioritized=prioritized)
+                return StopStep(span=part.place)
+            return Choice(span=part.place, branches=branches, prioritized=prioritized)
         repetitions = self._repeated(part.replicator, values)
         match self.indexes.use_in_loop(part, len(repetitions)):
             case IndexUse.NOTHING:
                 body = self.action(part.process, repetitions[0])
-                return CountedLoop(span=part.span, body=body, iterations=len(repetitions))
+                return CountedLoop(span=part.place, body=body, iterations=len(repetitions))
             case IndexUse.VALUES:
                 with self.indexes.counting(part.replicator, len(repetitions)) as counter:
                     return counted_loop(part, counter, self.action(part.process, values))
@@ -190,10 +190,10 @@ class _Composer:
                 pass
         steps = tuple(self.action(part.process, inner) for inner in repetitions)
         if not steps:
-            return SkipStep(span=part.span)
+            return SkipStep(span=part.place)
         if part.operator == "seq":
-            return SequentialSteps(span=part.span, steps=steps)
-        return ParallelSteps(span=part.span, steps=steps, prioritized=part.operator == "pripar")
+            return SequentialSteps(span=part.place, steps=steps)
+        return ParallelSteps(span=part.place, steps=steps, prioritized=part.operator == "pripar")
 
     def _repeated(self, replicator: ast.Replicator, values: Values) -> list[dict[ast.Node, Value]]:
         what = f"the replicator `{replicator.name.text}`"
@@ -213,7 +213,7 @@ class _Composer:
     ) -> Iterator[Branch[CoreAction]]:
         match part:
             case ast.Guarded():
-                branch = self._branch(part.guard, part.process, values, part.span, wrap)
+                branch = self._branch(part.guard, part.process, values, part.place, wrap)
                 if branch is not None:
                     yield branch
             case ast.Replicated(operator="alt" | "prialt"):
@@ -222,7 +222,7 @@ class _Composer:
                 for inner in self._repeated(part.replicator, values):
                     yield from self._branch_of(part.process, inner, prioritized, wrap)
             case ast.Labelled():
-                label, span = part.label.text, part.span
+                label, span = part.label.text, part.place
                 yield from self._branch_of(
                     part.process, values, prioritized, lambda body: Group(span=span, label=label, body=wrap(body))
                 )

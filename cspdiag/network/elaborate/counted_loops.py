@@ -176,8 +176,8 @@ def counted_loop(part: ast.Replicated, counter: IterationCounter, body: CoreActi
     zero, one = (LiteralValue(type=INT, value=value, span=span) for value in (0, 1))
     more = BinaryOperation(type=INT, span=span, operator="+", left=counter.index(span), right=one)
     steps = (body, AssignValue(span=span, target=target, value=more))
-    loop = CountedLoop(span=part.span, body=SequentialSteps(span=part.span, steps=steps), iterations=counter.number)
-    return SequentialSteps(span=part.span, steps=(AssignValue(span=span, target=target, value=zero), loop))
+    loop = CountedLoop(span=part.place, body=SequentialSteps(span=part.place, steps=steps), iterations=counter.number)
+    return SequentialSteps(span=part.place, steps=(AssignValue(span=span, target=target, value=zero), loop))
 
 
 def _with(condition: Expression, indexes: Mapping[str, int]) -> Expression:

@@ -10,7 +10,11 @@ from types import TracebackType
 from typing import Any
 
 from cspdiag.base import Span
-from cspdiag.network.ir.network import Network
+from cspdiag.codegen.shared.equations import changes
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import Network, SubmodelClass
 from cspdiag.runtime.kernel.exceptions import Place
 from cspdiag.semantics.choice import Interrupt
 from cspdiag.semantics.instances import ProcessInstance
@@ -81,23 +85,39 @@ class _Found:
         match local.get("self"):
             case ProcessInstance() as process:
                 self.path = process.path
-                self._at(local.get("action", local.get("expression")))
+                self._at(next((local[name] for name in ("condition", "action", "event") if name in local), None))
             case SubmodelInstance() as law:
                 owner = law.owner
                 assert isinstance(owner, ProcessInstance)
                 name = next(name for name, other in owner.submodels.items() if other is law)
                 self.path, self.span = f"{owner.path}.{name}", law.cls.span
             case Law() as law:
-                self._at(local.get("expression"))
-                self.span = next(
-                    (state.change for state in law.cls.states if state.name == local.get("moved")), self.span
-                )
+                self._at(_part_of(law.cls, local.get("expression")))
+                self._at(_change(law.cls, local.get("moved")))
             case _:
                 pass  # Frames of the interpreter itself.
 
     def _at(self, part: Any) -> None:
         if part is not None:
             self.span = part.span
+
+
+def _part_of(law: SubmodelClass, expression: Expression | None) -> Declared | None:
+    """What the expression is the whole right-hand side of."""
+    for part in (*law.constants, *law.equations, *law.derivative_equations):
+        if isinstance(part, SubmodelEquation) and part.value is expression:
+            return part
+        if isinstance(part, ExternalCall) and any(value is expression for _, value in part.inputs):
+            return part
+    for name, value in (*law.next_values, *law.derivatives):
+        if value is expression:
+            return _change(law, name)
+    return next((state for state in law.states if state.initial is expression), None)
+
+
+def _change(law: SubmodelClass, state: object) -> Declared | None:
+    """The state with this name, at the place of its ``next`` or ``der``."""
+    return changes(law).get(state) if isinstance(state, str) else None
 
 
 def _leaves(task: Task) -> Iterator[Task]:

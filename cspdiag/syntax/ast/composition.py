@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
+from cspdiag.base import Span
 from cspdiag.base.record import node
 from cspdiag.syntax.ast.expressions import Expression, Identifier, Node, Reference, Replicator
 
 
 @node
 class Step(Node):
-    """A part of a composition; ``parenthesized``: it is in parentheses in the text."""
+    """A part of a composition; ``inner_span`` is its span without the parentheses around it, if there are any."""
 
-    parenthesized: bool = False
+    inner_span: Span | None = None
+
+    @property
+    def parenthesized(self) -> bool:
+        """Whether it is in parentheses in the text."""
+        return self.inner_span is not None
+
+    @property
+    def place(self) -> Span:
+        """Where the step itself is, without parentheses around it."""
+        return self.inner_span or self.span
 
 
 @node

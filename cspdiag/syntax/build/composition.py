@@ -52,7 +52,7 @@ class CompositionBuilder(ExpressionBuilder):
 
     def group(self, span: Span, process: ast.Composition) -> ast.Composition:
         """``(P)``; the span of the process then includes the parentheses."""
-        return replaced(process, span=span, parenthesized=True)
+        return replaced(process, span=span, inner_span=process.place)
 
     guard = node(ast.Guard, "condition", "event")  # [when e &] event
     ready_guard = node(ast.ReadyGuard, "channel")  # port

@@ -82,7 +82,7 @@ class Composition(Alternatives, LawSteps):
             case ir.ReadValue(source=source, target=target):
                 return (
                     self.comment(action),
-                    *self.read_into(target, lambda into: self.communications.read(source, into)),
+                    *self.read_into(action, lambda into: self.communications.read(source, into)),
                 )
             case ir.WriteValue(sink=sink, value=value):
                 before, simple = self.simple(value)

@@ -199,7 +199,7 @@ class Alternatives(Values):
         if not isinstance(event, ir.InputEvent):
             return ()
         source = event.source
-        return self.read_into(event.target, lambda into: self.communications.take(source, into, guards, index))
+        return self.read_into(event, lambda into: self.communications.take(source, into, guards, index))
 
     def _slow_selection(self, choice: ir.Choice, local: Code) -> Iterator[Statement]:
         needs = self._needs(choice.branches)
@@ -211,7 +211,7 @@ class Alternatives(Values):
         def taken(event: ir.Event, _: int) -> Statements:
             if not isinstance(event, ir.InputEvent):
                 return ()
-            return self.read_into(event.target, lambda into: (assign(into, local.field("value")),))
+            return self.read_into(event, lambda into: (assign(into, local.field("value")),))
 
         yield from self._chosen(choice.branches, taken)
 
@@ -246,7 +246,7 @@ class Alternatives(Values):
         guard = Name(self.spelling.names.fresh(self.spelling["guard"].text))
         taken: Statements = ()
         if isinstance(branch.event, ir.InputEvent):
-            taken = self.read_into(branch.event.target, lambda into: (assign(into, guard.field("value")),))
+            taken = self.read_into(branch.event, lambda into: (assign(into, guard.field("value")),))
         handler = (*taken, *self.statements(branch.body))
         needs = self._needs((branch,), always=True)
         condition = needs.conditions[0]

@@ -14,7 +14,7 @@ from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.text.code import SELF, Code, call
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.statements import Remark, Statement, Statements, assign
-from cspdiag.network.ir.actions import Action, Step, Target
+from cspdiag.network.ir.actions import Action, InputEvent, ReadValue, Step, Target
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 
@@ -72,12 +72,12 @@ class Values:
         indexes = [self.printer.print(index) for index in target.indexes]
         return assign(variable, call(self.imports.runtime("replaced"), variable, value, *indexes), place)
 
-    def read_into(self, target: Target, read: Callable[[Code], Statements]) -> Statements:
+    def read_into(self, step: ReadValue | InputEvent, read: Callable[[Code], Statements]) -> Statements:
         """Read into a variable or an element of it; ``read`` gives the statements for a target."""
-        if not target.indexes:
-            return read(self.spelling.variable(target.channel))
+        if not step.target.indexes:
+            return read(self.spelling.variable(step.target.channel))
         value = self.spelling["value"]
-        return (*read(value), self.replaced(target, value))
+        return (*read(value), self.replaced(step.target, value, self.place(step)))
 
     def simple(self, value: Expression) -> tuple[Statements, Code]:
         """A value as a name or a literal, and the statements that have to compute it before."""

@@ -29,7 +29,7 @@ static csp_party *commstime_step(csp_party *party)
     switch (party->state) {
     case 0:
         csp_observe_begin(party->number);
-        /* (prefix || delta || successor || consumer) (commstime.csp:74) */
+        /* prefix || delta || successor || consumer (commstime.csp:74) */
         CSP_AWAIT(csp_par(party, &self->parallel, commstime_branches, 4U),
             csp_par_again(party, &self->parallel), IN_PARALLEL, catches_finished)
         goto after_catches_finished;

@@ -542,7 +542,7 @@ static csp_party *joint_control_step(csp_party *party)
          */
         csp_observe_begin(party->number + 3U);
         do {
-            /* (joystick_buttons ? status -> skip []> feedback -> servo) (jiwy.csp:68) */
+            /* joystick_buttons ? status -> skip []> feedback -> servo (jiwy.csp:68) */
             CSP_AWAIT(csp_select(party, &self->motionControl_choice.alternative),
                 csp_select_again(party, &self->motionControl_choice.alternative),
                 MOTION_CONTROL_CHOOSES, motion_control_catches_timeout)

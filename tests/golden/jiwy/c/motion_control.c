@@ -19,7 +19,7 @@ static csp_party *motion_control_step(csp_party *party)
     case 0:
         csp_observe_begin(party->number);
         do {
-            /* (joystick_buttons ? status -> skip []> feedback -> servo) (jiwy.csp:68) */
+            /* joystick_buttons ? status -> skip []> feedback -> servo (jiwy.csp:68) */
             CSP_AWAIT(csp_select(party, &self->choice.alternative),
                 csp_select_again(party, &self->choice.alternative), CHOOSES, catches_timeout)
             /* joystick_buttons ? status (jiwy.csp:68) */

@@ -113,26 +113,24 @@ class Alternatives(CompositionWriter):
         guard = template([self._guard(branch.event, self.initial) for branch in branches], index)
         condition = template([self._condition(branch) for branch in branches], index)
         body = template(bodies, index)
-        if guard is None or condition is None or body is None:
+        places = {None if b.condition is None else self._place_of_fault(b.condition, b) for b in branches}
+        if guard is None or condition is None or body is None or len(places) > 1:
             return None
+        place = places.pop()
         guards = [Argument(Comprehension(guard, index, counted_to(count), "()"), starred=True)]
         if choice.prioritized:
             guards.append(Argument(TRUE, "prioritized"))
         self.alternatives.append(assign(attribute, Call(Name(self.imports.runtime("Alternative")), tuple(guards))))
         before: Statements = ()
         enabled = [] if condition == TRUE else [Argument(Comprehension(condition, index, counted_to(count)), "enabled")]
-        if any(branch.condition is not None and self._may_fault(branch.condition) for branch in branches):
-            name, place = self.guard_names.local("enabled"), self._place_of_condition(branches[0])
+        if place is not None:
+            name = self.guard_names.local("enabled")
             before = (assign(name, enabled[0].value, place),)
             enabled = [Argument(Name(name), "enabled")]
         selected = awaited(Call(attribute.field("select"), tuple(enabled)))
         is_used = mentions(body, index)
         select = assign(index, selected, self._place(choice)) if is_used else run(selected, self._place(choice))
         return (*before, select, *body)
-
-    def _place_of_condition(self, branch: ir.Branch[ir.CoreAction]) -> str:
-        span = (branch.condition.span if branch.condition is not None else None) or branch.span
-        return self.imports.names.place(span.file, span.line)
 
     def _guard(self, event: ir.Event, printer: Printer, needed: Code | None = None) -> Code:
         match event:
@@ -163,7 +161,8 @@ class Alternatives(CompositionWriter):
 
     def _taken(self, event: ir.Event, attribute: Code) -> Statements:
         if isinstance(event, ir.InputEvent):
-            return (self._set(event.target, attribute.field("value")),)
+            place = self._place(event) if event.target.indexes else None
+            return (self._set(event.target, attribute.field("value"), place),)
         return ()
 
     def _interrupt(self, body: ir.CoreAction, branch: ir.Branch[ir.CoreAction], needs: Guards) -> Code:

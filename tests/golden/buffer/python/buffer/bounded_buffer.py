@@ -42,11 +42,12 @@ class BoundedBuffer(Process):
         while True:
             # buffer.csp:39
             value_1 = element(self.ring.value, self.oldest.value) if self.count.value > 0 else None
-            # buffer.csp:36
+            # buffer.csp:37
             match await self.choice.select(
                 enabled=(self.count.value < capacity, self.count.value > 0), values={1: value_1}
             ):
                 case 0:  # input ? ring[(oldest + count) % capacity]
+                    # buffer.csp:37
                     self.ring.value = replaced(
                         self.ring.value,
                         self.choice.value,

@@ -618,7 +618,7 @@ class JointControl(Routine):
             try:
                 try:
                     while True:
-                        # jiwy.csp:68  (joystick_buttons ? status -> skip []> feedback -> servo)
+                        # jiwy.csp:68  joystick_buttons ? status -> skip []> feedback -> servo
                         if me.cancelled:
                             raise Cancelled
                         ready = motionControl_choice_guards.ready

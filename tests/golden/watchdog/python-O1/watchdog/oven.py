@@ -71,7 +71,7 @@ class Oven(Routine):
                         heating_process.start(me)
                         try:
                             while True:
-                                # watchdog.csp:23  ( thermometer ? latest -> heater ! limit(5<W/K...
+                                # watchdog.csp:24  thermometer ? latest -> heater ! limit(5<W/K>...
                                 ready = heating_choice_guards.ready
                                 if not ready:
                                     scheduler.current = me

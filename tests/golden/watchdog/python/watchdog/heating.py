@@ -41,7 +41,7 @@ class Heating(Process):
 
     async def run(self) -> None:
         while True:
-            match await self.choice.select():  # watchdog.csp:23
+            match await self.choice.select():  # watchdog.csp:24
                 case 0:  # thermometer ? latest
                     self.latest.value = self.choice.value
                     # watchdog.csp:24
