@@ -25,7 +25,13 @@ from cspdiag.network.diagnostics.samples.periods import SampleUnknown
 from cspdiag.network.elaborate.definitions import Definitions
 from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
 from cspdiag.network.infer.contexts import Contexts, Placed, Surroundings
-from cspdiag.network.infer.kinds import RequestedKinds, check_outermost, infer_kinds, requested_kinds
+from cspdiag.network.infer.kinds import (
+    RequestedKinds,
+    check_outermost,
+    excuse_unknown_uses,
+    infer_kinds,
+    requested_kinds,
+)
 from cspdiag.network.infer.parameter_ranges import ranges_of
 from cspdiag.network.infer.period_origins import PeriodOrigins
 from cspdiag.network.infer.periods import Rates, check_event_ports, net_rates
@@ -211,6 +217,7 @@ class Analysis:
         uses = self.relations.of(shape)
         self.requested[shape] = requested_kinds(shape, self.requested)
         self.rates[shape] = net_rates(shape, self.rates, self.report)
+        excuse_unknown_uses(shape, self.relations)
         check_runs(shape, uses, self.report)
         infer_kinds(shape, uses, self.requested[shape], self.report)
         is_specification = isinstance(shape.definition, ast.ProcessDefinition) and self.definitions.is_specification(

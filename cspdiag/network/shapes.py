@@ -212,8 +212,8 @@ class Shape:
         self.port_spans: dict[Key, Span] = {}
         """The first relationship or communication that uses each port of this process."""
         self.body: CoreAction | None = None
-        self.has_refused_relationship = False
-        """Whether a relationship was reported: what seems unused may have been meant in it."""
+        self.has_unknown_uses = False
+        """Whether a relationship was refused, or a part of what it connects: what seems unused may have been meant."""
         self.incomplete = False
         """Whether parts were left out, because a parameter has no value or an error was reported."""
 

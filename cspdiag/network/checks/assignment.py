@@ -69,7 +69,7 @@ def check_assignment(
             elif not written & process.bits.get(key, 0):
                 _check_read(shape, uses, key, span, reader, report)
     at_end = before[-1]
-    at_least = everything if at_end is None else at_end & everything
+    at_least = everything if at_end is None or shape.has_unknown_uses else at_end & everything
     return Flow(outputs=bits, reads=found, writes=at_least, ends=at_end is not None)
 
 

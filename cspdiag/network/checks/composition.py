@@ -55,7 +55,8 @@ def _is_named_in_composition(shape: Shape, instance: InstanceShape) -> bool:
 
 
 def _excuse(shape: Shape, instance: InstanceShape) -> None:
-    """Suppress further reports about the channels of an instance that never runs."""
+    """Suppress further reports about what is connected to an instance that never runs."""
+    shape.has_unknown_uses = True
     for attached in instance.attachments.values():
         key = attached_key(attached)
         if key in shape.channels:

@@ -33,7 +33,7 @@ def check_usage(
     if shape.body is None or shape.incomplete:
         return
     _check_values(shape, shape.body, report)
-    if shape.has_refused_relationship:
+    if shape.has_unknown_uses:
         return
     for port, _, key in shape.port_elements():
         if is_specification:

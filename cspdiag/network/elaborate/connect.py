@@ -188,7 +188,7 @@ class _Connector:
 
     def _give_up(self, ends: list[Endpoint]) -> None:
         """Counts the ends of a relationship that was reported as connected."""
-        self.shape.has_refused_relationship = True
+        self.shape.has_unknown_uses = True
         for end in ends:
             match end:
                 case InstancePort():
@@ -216,6 +216,7 @@ class _Connector:
             self.shape.port_spans.setdefault(key, place.span)
         if len(ends.ports) + len(ends.channels) > 1:
             self._report_joined(ends)
+            self._give_up([*ends.ports.values(), *ends.channels.values(), *ends.instances])
             return Unresolved()
         if ends.ports:
             (place,) = ends.ports.values()
@@ -231,6 +232,7 @@ class _Connector:
         if not item.sinks and item.label is not None:
             self.report.add(PortEndsInLabel(span=place.span, port=place.key, label_name=item.label.text))
             self._declare_label(item, place.port.type, values)
+            self._give_up([place])
             return Unresolved()
         if item.label is not None:
             self.places.aliases[self._label_name(item, values, None)] = place
@@ -295,6 +297,7 @@ class _Connector:
         port = f"{instance.name}.{element_name(*element)}"
         direction = instance.shape.ports[element[0]].direction
         self.report.add(ConnectedTwice(span=span, port=port, direction=direction, first=before.span))
+        self.shape.has_unknown_uses = True
 
 
 def _known(values: Values) -> Iterable[tuple[ast.Node, Value]]:

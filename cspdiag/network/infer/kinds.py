@@ -10,7 +10,7 @@ from cspdiag.network.diagnostics.channels import ChannelOneSided
 from cspdiag.network.diagnostics.composition.parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
 from cspdiag.network.diagnostics.composition.sequence import BroadcastInSequence, RendezvousInSequence
 from cspdiag.network.diagnostics.kinds import KindContradicts, KindsDisagree, MixedRelation
-from cspdiag.network.relations import Pair, Uses, UsesByKey
+from cspdiag.network.relations import Pair, Relations, Uses, UsesByKey
 from cspdiag.network.shapes import ChannelShape, Key, RequestedKind, Shape, attached_key, element_name
 from cspdiag.syntax import ast
 
@@ -37,6 +37,23 @@ def requested_kinds(shape: Shape, inside: Mapping[Shape, RequestedKinds]) -> Req
                 for name, kind in kinds.items():
                     ours.setdefault(name, kind)
     return requested
+
+
+def excuse_unknown_uses(shape: Shape, relations: Relations) -> None:
+    """Excuse what is connected to ports that an instance does not use as far as known, if an error was found in it."""
+    for instance in shape.instances.values():
+        inside = instance.shape
+        if not (inside.incomplete or inside.has_unknown_uses):
+            continue
+        uses = relations.of(inside)
+        for element, attached in instance.attachments.items():
+            key = attached_key(attached)
+            if key is None or element_name(*element) in uses:
+                continue
+            if key in shape.channels:
+                shape.channels[key].excused = True
+            else:
+                shape.has_unknown_uses = True
 
 
 def infer_kinds(shape: Shape, uses: UsesByKey, requested: RequestedKinds, report: Report) -> None:
