@@ -8,10 +8,8 @@ import pytest
 
 import cspdiag
 from cspdiag.base import SourceFile
-from cspdiag.base.render.text import render
 from cspdiag.base.report import Report
-from cspdiag.base.sources import read_source
-from cspdiag.pipeline import check
+from cspdiag.cli.main import main
 from cspdiag.simulate.result import Run
 from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
@@ -36,13 +34,18 @@ def run(folder: Path, name: str, until: str | None = None, set: dict[str, str] |
 
 
 @pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
-def test_the_compiler_reports_what_the_text_shows(name: str) -> None:
+def test_the_compiler_reports_what_the_text_shows(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     found = blocks()
     (place,) = [k for k, block in enumerate(found) if block.language == "csp" and block.name == name]
     following = found[place + 1] if place + 1 < len(found) else None
-    expected = following.text if following is not None and following.language == "text" else ""
-    checked = check(SourceFile(name="axis.csp", text=program(name)), read_source)
-    assert render(checked.report.diagnostics) == expected
+    shown = following.text if following is not None and following.language == "text" else None
+    monkeypatch.chdir(tmp_path)
+    Path("axis.csp").write_text(program(name), encoding="utf-8")
+    code = main(["check", "axis.csp"])
+    assert "".join(capsys.readouterr()) == (shown or "checked 1 file: no errors\n")
+    assert code == (shown is not None)
 
 
 @pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
