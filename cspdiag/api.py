@@ -170,8 +170,9 @@ class LoadedProgram:
 
         ``hide_labels`` hides all labels, or those named, or all of one sort (``"types"``); ``depth`` 2 shows the inside
         of instances. With ``check`` a program with errors is drawn as far as it can be read, with its errors and
-        warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError if there is nothing of
-        that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
+        warnings marked. Raises ProgramError for a program with errors otherwise, ``SelectionError`` if there is nothing
+        of that name to draw, ArgumentError if there is nothing of that name to hide, and ``MissingToolError`` without
+        ``cspdiag[draw]``.
         """
         from cspdiag.draw.pictures import PictureOptions, Pictures
 
@@ -272,7 +273,7 @@ class LoadedProgram:
 
         if level == "reference":
             return self._run_on_reference(environment, process, until, set, target, real_time=real_time)
-        _require_level(level)
+        _require_level(level, "0, 1 or 'reference'")
         if target not in ("python", "c"):
             raise ArgumentError(f"the target {shown(target)} cannot be run: choose 'python' or 'c'")
         limit = None if until is None else time_limit(until)
@@ -331,9 +332,9 @@ class LoadedProgram:
         return [verifier.answer(question, Limits(seconds)) for question in obligations.questions]
 
 
-def _require_level(level: object) -> None:
+def _require_level(level: object, known: str = "0 or 1") -> None:
     if level not in (0, 1):
-        raise ArgumentError(f"there is no optimization level {shown(level)}: choose 0 or 1")
+        raise ArgumentError(f"there is no optimization level {shown(level)}: choose {known}")
 
 
 class Drawing:

@@ -175,16 +175,16 @@ def require_states(environment: Environment, point: Mapping[str, float]) -> None
 
 
 def definition_to_draw(pictures: Pictures, name: str | None) -> Drawn:
-    """The process or environment of that name, or the outermost process. Raises ArgumentError for an unknown name."""
-    from cspdiag.network.lower.program import suggestion
+    """The process or environment of that name, or the outermost process. Raises SelectionError if there is none."""
+    from cspdiag.network.lower.program import SelectionError, suggestion
 
     definition = pictures.outermost() if name is None else pictures.named(name)
     if definition is not None:
         return definition
     if name is None:
-        raise ArgumentError("there is no process to draw")
+        raise SelectionError("there is no process to draw")
     known = (each.name.text for each in pictures.drawn(imported=True))
-    raise ArgumentError(f"there is no process or environment `{name}`{suggestion(name, known)}")
+    raise SelectionError(f"there is no process or environment `{name}`{suggestion(name, known)}")
 
 
 def labels_to_hide(pictures: Pictures, definition: Drawn, labels: bool | Iterable[str], depth: int) -> Hidden:

@@ -73,16 +73,31 @@ WRONG: list[tuple[str, Callable[[], object], type[Exception], str]] = [
     )),
     ("process to build", lambda: program().build(top="Jwiy"), ValueError, "did you mean `Jiwy`"),
     ("process to verify", lambda: program().verify("Jwiy"), ValueError, "did you mean `Jiwy`"),
-    ("process to draw", lambda: program().draw("Jwiy"), ValueError, "did you mean `Jiwy`"),
+    ("process to draw", lambda: program().draw("Jwiy"), cspdiag.SelectionError, (
+        "there is no process or environment `Jwiy` .did you mean `Jiwy`"
+    )),
+    ("nothing to draw", lambda: cspdiag.parse("const A = 1").draw(), cspdiag.SelectionError, "no process to draw"),
     ("environment", lambda: program().run("Bnch"), ValueError, "did you mean `Bench`"),
-    ("environment of another process", lambda: program().run("Bench", process="Align"), ValueError, "Bench"),
+    ("environment of another process", lambda: program().run("Bench", process="Align"), cspdiag.SelectionError, (
+        "^`Bench` is an environment for `Jiwy`, not for `Align`, which has none$"
+    )),
+    ("no environment of a process", lambda: program().run("Bnch", process="Align"), cspdiag.SelectionError, (
+        "^there is no environment `Bnch` for `Align`$"
+    )),
+    ("neither process nor environment", lambda: program().run("Bnch", process="Jwiy"), cspdiag.SelectionError, (
+        "there is no process `Jwiy` .did you mean `Jiwy`"
+    )),
     ("negative time", lambda: program().run(until=-1), ValueError, "a run cannot last -1.0 s"),
     ("negative time in words", lambda: program().run(until="-1 s"), ValueError, "a run cannot last -1 s"),
     ("no time", lambda: program().run(until="soon"), ValueError, "`soon` is not a time"),
     ("time that is no number", lambda: program().run(until=math.nan), ValueError, "`nan s` is not a time"),
     ("truth for a time", lambda: program().run(until=True), ValueError, "`True s` is not a time"),
-    ("level to run", lambda: program().run(level=2), ValueError, "no optimization level 2"),
-    ("level to compile", lambda: program().compile(level=7), ValueError, "no optimization level 7"),
+    ("level to run", lambda: program().run(level=2), cspdiag.ArgumentError, (
+        "no optimization level 2: choose 0, 1 or 'reference'$"
+    )),
+    ("level to compile", lambda: program().compile(level=7), cspdiag.ArgumentError, (
+        "no optimization level 7: choose 0 or 1$"
+    )),
     ("target", lambda: program().compile("rust"), ValueError, "unknown target 'rust'"),
     ("time limit of proofs", lambda: program().verify(time_limit=-1), ValueError, "time_limit is a positive number"),
     ("no time limit", lambda: program().verify(time_limit=math.nan), ValueError, "time_limit is a positive number"),

@@ -162,12 +162,9 @@ def selection(
     SelectionError.
     """
     chosen = _chosen_environment(program, top, environment)
-    if environment is not None and chosen is None:
-        known = [item.name.text for item in _environments(program)]
-        raise SelectionError(
-            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{suggestion(environment, known)}"
-        )
     process = _top(program, analysis, top, chosen)
+    if environment is not None and chosen is None:
+        raise SelectionError(_no_environment(program, top, environment))
     if chosen is None or alone or environment is not None:
         return process, (chosen,) if chosen is not None else ()
     others = (e for e in _environments(program) if e is not chosen and _alike(program, process, e, chosen))
@@ -189,6 +186,16 @@ def _chosen_environment(program: Program, top: str | None, environment: str | No
         if fits_top and environment in (None, candidate.name.text):
             return candidate
     return None
+
+
+def _no_environment(program: Program, top: str | None, environment: str) -> str:
+    """Why there is no environment of this name, or none of it for the process ``top``."""
+    closed = {item.name.text: item.process.text for item in _environments(program)}
+    fitting = [name for name, process in closed.items() if top in (None, process)]
+    if environment in closed:
+        known = suggestion(environment, fitting) if fitting else ", which has none"
+        return f"`{environment}` is an environment for `{closed[environment]}`, not for `{top}`{known}"
+    return f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{suggestion(environment, fitting)}"
 
 
 def _top(
