@@ -39,6 +39,7 @@ _TARGETS = {"-O0": "networks python-O0", "-O1": "networks python-O1", "C": "netw
 _FUSED = {"-O1 fused": "networks python-O1-fused", "C fused": "networks c-fused"}
 _PEERS = {name: f"peer_{name.lower()}" for name in ("asyncio", "trio", "simpy", "PyCSP", "Go")}
 _ALTERNATING = {name: _PEERS[name] for name in ("asyncio", "PyCSP", "Go")}
+_RECORD = {"-O1": "recording python", "C": "recording c"}
 _CHECK = {"cspdiag": "checking"}
 _PROVE = {"cspdiag": "proving"}
 _RESPOND = {"cspdiag": "responding"}
@@ -70,6 +71,14 @@ BENCHMARKS = (
     Benchmark(
         "jiwy", "JIWY against its plant: simulated seconds per second", "", _TARGETS,
         "-O0 40, -O1 100, C 3000", less=False,
+    ),
+    Benchmark(
+        "recording-npz", "JIWY recorded in an archive against JIWY not recorded", "times", _RECORD,
+        "C 1.7 times, Python 1.15",
+    ),
+    Benchmark(
+        "recording-csv", "the same in a table, which is bound by writing floating-point numbers as text", "times",
+        _RECORD,
     ),
     Benchmark("check-cold", "a cold `cspdiag check` of JIWY", "ms", {"cspdiag": "cold_start"}, "at most 120 ms"),
     Benchmark("check-1000", "checking 1000 lines of instances", "ms", _CHECK),

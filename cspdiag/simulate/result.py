@@ -98,11 +98,11 @@ class Run(RunData):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the external ports as CSV (format: ``cspdiag run --record``)."""
-        from cspdiag.base.files.whole import write_whole
-        from cspdiag.simulate.record.files import csv_text
+        from cspdiag.base.files.whole import whole_file
+        from cspdiag.simulate.record.files import csv_parts
 
-        with file_errors():
-            write_whole(Path(path), csv_text(self).encode())
+        with file_errors(), whole_file(path) as file:
+            file.writelines(part.encode() for part in csv_parts(self))
 
     def to_dataframe(self, signals: Iterable[str] | None = None) -> pandas.DataFrame:
         """A table of signals, by default of the external ports, indexed by the time in seconds: a row for each instant
@@ -141,11 +141,11 @@ class Run(RunData):
 
     def to_npz(self, path: str | Path) -> None:
         """Write the external ports as a numpy archive."""
-        from cspdiag.base.files.whole import write_whole
-        from cspdiag.simulate.record.files import npz_bytes
+        from cspdiag.base.files.whole import whole_file
+        from cspdiag.simulate.record.files import write_npz
 
-        with file_errors():
-            write_whole(Path(path), npz_bytes(self))
+        with file_errors(), whole_file(path) as file:
+            write_npz(self, file)
 
     def to_trace(self, path: str | Path) -> None:
         """Write Chrome trace events (``.json``) or the plain trace (``.jsonl``)."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from typing import BinaryIO, Self
 
 
 def require_name_of_file(path: str | os.PathLike[str]) -> None:
@@ -19,16 +21,28 @@ def require_name_of_file(path: str | os.PathLike[str]) -> None:
 
 
 def write_whole(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file whole or not at all.
+    """Write a file whole or not at all; see ``whole_file``."""
+    with whole_file(path) as file:
+        file.write(data)
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A file to be written, which is at ``path`` when the block ends, whole; or not at all, if the block is left by an
+    exception.
 
     A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it
     is. Raises OSError as the file system does, with the name that was given, and for a pipe without a reader.
     """
     require_name_of_file(path)
     if os.path.exists(path) and not os.path.isfile(path):
-        _write_through(path, data)
+        with _opened_through(path) as file:
+            yield file
     else:
-        replace_files({os.fspath(path): data})
+        with _Staging() as staging:
+            with staging.opened(os.fspath(path)) as file:
+                yield file
+            staging.put_in_place()
 
 
 def replace_files(files: Mapping[str, bytes]) -> None:
@@ -37,31 +51,56 @@ def replace_files(files: Mapping[str, bytes]) -> None:
     All are first written next to their destinations, so none changes if one cannot be written, and then moved there.
     Symbolic links keep their targets, files keep their permissions. Raises OSError with the given name.
     """
-    from secrets import token_hex
-
-    staged: dict[str, tuple[str, str]] = {}
-    path = ""
-    try:
+    with _Staging() as staging:
         for path, data in files.items():
-            real = os.path.realpath(path)
-            temporary = f"{real}.{token_hex(8)}.tmp"
-            with open(temporary, "xb") as file:
-                staged[path] = temporary, real
+            with staging.opened(path) as file:
                 file.write(data)
+        staging.put_in_place()
+
+
+class _Staging:
+    """Files that are written next to their destinations until all are moved there. A context manager, which leaves none
+    behind, and raises OSError with the name that was given.
+    """
+
+    def __init__(self) -> None:
+        self._temporary: dict[str, tuple[str, str]] = {}
+        self._path = ""
+
+    def __enter__(self) -> Self:
+        return self
+
+    @contextmanager
+    def opened(self, path: str) -> Iterator[BinaryIO]:
+        """A file for the contents of ``path``."""
+        from secrets import token_hex
+
+        self._path = path
+        real = os.path.realpath(path)
+        temporary = f"{real}.{token_hex(8)}.tmp"
+        with open(temporary, "xb") as file:
+            self._temporary[path] = temporary, real
+            yield file
+
+    def put_in_place(self) -> None:
+        """Move all files, which are closed, to their destinations."""
+        for temporary, real in self._temporary.values():
             with suppress(OSError):
                 os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-        for path, (temporary, real) in staged.items():  # noqa: B007 - the handler below names it
+        for path, (temporary, real) in self._temporary.items():
+            self._path = path
             os.replace(temporary, real)
-    except OSError as problem:
-        raise OSError(problem.errno, problem.strerror, path) from None
-    finally:
-        for temporary, _ in staged.values():
+
+    def __exit__(self, kind: object, problem: BaseException | None, trace: object) -> None:
+        for temporary, _ in self._temporary.values():
             with suppress(FileNotFoundError):
                 os.unlink(temporary)
+        if isinstance(problem, OSError):
+            raise OSError(problem.errno, problem.strerror, self._path) from None
 
 
-def _write_through(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write to a device or a pipe without waiting for a reader, which could take forever."""
+def _opened_through(path: str | os.PathLike[str]) -> BinaryIO:
+    """A device or a pipe to be written to, without waiting for a reader, which could take forever."""
     waits_not = getattr(os, "O_NONBLOCK", 0)
     try:
         number = os.open(path, os.O_WRONLY | waits_not)
@@ -70,5 +109,14 @@ def _write_through(path: str | os.PathLike[str], data: bytes) -> None:
             raise OSError(problem.errno, "nobody reads from it", os.fspath(path)) from None
         raise
     os.set_blocking(number, True)
-    with os.fdopen(number, "wb") as file:
-        file.write(data)
+    return io.BufferedWriter(_Through(number, "wb"))
+
+
+class _Through(io.FileIO):
+    """A file without places: what is written to some devices is gone, and they say of any place that they are there."""
+
+    def seek(self, *_: int) -> int:
+        raise io.UnsupportedOperation("seek")
+
+    def tell(self) -> int:
+        raise io.UnsupportedOperation("tell")

@@ -7,6 +7,7 @@ import signal
 import subprocess
 from collections.abc import Callable
 from io import BufferedIOBase
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from cspdiag.base.record import record
@@ -66,33 +67,79 @@ def simulate(
     measured: bool = False,
     options: tuple[str, ...] = ("-O2",),
 ) -> Run:
-    """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the
-    clock of a POSIX system.
+    """Generate, build and run a program; see ``build_program`` and ``NativeProgram.run``."""
+    program = build_program(
+        network, read, level=level, environment=environment, real_time=real_time, fused=fused, measured=measured,
+        options=options,
+    )  # fmt: skip
+    return program.run(until=until, recorder=recorder, on_start=on_start, observed=observed)
+
+
+def build_program(
+    network: CoreNetwork,
+    read: Reader,
+    *,
+    level: int = 0,
+    environment: str | None = None,
+    real_time: bool = False,
+    fused: bool = False,
+    measured: bool = False,
+    options: tuple[str, ...] = ("-O2",),
+) -> NativeProgram:
+    """Generate and build a program; ``real_time`` makes it run against the clock of a POSIX system.
 
     With ``measured`` the recorder gets the longest step of each process. ``fused`` programs run processes as one where
-    that is possible, and do not report when each starts and ends. ``on_start`` is passed an object whose ``now`` is the
-    present instant. Ctrl-C and what the program raises end the run with an outcome, not with an exception. Raises
-    NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
+    that is possible, and do not report when each starts and ends. Raises NoEnvironmentError, TargetError for what C
+    cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
     if chosen is not None:
         refuse_devices(chosen)
-    recorder = recorder if recorder is not None else Recorder()
     with stopping.raising():
         files = generate(network, read, "c", level, observed=not fused)
         sources = [path for path in files if path.endswith(".c")]
-        program = Build(
+        path = Build(
             files,
             _chosen_sources(sources, real_time),
             (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ())),
         ).executable()
-    command = [str(program), "--observe", observed, "--parent", str(os.getpid())]
-    if chosen is not None:
-        command += ["--environment", chosen.name]
-    if until is not None:
-        command += ["--for", str(until)]
-    outcome = _run(command, recorder, chosen, network, on_start, real_time=real_time, flattened=level > 0)
-    return Run(network, chosen, outcome, recorder)
+    return NativeProgram(network, chosen, path, real_time, flattened=level > 0)
+
+
+@record
+class NativeProgram:
+    """A network that was built for this machine, at ``path``, with one of its environments.
+
+    ``flattened``: whether processes are inlined in the thread that runs them, as with ``-O1``.
+    """
+
+    network: CoreNetwork
+    environment: Environment | None
+    path: Path
+    real_time: bool
+    flattened: bool
+
+    def run(
+        self,
+        *,
+        until: int | None = None,
+        recorder: Recorder | None = None,
+        on_start: Callable[[NativeRun], None] | None = None,
+        observed: Observed = "all",
+    ) -> Run:
+        """Run it; ``until`` is a time limit in nanoseconds.
+
+        ``on_start`` is passed an object whose ``now`` is the present instant. Ctrl-C and what the program raises end
+        the run with an outcome, not with an exception. Raises CompilerError for a program that fails otherwise.
+        """
+        recorder = recorder if recorder is not None else Recorder()
+        command = [str(self.path), "--observe", observed, "--parent", str(os.getpid())]
+        if self.environment is not None:
+            command += ["--environment", self.environment.name]
+        if until is not None:
+            command += ["--for", str(until)]
+        outcome = _run(self, command, recorder, on_start)
+        return Run(self.network, self.environment, outcome, recorder)
 
 
 def _chosen_sources(sources: list[str], real_time: bool) -> list[str]:
@@ -102,18 +149,14 @@ def _chosen_sources(sources: list[str], real_time: bool) -> list[str]:
 
 
 def _run(
+    program: NativeProgram,
     command: list[str],
     recorder: Recorder,
-    environment: Environment | None,
-    network: CoreNetwork,
     on_start: Callable[[NativeRun], None] | None,
-    *,
-    real_time: bool,
-    flattened: bool,
 ) -> Outcome:
     # A session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and everything
     # is reported. Against the clock the program itself reports how late it met the instants.
-    errors = None if real_time else subprocess.PIPE
+    errors = None if program.real_time else subprocess.PIPE
     with (
         stopping,
         ProgramMonitor() as monitor,
@@ -128,7 +171,7 @@ def _run(
     ):
         monitor.started()
         assert isinstance(running.stdout, BufferedIOBase)
-        run = NativeRun(StreamReader(running.stdout, network, recorder, flattened), monitor)
+        run = NativeRun(StreamReader(running.stdout, program.network, recorder, program.flattened), monitor)
         reader = run.reader
         if on_start is not None:
             on_start(run)
@@ -142,11 +185,11 @@ def _run(
         except BaseException:
             running.kill()
             raise
-    outcome = _outcome(run, supervisor, environment, network)
+    outcome = _outcome(run, supervisor, program.environment, program.network)
     if outcome is None:
         text = (error_output or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
-    outcome.real_time = real_time
+    outcome.real_time = program.real_time
     return outcome
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import json
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, assert_never
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO, assert_never
 
 from cspdiag.model.types import (
     ArrayType,
@@ -20,6 +19,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.simulate.record.held import columns_of, held_rows
+from cspdiag.simulate.record.run_data import histories, signal_of
 
 if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
@@ -51,43 +51,50 @@ def plain_trace_text(run: RunData) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def csv_text(run: RunData) -> str:
+def csv_parts(run: RunData) -> Iterator[str]:
     """A header, then a row for each instant at which an external port had a new value; values are held in between.
 
-    Arrays and structs have a column for each of their numbers.
+    Arrays and structs have a column for each of their numbers. Parts of the text, one after the other, because the
+    whole may be longer than the memory has room for.
     """
     columns = [
         column
         for port in run.network.external_ports
         for column in columns_of(f"{run.network.top}.{port.name}", port.name, port.type, _written)
     ]
-    lines = [",".join(["time", *(column.name for column in columns)])]
-    lines += [",".join([repr(instant / 1e9), *row]) for instant, row in held_rows(run, columns, "")]
-    return "".join(f"{line}\n" for line in lines)
+    yield ",".join(["time", *(column.name for column in columns)]) + "\n"
+    for instants, cells in held_rows(histories(run), columns, ""):
+        times = [repr(instant / 1e9) for instant in instants]
+        yield "\n".join(map(",".join, zip(times, *cells, strict=True))) + "\n"
 
 
-def _written(value: Any, kind: Type) -> str:
-    """A number as written in a table."""
+def _written(values: list[Any], kind: Type) -> list[str]:
+    """Numbers as written in a table."""
     match kind:
         case BoolType():
-            return "true" if value else "false"
+            return ["true" if value else "false" for value in values]
         case EnumType(literals=literals):
-            return literals[int(value)]
-        case IntType() | RealType() | TimeType() | TextType() | StructType() | ArrayType() | UnknownType():
-            return str(value)
+            return [literals[int(value)] for value in values]
+        case RealType():
+            return list(map(repr, values))  # The shortest text that is read as the same number.
+        case IntType() | TimeType() | TextType() | StructType() | ArrayType() | UnknownType():
+            return list(map(str, values))
         case _:
             assert_never(kind)
 
 
-def npz_bytes(run: RunData) -> bytes:
-    """For each external port ``NAME`` its values, as ``Signal`` has them, and ``NAME.time`` its instants in seconds."""
-    import numpy
+def write_npz(run: RunData, file: BinaryIO) -> None:
+    """For each external port ``NAME`` its values, as ``Signal`` has them, and ``NAME.time`` its instants in seconds.
 
-    arrays = {}
-    for port in run.network.external_ports:
-        signal = run.signals[port.name]
-        arrays[port.name] = signal.value
-        arrays[f"{port.name}.time"] = signal.time
-    buffer = io.BytesIO()
-    numpy.savez_compressed(buffer, allow_pickle=False, **arrays)
-    return buffer.getvalue()
+    Arrays are not compressed: that would take far longer than the run of a native program.
+    """
+    from zipfile import ZipFile
+
+    from numpy.lib.format import write_array
+
+    with ZipFile(file, "w") as archive:
+        for port in run.network.external_ports:
+            signal = signal_of(run, port)
+            for name, array in ((port.name, signal.value), (f"{port.name}.time", signal.time)):
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                    write_array(entry, array, allow_pickle=False)

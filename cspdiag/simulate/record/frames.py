@@ -22,6 +22,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.simulate.record.held import Column, columns_of, held_rows
+from cspdiag.simulate.record.run_data import histories
 
 if TYPE_CHECKING:
     import numpy
@@ -57,7 +58,7 @@ def to_dataframe(run: RunData, names: Iterable[str]) -> pandas.DataFrame:
     periods = {channel.path: channel.period for channel in channels}
     frame.attrs = _attributes(run) | {
         "units": {"time": "s"} | {column.name: unit for column in columns if (unit := _unit(column.type)) is not None},
-        "periods": {column.name: period for column in columns if (period := periods[column.path]) is not None},
+        "periods": {column.name: period for column in columns if (period := periods[column.channel]) is not None},
     }
     return frame
 
@@ -113,7 +114,7 @@ def _channels(run: RunData, names: Iterable[str]) -> list[_Channel]:
 
 
 def _columns(channel: _Channel) -> list[Column[object]]:
-    return columns_of(channel.path, channel.name, channel.type, lambda value, _: value)
+    return columns_of(channel.path, channel.name, channel.type, lambda values, _: values)
 
 
 def _held(run: RunData, columns: list[Column[object]]) -> tuple[numpy.ndarray, list[list[Any]]]:
@@ -121,12 +122,12 @@ def _held(run: RunData, columns: list[Column[object]]) -> tuple[numpy.ndarray, l
     import numpy
 
     times: list[float] = []
-    cells: list[list[object]] = [[] for _ in columns]
-    for instant, row in held_rows(run, columns, None):
-        times.append(instant / 1e9)
-        for column, value in zip(cells, row, strict=True):
-            column.append(value)
-    return numpy.array(times, dtype=float), cells
+    found: list[list[object]] = [[] for _ in columns]
+    for instants, cells in held_rows(histories(run), columns, None):
+        times += [instant / 1e9 for instant in instants]
+        for own, part in zip(found, cells, strict=True):
+            own += part
+    return numpy.array(times, dtype=float), found
 
 
 def _series(values: list[Any], kind: Type) -> Any:

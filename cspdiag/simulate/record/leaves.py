@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, assert_never
 
 from cspdiag.model.types import (
@@ -21,11 +21,11 @@ from cspdiag.model.types import (
 if TYPE_CHECKING:
     import numpy
 
-Picker = Callable[[Any], Any]
-"""Takes one number out of a value."""
+Path = tuple[int, ...]
+"""The positions that lead to one number of a value, from the outside in."""
 
 
-def leaves(name: str, type_: Type) -> Iterator[tuple[str, Type, Picker]]:
+def leaves(name: str, type_: Type) -> Iterator[tuple[str, Type, Path]]:
     """The numbers that a value of a port consists of, with what each is called: ``gyro[0]``, ``pose.x``,
     ``arms[1].angle``.
     """
@@ -37,22 +37,30 @@ def leaves(name: str, type_: Type) -> Iterator[tuple[str, Type, Picker]]:
             for index, (field, kind) in enumerate(fields):
                 yield from _inside(f"{name}.{field}", kind, index)
         case BoolType() | IntType() | RealType() | TimeType() | TextType() | EnumType() | UnknownType():
-            yield name, type_, _itself
+            yield name, type_, ()
         case _:
             assert_never(type_)
 
 
-def _inside(name: str, type_: Type, index: int) -> Iterator[tuple[str, Type, Picker]]:
-    for full, kind, pick in leaves(name, type_):
-        yield full, kind, _at(index, pick)
+def _inside(name: str, type_: Type, index: int) -> Iterator[tuple[str, Type, Path]]:
+    for full, kind, path in leaves(name, type_):
+        yield full, kind, (index, *path)
 
 
-def _at(index: int, pick: Picker) -> Picker:
-    return lambda value: pick(value[index])
-
-
-def _itself(value: Any) -> Any:
+def leaf(value: Any, path: Path) -> Any:
+    """One number of a value."""
+    for index in path:
+        value = value[index]
     return value
+
+
+def leaf_of_each(values: list[Any] | numpy.ndarray, path: Path) -> list[Any] | numpy.ndarray:
+    """One number of each value of a list, or of an array as ``column`` makes them."""
+    if isinstance(values, list):
+        return [leaf(value, path) for value in values] if path else values
+    for index in path:
+        values = values[:, index] if values.ndim > 1 else values[(values.dtype.names or ())[index]]
+    return values
 
 
 def column(values: list[Any], type_: Type) -> numpy.ndarray:
@@ -63,7 +71,8 @@ def column(values: list[Any], type_: Type) -> numpy.ndarray:
 
     found = numpy.empty(len(values), dtype=_dtype(type_))
     if values:
-        found[:] = [_plain(value, type_) for value in values]
+        is_plain = not isinstance(type_, ArrayType | StructType)
+        found[:] = values if is_plain else [_plain(value, type_) for value in values]
     return found
 
 

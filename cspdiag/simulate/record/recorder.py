@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, Literal, NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from cspdiag.simulate.record.history import History, histories_of
+
+if TYPE_CHECKING:
+    from cspdiag.model.types import Type
 
 
 class Communication(NamedTuple):
@@ -69,6 +74,10 @@ class Recorder:
         """All samples in order: time in nanoseconds, port, value."""
         log = iter(self.sample_log)
         return zip(log, log, log, strict=True)
+
+    def histories(self, types: Mapping[str, Type]) -> Mapping[str, History]:
+        """See ``Passed.histories``."""
+        return histories_of(self.communications, self.samples)
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value was passed through a channel or an external port."""

@@ -10,8 +10,8 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.model.types import Type
-from cspdiag.network.ir.network import CoreNetwork, Environment
-from cspdiag.simulate.record.leaves import column
+from cspdiag.network.ir.network import CoreNetwork, Environment, ExternalPort
+from cspdiag.simulate.record.history import NOTHING, History, Passed
 from cspdiag.simulate.record.recorder import Activity, Communication, ExecutionTime, Recorder
 
 if TYPE_CHECKING:
@@ -45,11 +45,12 @@ class RunData:
         environment: Environment | None,
         outcome: Outcome,
         recorder: Recorder,
+        passed: Passed | None = None,
     ) -> None:
         self.network = network
         self.environment = environment
         self.outcome = outcome
-        self._recorder = recorder
+        self._passed = recorder if passed is None else passed
         self.releases: Sequence[tuple[int, str, object]] = recorder.releases
         self.activities: Sequence[Activity] = recorder.activities
         self.execution_times: Mapping[str, ExecutionTime] = recorder.execution_times
@@ -58,7 +59,7 @@ class RunData:
     @cached_property
     def communications(self) -> Sequence[Communication]:
         """All communications in order."""
-        return [Communication._make(passed) for passed in self._recorder.communications]
+        return [Communication._make(passed) for passed in self._passed.communications]
 
     @cached_property
     def types(self) -> Mapping[str, Type]:
@@ -66,24 +67,22 @@ class RunData:
         return {net.path: net.type for net in self.network.nets}
 
     @cached_property
+    def _histories(self) -> Mapping[str, History]:
+        external = {f"{self.network.top}.{port.name}": port.type for port in self.network.external_ports}
+        found = dict(self._passed.histories({**self.types, **external}))
+        for time, channel, value in self.releases:
+            if channel in found:
+                found[channel] = found[channel].with_safe_value(time, value, external[channel])
+        return found
+
+    @cached_property
     def signals(self) -> Mapping[str, Signal]:
         """Signals by name, in the order of the ports and then of the first communication."""
-        import numpy
-
-        prefix = f"{self.network.top}."
-        external = {f"{prefix}{port.name}": port for port in self.network.external_ports}
-        found: dict[str, tuple[list[int], list[object]]] = {path: ([], []) for path in external}
-        for time, channel, value in self.values_passed():
-            times, values = found.setdefault(channel, ([], []))
-            times.append(time)
-            values.append(value)
-        signals = {}
-        for path, (times, values) in found.items():
-            kind = external[path].type if path in external else self.types.get(path)
-            if kind is None:
-                continue
-            name = path.removeprefix(prefix) if path in external else path
-            signals[name] = Signal(numpy.array(times, dtype=float) * 1e-9, column(values, kind), kind)
+        external = {f"{self.network.top}.{port.name}": port for port in self.network.external_ports}
+        signals = {port.name: signal_of(self, port) for port in self.network.external_ports}
+        for path, history in self._histories.items():
+            if path not in external and path in self.types:
+                signals[path] = _signal(history, self.types[path])
         return signals
 
     def values_passed(self) -> Iterator[tuple[int, str, object]]:
@@ -92,14 +91,13 @@ class RunData:
         Of sampled inputs it is every sample, read or not: what was measured, not what the program knows of it.
         """
         last: dict[str, object] = {}
-        log = self._recorder.sample_log
-        sampled = set(log[1::3])
+        sampled = {channel for channel, history in self._histories.items() if history.sampled}
         passed = (
             (time, channel, value)
-            for time, channel, value, _, _ in self._recorder.communications
+            for time, channel, value, _, _ in self._passed.communications
             if channel not in sampled
         )
-        for time, channel, value in merge(self._recorder.samples, passed, key=itemgetter(0)) if log else passed:
+        for time, channel, value in merge(self._passed.samples, passed, key=itemgetter(0)):
             last[channel] = value
             yield time, channel, value
         for time, channel, value in self.releases:
@@ -108,9 +106,25 @@ class RunData:
 
     def unread(self, name: str) -> Sequence[bool]:
         """For each sample of a sampled input, whether it was left unread."""
-        path = f"{self.network.top}.{name}"
-        ticks = [time for time, port, _ in self._recorder.samples if port == path]
-        reads = {
-            bisect_right(ticks, time) - 1 for time, channel, *_ in self._recorder.communications if channel == path
-        }
+        history = self._histories.get(f"{self.network.top}.{name}", NOTHING)
+        if not history.sampled:
+            return []
+        ticks = history.time
+        reads = {bisect_right(ticks, time) - 1 for time in history.read}
         return [position not in reads for position in range(len(ticks))]
+
+
+def histories(run: RunData) -> Mapping[str, History]:
+    """What passed each channel of a run, by hierarchical name; see ``RunData.values_passed``."""
+    return run._histories
+
+
+def signal_of(run: RunData, port: ExternalPort) -> Signal:
+    """The signal of an external port."""
+    return _signal(run._histories.get(f"{run.network.top}.{port.name}", NOTHING), port.type)
+
+
+def _signal(history: History, type_: Type) -> Signal:
+    import numpy
+
+    return Signal(numpy.asarray(history.time).astype(float) * 1e-9, history.array(type_), type_)

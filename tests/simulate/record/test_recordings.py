@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
+import os
+import subprocess
+from array import array
 from pathlib import Path
 
 import numpy
@@ -12,8 +16,11 @@ import pytest
 
 import cspdiag
 from cspdiag.base.files.whole import write_whole
+from cspdiag.model.types import INT
 from cspdiag.simulate.record.chrome_trace import chrome_trace_text
-from cspdiag.simulate.record.files import csv_text, plain_trace_text
+from cspdiag.simulate.record.files import csv_parts, plain_trace_text
+from cspdiag.simulate.record.held import Column, held_rows
+from cspdiag.simulate.record.history import History
 from cspdiag.simulate.result import Run
 
 
@@ -53,7 +60,7 @@ def test_closed_loop_follows_the_differential_equation(run: Run) -> None:
 
 
 def test_recording_holds_values_between_communications(run: Run) -> None:
-    rows = list(csv.DictReader(io.StringIO(csv_text(run))))
+    rows = list(csv.DictReader(io.StringIO("".join(csv_parts(run)))))
     assert list(rows[0]) == ["time", "temperature", "button", "power"]
     assert rows[0]["time"] == "0.01"
     assert rows[0]["power"] == ""
@@ -75,7 +82,7 @@ def test_safe_values_are_recorded_but_are_no_communications(heater: Path) -> Non
     run = cspdiag.load(str(heater)).run(until="100 ms")
     assert run["power"][-1] == 0.0
     assert run.time("power")[-1] == pytest.approx(0.1)
-    assert csv_text(run).splitlines()[-1].endswith(",0.0")
+    assert "".join(csv_parts(run)).splitlines()[-1].endswith(",0.0")
     last = [event.value for event in run.events if event.channel == "Oven.power"][-1]
     assert last == 5.0
 
@@ -91,6 +98,46 @@ def test_an_archive_has_instants_and_values(run: Run, tmp_path: Path) -> None:
         assert set(archive) == {name + tail for name in ("temperature", "button", "power") for tail in ("", ".time")}
         assert archive["power"].tolist() == run["power"].tolist()
         assert archive["power.time"].tolist() == run.time("power").tolist()
+
+
+def test_an_archive_can_be_written_to_a_device_and_into_a_pipe(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "nothing.npz").symlink_to("/dev/null")
+    run.to_npz(tmp_path / "nothing.npz")
+    assert (tmp_path / "nothing.npz").is_symlink()
+
+    os.mkfifo(tmp_path / "pipe.npz")
+    with subprocess.Popen(["cat", tmp_path / "pipe.npz"], stdout=subprocess.PIPE) as reader:
+        while True:
+            with contextlib.suppress(cspdiag.FileError):  # Nobody reads from it yet.
+                run.to_npz(tmp_path / "pipe.npz")
+                break
+            assert reader.poll() is None
+        written, _ = reader.communicate(timeout=20)
+    run.to_npz(tmp_path / "file.npz")
+    with numpy.load(tmp_path / "file.npz") as archive, numpy.load(io.BytesIO(written)) as piped:
+        assert [(name, value.tolist()) for name, value in piped.items()] == [
+            (name, value.tolist()) for name, value in archive.items()
+        ]
+
+
+def test_a_table_that_is_written_in_parts_is_the_same(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = list(csv_parts(run))
+    monkeypatch.setattr("cspdiag.simulate.record.held._ROWS", 3)
+    parts = list(csv_parts(run))
+    assert len(parts) > len(whole) + 5
+    assert "".join(parts) == "".join(whole)
+
+
+def test_values_of_one_instant_are_in_one_row_however_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("cspdiag.simulate.record.held._ROWS", 3)
+    few, many = (
+        History(array("q", times), list(map(str, times)), array("q")) for times in ([0, 7], [5, 5, 5, 5, 5, 9])
+    )
+    columns = [Column(name, name, INT, (), lambda values, _: values) for name in ("few", "many", "never")]
+    parts = list(held_rows({"few": few, "many": many}, columns, "-"))
+    assert [instant for instants, _ in parts for instant in instants] == [0, 5, 7, 9]
+    joined = [[cell for _, cells in parts for cell in cells[position]] for position in range(3)]
+    assert joined == [["0", "0", "7", "7"], ["-", "5", "5", "9"], ["-", "-", "-", "-"]]
 
 
 def test_chrome_trace_has_tracks_flows_and_counters(run: Run) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 import cspdiag
 from cspdiag.simulate.native.build import CompilerError, find_compiler
-from cspdiag.simulate.record.files import csv_text, npz_bytes
+from cspdiag.simulate.record.files import csv_parts, write_npz
 from cspdiag.simulate.result import Run
 
 DRIVE = """
@@ -108,14 +108,14 @@ def test_a_sampled_input_is_recorded_at_every_tick_read_or_not(run: Run) -> None
     assert run["speed"].tolist() == [10.0 * k for k in range(1, 25)]
     # It is never read.
     assert run.time("mode") == pytest.approx(numpy.arange(1, 17) * 0.015)
-    recorded = columns(csv_text(run))
+    recorded = columns("".join(csv_parts(run)))
     assert dict(zip(recorded["time"], recorded["speed"], strict=True))["0.24"] == "240.0"
     assert recorded["mode"][-1] == "idle"
     assert "busy" in recorded["mode"]
 
 
 def test_each_tick_has_a_row_up_to_the_last_one(program: cspdiag.LoadedProgram) -> None:
-    recorded = columns(csv_text(program.run("Bench", until="120 ms")))
+    recorded = columns("".join(csv_parts(program.run("Bench", until="120 ms"))))
     assert recorded["time"][-1] == "0.12"
     assert recorded["speed"][-1] == "120.0"
 
@@ -140,14 +140,14 @@ def test_recordings_are_equal_byte_for_byte(program: cspdiag.LoadedProgram, run:
         except CompilerError:
             pytest.skip("no C compiler")
     other = program.run("Bench", target=target, level=level)
-    assert csv_text(other) == csv_text(run)
+    assert "".join(csv_parts(other)) == "".join(csv_parts(run))
     for name, signal in run.signals.items():
         if "." not in name:
             assert (other[name] == signal.value).all()
 
 
 def test_vectors_and_structs_have_a_column_for_each_number(run: Run) -> None:
-    recorded = columns(csv_text(run))
+    recorded = columns("".join(csv_parts(run)))
     assert list(recorded) == [
         "time", "speed", "gyro[0]", "gyro[1]", "gyro[2]", "pose.x", "pose.at[0]", "pose.at[1]", "mode", "button",
         "power",
@@ -158,7 +158,10 @@ def test_vectors_and_structs_have_a_column_for_each_number(run: Run) -> None:
 
 
 def test_vectors_are_arrays_of_numbers_in_archives(run: Run) -> None:
-    with numpy.load(io.BytesIO(npz_bytes(run)), allow_pickle=False) as archive:
+    file = io.BytesIO()
+    write_npz(run, file)
+    file.seek(0)
+    with numpy.load(file, allow_pickle=False) as archive:
         assert archive["gyro"].shape == (12, 3)
         assert archive["gyro"].dtype == float
         assert archive["gyro"][-1].tolist() == [240.0, 480.0, 720.0]
@@ -173,5 +176,5 @@ def test_vectors_without_a_value_have_their_shape(program: cspdiag.LoadedProgram
 
 
 def test_what_is_recorded_is_in_the_order_of_time(run: Run) -> None:
-    times = [float(time) for time in columns(csv_text(run))["time"]]
+    times = [float(time) for time in columns("".join(csv_parts(run)))["time"]]
     assert all(one < other for one, other in pairwise(times))

@@ -1,0 +1,86 @@
+"""JIWY recorded against JIWY not recorded, one after the other: ``recording.py recording-npz python``, or ``c``.
+
+A figure is how many times as long a run takes whose recording is written to a file, in the format that the name of the
+benchmark ends with. Neither compiling nor the import of numpy counts.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy  # noqa: F401 - its import takes longer than a run
+from timing import report
+
+from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import CoreNetwork
+from cspdiag.simulate.native.build import CompilerError
+from cspdiag.simulate.native.run import build_program
+from cspdiag.simulate.record.recorder import Recorder
+from cspdiag.simulate.result import Run
+from cspdiag.simulate.run import execute
+
+JIWY = Path(__file__).parents[2] / "models/jiwy/jiwy.csp"
+BATCHES = {"python": 5, "c": 15}
+"""How often both are run."""
+
+Simulate = Callable[[bool], tuple[Run, float]]
+"""Runs the program, recorded or not; returns when the run began, too."""
+
+
+def in_python(network: CoreNetwork) -> Simulate:
+    files = pipeline.generate(network, read_source, level=1, observed=True)
+
+    def simulate(recorded: bool) -> tuple[Run, float]:
+        began: list[float] = []
+        run = execute.simulate(
+            network,
+            files,
+            recorder=Recorder(communications=recorded),
+            on_start=lambda _: began.append(time.perf_counter()),
+        )
+        return run, began[0]
+
+    return simulate
+
+
+def in_c(network: CoreNetwork) -> Simulate:
+    try:
+        program = build_program(network, read_source, level=1)
+    except CompilerError:
+        sys.exit(0)
+
+    def simulate(recorded: bool) -> tuple[Run, float]:
+        began = time.perf_counter()
+        return program.run(observed="ports" if recorded else "none"), began
+
+    return simulate
+
+
+def seconds(simulate: Simulate, path: Path | None) -> float:
+    """How long a run takes, with the recording of it in a file."""
+    run, began = simulate(path is not None)
+    if path is not None:
+        (run.to_npz if path.suffix == ".npz" else run.to_csv)(path)
+    taken = time.perf_counter() - began
+    assert run.outcome.ended == "terminated", run.outcome
+    return taken
+
+
+def main(name: str, target: str) -> None:
+    network = pipeline.build(read_source(str(JIWY)), read_source, settings={}).network
+    assert network is not None
+    simulate = in_c(network) if target == "c" else in_python(network)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"recording.{name.rpartition('-')[2]}")
+        for batch in range(BATCHES[target] + 1):
+            without, recorded = seconds(simulate, None), seconds(simulate, path)
+            if batch:
+                report(recorded / without)
+
+
+main(sys.argv[1], sys.argv[2])
