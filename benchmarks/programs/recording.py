@@ -56,7 +56,7 @@ def in_c(network: CoreNetwork) -> Simulate:
 
     def simulate(recorded: bool) -> tuple[Run, float]:
         began = time.perf_counter()
-        return program.run(observed="ports" if recorded else "none"), began
+        return program.run(observed="signals" if recorded else "none"), began
 
     return simulate
 

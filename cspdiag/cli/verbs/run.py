@@ -257,9 +257,13 @@ def _simulate_native(
     recorder: Recorder,
     on_start: Callable[[ObservedProgram], None],
 ) -> Run:
-    from cspdiag.simulate.native.run import simulate
+    from cspdiag.simulate.native.run import Observed, simulate
 
-    ports = arguments.record is not None or arguments.plot is not None
+    observed: Observed = "none" if arguments.record is None else "signals"
+    if arguments.trace is not None:
+        observed = "all"
+    elif arguments.plot is not None:
+        observed = "ports"
     return simulate(
         network,
         read_source,
@@ -269,7 +273,7 @@ def _simulate_native(
         real_time=arguments.real_time,
         recorder=recorder,
         on_start=on_start,
-        observed="all" if arguments.trace is not None else "ports" if ports else "none",
+        observed=observed,
         measured=_is_measured(arguments),
     )
 

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable
+from contextlib import suppress
 from io import BufferedIOBase
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -18,7 +19,8 @@ from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.deadlock import deadlock_report
 from cspdiag.simulate.native.monitor import ProgramMonitor
-from cspdiag.simulate.native.stream import EndRecord, StreamReader
+from cspdiag.simulate.native.rows import PassedRows
+from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader
 from cspdiag.simulate.native.supervisor import Supervisor
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
     from cspdiag.runtime.outcome import Ending
 
-Observed = Literal["all", "ports", "none"]
-"""The communications that are reported: recording a few is much faster than recording all."""
+Observed = Literal["all", "ports", "signals", "none"]
+"""What is reported: all communications; those of external ports; of those only what a recording has; or nothing."""
 
 
 @record
@@ -138,8 +140,9 @@ class NativeProgram:
             command += ["--environment", self.environment.name]
         if until is not None:
             command += ["--for", str(until)]
-        outcome = _run(self, command, recorder, on_start)
-        return Run(self.network, self.environment, outcome, recorder)
+        passed = None if observed == "none" else PassedRows(self.network, keeps_order=observed != "signals")
+        outcome = _run(self, command, recorder, passed, on_start)
+        return Run(self.network, self.environment, outcome, recorder, passed)
 
 
 def _chosen_sources(sources: list[str], real_time: bool) -> list[str]:
@@ -152,6 +155,7 @@ def _run(
     program: NativeProgram,
     command: list[str],
     recorder: Recorder,
+    passed: PassedRows | None,
     on_start: Callable[[NativeRun], None] | None,
 ) -> Outcome:
     # A session of its own: Ctrl-C reaches this process, which forwards it once, so outputs are released and everything
@@ -171,17 +175,16 @@ def _run(
     ):
         monitor.started()
         assert isinstance(running.stdout, BufferedIOBase)
-        run = NativeRun(StreamReader(running.stdout, program.network, recorder, program.flattened), monitor)
+        _enlarge(running.stdout)
+        run = NativeRun(StreamReader(running.stdout, program.network, recorder, passed, program.flattened), monitor)
         reader = run.reader
         if on_start is not None:
             on_start(run)
         try:
-            reader.read()
+            with suppress(EOFError):  # It was killed in the middle of a record, and has not reported its end.
+                reader.read()
             supervisor.end_reported()
             _, error_output = running.communicate()
-        except EOFError:
-            if not supervisor.signal:
-                raise
         except BaseException:
             running.kill()
             raise
@@ -191,6 +194,14 @@ def _run(
         raise CompilerError(f"the native program has failed: {text}")
     outcome.real_time = program.real_time
     return outcome
+
+
+def _enlarge(pipe: BufferedIOBase) -> None:
+    """Let a pipe hold what is read at a time, where the system allows that: the program waits less often."""
+    import fcntl
+
+    with suppress(AttributeError, OSError):
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, CHUNK)
 
 
 def _outcome(

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import BufferedIOBase
+from typing import TYPE_CHECKING
 
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork
-from cspdiag.simulate.native.parties import Parties
-from cspdiag.simulate.native.values import Decoder, decoder, layout
+from cspdiag.simulate.native.rows import ROW, SIZE, Kind, PassedRows, channel_of
 from cspdiag.simulate.record.recorder import Recorder
 
-_CHUNK = 1 << 16
+if TYPE_CHECKING:
+    import numpy
 
-_CHANNEL = struct.Struct("=IH")
-_NUMBER = struct.Struct("=I")
-_LENGTH = struct.Struct("=H")
-_COMMUNICATION = struct.Struct("=qIII")
-_EVENT = struct.Struct("=qI")
-_PAIR = struct.Struct("=II")
-_END = struct.Struct("=Bqd")
-_EXECUTION = struct.Struct("=Iqq")
+CHUNK = 1 << 20
+"""The most bytes that are read at a time."""
+
+_PAYLOAD = 8
+"""Where the bytes of a text begin in a row."""
+_NO_END = 2**32 - 1
+_DURATION = struct.Struct("=d")
+_HAVE_VALUES = (Kind.COMMUNICATION, Kind.RELEASE, Kind.SAMPLE)
+_TEXTS = {Kind.CHANNEL: 1, Kind.PROCESS: 2, Kind.WAITING: 4, Kind.END_OF_RUN: 3}
+"""How many texts follow."""
 
 
 @dataclass
@@ -55,126 +59,172 @@ class EndRecord:
 
 @dataclass
 class StreamReader:
-    """Passes the records of one run of a network to a recorder."""
+    """Tells a recorder about the processes of one run of a network, and keeps the values that are passed."""
 
     stream: BufferedIOBase
     network: CoreNetwork
     recorder: Recorder
+    passed: PassedRows | None = None
+    """Where values are kept; None if none are reported."""
     flattened: bool = False
     """Whether processes are inlined in the thread that runs them, as with ``-O1``."""
     now: int = 0
     end: EndRecord | None = None
     missed: dict[str, int] = field(default_factory=dict)
     waiting: list[WaitingRecord] = field(default_factory=list)
-    _data: bytes = b""
-    _position: int = 0
-    _channels: dict[int, tuple[str, int, Decoder]] = field(default_factory=dict)
-    _processes: dict[int, tuple[str, str]] = field(default_factory=lambda: {0: ("", "")})
+    _channels: dict[int, str] = field(default_factory=dict)
+    _processes: dict[int, tuple[str, str]] = field(default_factory=dict)
+    _head: tuple[int, ...] = ()
+    """The fields of the record whose texts are being read."""
+    _texts: list[str] = field(default_factory=list)
+    _text: bytes = b""
+    _length: int | None = None
+    """The length of the text that is being read; None if there is none."""
 
     def __post_init__(self) -> None:
         self._types: Mapping[str, Type] = {net.path: net.type for net in self.network.nets}
-        self._parties = Parties(self.network, self.recorder.running.keys())
 
     def read(self) -> None:
-        """Read all records, to the end of the stream."""
-        handlers: dict[int, Callable[[], None]] = {
-            1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of,
-            6: self._release,
-            8: self._waiting, 9: self._missed, 10: self._ended,
-            11: self._execution_time, 12: self._sample,
-        }  # fmt: skip
-        while self._has(1):
-            kind = self._data[self._position]
-            self._position += 1
-            handlers[kind]()
-
-    def _has(self, size: int) -> bool:
-        """Whether this number of bytes follows; they are then in memory."""
-        while len(self._data) - self._position < size:
-            more = self.stream.read1(_CHUNK)  # Whatever is available, without waiting for more.
-            if not more:
-                return False
-            self._data = self._data[self._position :] + more
-            self._position = 0
-        return True
-
-    def _bytes(self, size: int) -> bytes:
-        if not self._has(size):
+        """Read all records, to the end of the stream. Raises EOFError if it ends in the middle of one."""
+        rest = b""
+        while more := self.stream.read1(CHUNK):  # Whatever is available, without waiting for more.
+            data = rest + more if rest else more
+            rest = data[self._take(data) :]
+        if rest or self._head:
             raise EOFError("the program ended in the middle of a record")
-        self._position += size
-        return self._data[self._position - size : self._position]
 
-    def _text(self) -> str:
-        (length,) = _LENGTH.unpack(self._bytes(2))
-        return self._bytes(length).decode("utf-8", "surrogateescape")
+    def _take(self, data: bytes) -> int:
+        """Take the records that are whole; returns how many bytes they have."""
+        rows = len(data) // SIZE
+        if self.passed is None:
+            for position in range(0, rows * SIZE, SIZE):
+                self._take_row(data, position)
+            return rows * SIZE
+        return self._take_values(data, rows, self.passed) * SIZE
 
-    def _channel(self) -> None:
-        number, size = _CHANNEL.unpack(self._bytes(6))
-        name = self._text()
+    def _take_values(self, data: bytes, rows: int, passed: PassedRows) -> int:
+        """Take whole records, most of which have values; returns how many rows they have."""
+        import numpy
+
+        kinds = numpy.frombuffer(data, numpy.uint32, rows * SIZE // 4)[:: SIZE // 4]
+        for row in numpy.flatnonzero(_without_values(kinds)).tolist():
+            if kinds[row] == Kind.RELEASE and self._is_cut(data, row, rows):
+                rows = row
+                break
+            self._take_row(data, row * SIZE)
+        heads = numpy.flatnonzero(kinds[:rows])
+        last = int(heads[-1]) if len(heads) else 0
+        if rows and kinds[last] in _HAVE_VALUES:
+            if self._is_cut(data, last, rows):
+                rows = last
+            else:
+                self.now = ROW.unpack_from(data, last * SIZE)[2]
+        passed.add(data[: rows * SIZE])
+        return rows
+
+    def _is_cut(self, data: bytes, row: int, rows: int) -> bool:
+        """Whether not all of the value in this row has arrived."""
+        assert self.passed is not None
+        _, number, *_ = ROW.unpack_from(data, row * SIZE)
+        return row + self.passed.channels[number].continuations >= rows
+
+    def _take_row(self, data: bytes, position: int) -> None:
+        """Take a row of a record without a value, or with a safe value, all of which has arrived."""
+        fields = ROW.unpack_from(data, position)
+        kind = fields[0]
+        if kind in (Kind.TEXT, Kind.CONTINUATION):
+            self._take_text(kind, fields[1], data[position + _PAYLOAD : position + SIZE])
+        elif kind in _TEXTS:
+            self._head, self._texts = fields, []
+        elif kind == Kind.RELEASE:
+            assert self.passed is not None
+            channel = self.passed.channels[fields[1]]
+            self.recorder.released(fields[2], channel.name, channel.value(data, position))
+        else:
+            self._take_event(*fields)
+
+    def _take_text(self, kind: int, length: int, part: bytes) -> None:
+        if kind == Kind.TEXT:
+            self._text, self._length = part, length
+        elif self._length is not None:
+            self._text += part
+        if self._length is None or len(self._text) < self._length:
+            return
+        self._texts.append(self._text[: self._length].decode("utf-8", "surrogateescape"))
+        self._length = None
+        if len(self._texts) == _TEXTS[Kind(self._head[0])]:
+            self._take_named(*self._head)
+            self._head = ()
+
+    def _take_named(self, kind: int, number: int, time: int, size: int, _reader: int, value: int) -> None:
+        """Take a record with texts."""
+        match Kind(kind):
+            case Kind.CHANNEL:
+                self._take_channel(number, size, self._texts[0])
+            case Kind.PROCESS:
+                self._processes[number] = (self._texts[0], self._texts[1])
+                if self.passed is not None:
+                    self.passed.processes[number] = self._texts[0]
+            case Kind.WAITING:
+                _, source, place, words = self._texts
+                path = words.partition(" waits ")[0]  # The place in the law, if a process runs one.
+                self.waiting.append(WaitingRecord(path, source, place, words, (), ()))
+            case Kind.END_OF_RUN:
+                self.now = time
+                (duration,) = _DURATION.unpack(value.to_bytes(8, sys.byteorder))
+                self.end = EndRecord(number, time, duration, *self._texts)
+            case other:
+                raise ValueError(f"{other} has no texts")
+
+    def _take_channel(self, number: int, size: int, name: str) -> None:
         type_ = self._types.get(name)
         if type_ is None:
             return  # No process writes or reads this channel, so no record will name it.
-        if layout(type_)[0] != size:
-            raise ValueError(f"{name} has values of {size} bytes, and {type_} has {layout(type_)[0]}")
-        self._channels[number] = (name, size, decoder(type_))
+        channel = channel_of(name, type_)
+        if channel.size != size:
+            raise ValueError(f"{name} has values of {size} bytes, and {type_} has {channel.size}")
+        self._channels[number] = name
+        if self.passed is not None:
+            self.passed.channels[number] = channel
 
-    def _process(self) -> None:
-        (number,) = _NUMBER.unpack(self._bytes(4))
-        self._processes[number] = (self._text(), self._text())
+    def _take_event(self, kind: int, number: int, time: int, first: int, _reader: int, value: int) -> None:
+        match Kind(kind):
+            case Kind.BEGIN:
+                self.now = time
+                self.recorder.process_started(time, *self._processes[number])
+            case Kind.END:
+                self.now = time
+                self.recorder.process_ended(time, self._processes[number][0])
+            case Kind.MISSED:
+                self.missed[self._channels[number]] = first
+            case Kind.EXECUTION_TIME:
+                path, _ = self._processes.get(number, ("", ""))
+                if path:
+                    self.recorder.execution_time(path, time, value, "thread" if self.flattened else "process")
+            case Kind.WAITING_AT:
+                self._take_place(number, first)
+            case other:
+                raise ValueError(f"{other} is not an event")
 
-    def _communication(self) -> None:
-        time, channel, writer, reader = _COMMUNICATION.unpack(self._bytes(20))
-        name, size, decode = self._channels[channel]
-        value = decode(self._bytes(size))
-        self.now = time
-        source = self._parties.writer(name, self._processes[writer][0])
-        sink = self._parties.reader(name, self._processes[reader][0])
-        self.recorder.communication(time, name, value, source, sink)
+    def _take_place(self, number: int, end: int) -> None:
+        """Note a channel at which the last process waits, or an end that its broadcast misses."""
+        if number not in self._channels:
+            return
+        record = self.waiting[-1]
+        if end == _NO_END:
+            record.channels += (self._channels[number],)
+            record.missing += ((),)
+        else:
+            record.missing = (*record.missing[:-1], (*record.missing[-1], end))
 
-    def _begin(self) -> None:
-        self.now, number = _EVENT.unpack(self._bytes(12))
-        path, kind = self._processes[number]
-        self.recorder.process_started(self.now, path, kind)
 
-    def _end_of(self) -> None:
-        self.now, number = _EVENT.unpack(self._bytes(12))
-        self.recorder.process_ended(self.now, self._processes[number][0])
+def _without_values(kinds: numpy.ndarray) -> numpy.ndarray:
+    """Which rows are not part of records whose values are only kept."""
+    import numpy
 
-    def _release(self) -> None:
-        time, channel = _EVENT.unpack(self._bytes(12))
-        name, size, decode = self._channels[channel]
-        self.recorder.released(time, name, decode(self._bytes(size)))
-
-    def _sample(self) -> None:
-        time, channel = _EVENT.unpack(self._bytes(12))
-        name, size, decode = self._channels[channel]
-        self.recorder.sampled(time, name, decode(self._bytes(size)))
-
-    def _waiting(self) -> None:
-        self._bytes(4)
-        _, source, place, words = self._text(), self._text(), self._text(), self._text()
-        path = words.partition(" waits ")[0]  # The place in the law, if a process runs one.
-        (count,) = _LENGTH.unpack(self._bytes(2))
-        entries = [(_NUMBER.unpack(self._bytes(4))[0], self._missing_ends()) for _ in range(count)]
-        known = [(self._channels[number][0], missing) for number, missing in entries if number in self._channels]
-        names, missing = tuple(name for name, _ in known), tuple(ends for _, ends in known)
-        self.waiting.append(WaitingRecord(path, source, place, words, names, missing))
-
-    def _missing_ends(self) -> tuple[int, ...]:
-        (count,) = _LENGTH.unpack(self._bytes(2))
-        return tuple(_LENGTH.unpack(self._bytes(2))[0] for _ in range(count))
-
-    def _missed(self) -> None:
-        channel, count = _PAIR.unpack(self._bytes(8))
-        self.missed[self._channels[channel][0]] = count
-
-    def _execution_time(self) -> None:
-        number, longest, steps = _EXECUTION.unpack(self._bytes(20))
-        path = self._processes[number][0]
-        if path:
-            self.recorder.execution_time(path, longest, steps, "thread" if self.flattened else "process")
-
-    def _ended(self) -> None:
-        ending, time, duration = _END.unpack(self._bytes(17))
-        self.now = time
-        self.end = EndRecord(ending, time, duration, self._text(), self._text(), self._text())
+    records = kinds
+    if not kinds.all():  # Some rows continue others.
+        heads = numpy.where(kinds != Kind.CONTINUATION, numpy.arange(len(kinds)), 0)
+        records = kinds[numpy.maximum.accumulate(heads)]
+    without: numpy.ndarray = (records != Kind.COMMUNICATION) & (records != Kind.SAMPLE)
+    return without

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 from cspdiag.model.types import (
     ArrayType,
@@ -18,6 +18,9 @@ from cspdiag.model.types import (
     Type,
     UnknownType,
 )
+
+if TYPE_CHECKING:
+    import numpy
 
 Decoder = Callable[[bytes], object]
 
@@ -53,6 +56,17 @@ def decoder(type_: Type) -> Decoder:
         pieces.append((slice(position, position + size), decoder(part)))
         position += size
     return lambda data: tuple(decode(data[place]) for place, decode in pieces)
+
+
+def numpy_type(type_: Type) -> numpy.dtype:
+    """The type of numpy for values as they are in memory; those of arrays have a shape."""
+    import numpy
+
+    if isinstance(type_, ArrayType):
+        return numpy.dtype((numpy_type(type_.element), (type_.size or 0,)))
+    if isinstance(type_, StructType):
+        return numpy.dtype([(name, numpy_type(kind)) for name, kind in type_.fields], align=True)
+    return numpy.dtype(f"={_letter(type_)}")
 
 
 def _parts(type_: StructType | ArrayType) -> list[Type]:

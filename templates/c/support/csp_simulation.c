@@ -40,7 +40,7 @@ static bool read_duration(const char *text, int64_t *duration)
 
 static bool read_observed(const char *text, csp_observed *observed)
 {
-    static const char *const words[] = {"none", "ports", "all"};
+    static const char *const words[] = {"none", "signals", "ports", "all"};
     for (size_t index = 0; index < sizeof words / sizeof words[0]; index++) {
         if (strcmp(text, words[index]) == 0) {
             *observed = (csp_observed)(index + 1U);
@@ -73,7 +73,7 @@ static bool read_options(int count, char **options, request *parsed)
         }
         if (!valid) {
             (void)fprintf(stderr,
-                          "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none] [--parent PID] "
+                          "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|signals|none] [--parent PID] "
                           "[--checks DESCRIPTOR]\n",
                           options[0]);
             return false;

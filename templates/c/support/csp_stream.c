@@ -8,6 +8,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -18,11 +19,38 @@
 #include "csp_shared.h"
 #include "csp_signals.h"
 
-enum { BUFFER = 1 << 17 /* more than the longest value */, TEXT = 2048, LONGEST_WAIT = 1000 /* milliseconds */ };
+enum { ROWS = 1 << 12, PAYLOAD = 24, TEXT = 2048, LONGEST_WAIT = 1000 /* milliseconds */ };
+
+/* See csp_stream.h. */
+typedef struct row {
+    uint32_t kind;
+    uint32_t number;
+    int64_t time;
+    uint32_t writer;
+    uint32_t reader;
+    uint64_t value;
+} row;
+
+enum {
+    CONTINUATION,
+    CHANNEL,
+    PROCESS,
+    COMMUNICATION,
+    BEGIN,
+    END,
+    RELEASE,
+    TEXT_OF_RECORD,
+    WAITING,
+    MISSED,
+    END_OF_RUN,
+    EXECUTION_TIME,
+    SAMPLE,
+    WAITING_AT
+};
 
 /* The thread of the run fills the buffer and may be stopped anywhere, for good. Other threads, and the one that releases outputs in its place, send only
- * whole records: `complete` bytes. Only the sender, which holds the lock, removes bytes from the front. */
-static unsigned char buffer[BUFFER];
+ * whole records: `complete` rows. Only the sender, which holds the lock, removes rows from the front; `sent` counts bytes. */
+static row buffer[ROWS];
 static size_t filled;
 static volatile size_t complete;
 static size_t sent;
@@ -41,11 +69,11 @@ static void give_up(void)
     }
 }
 
-/* Writes some of the data. Returns whether to continue: some was written, or another attempt may succeed. */
-static bool send_some(const unsigned char *data, size_t size, size_t *taken)
+/* Writes at most `size` bytes of the rows that are not sent. Returns whether to continue: some were written, or another attempt may succeed. */
+static bool send_some(size_t size)
 {
-    const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, data, size);
-    *taken += (written > 0) ? (size_t)written : 0U;
+    const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, (const unsigned char *)buffer + sent, size);
+    sent += (written > 0) ? (size_t)written : 0U;
     if ((written < 0) && (errno != EINTR) && (errno != EAGAIN)) {
         give_up();
     }
@@ -70,10 +98,11 @@ static void send_complete(void)
     sigset_t before;
     hold_back(&before);
     (void)pthread_mutex_lock(&sending);
-    while ((sent < complete) && send_some(&buffer[sent], complete - sent, &sent)) {
+    const size_t end = complete * sizeof(row);
+    while ((sent < end) && send_some(end - sent)) {
         /* A pipe accepts as much as it has room for. */
     }
-    (void)memmove(buffer, &buffer[complete], filled - complete);
+    (void)memmove(buffer, &buffer[complete], (filled - complete) * sizeof(row));
     filled -= complete;
     sent = 0U;
     CSP_STORE(complete, 0U);
@@ -93,11 +122,11 @@ static void attend(bool last)
     if (pthread_mutex_trylock(&sending) != 0) {
         return;
     }
-    const size_t end = CSP_LOAD(complete);
+    const size_t end = CSP_LOAD(complete) * sizeof(row);
     bool continues = true;
     while (continues && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
         const size_t rest = end - sent; /* a pipe with room accepts a part of it without waiting */
-        continues = send_some(&buffer[sent], (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF, &sent);
+        continues = send_some((rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF);
     }
     (void)pthread_mutex_unlock(&sending);
 }
@@ -134,129 +163,131 @@ static void completes(void)
     CSP_STORE_AFTER(complete, filled);
 }
 
-/* A record that is longer than the buffer is sent in pieces. */
-static void put(const void *data, size_t size)
+/* Adds a row. A record that is longer than the buffer is sent in pieces. */
+static row *add_row(uint32_t kind, uint32_t number)
 {
-    const unsigned char *const bytes = (const unsigned char *)data;
-    size_t done = 0U;
-    if (silent) {
-        return;
-    }
-    if (size > (size_t)BUFFER - filled) {
+    if (filled == (size_t)ROWS) {
         flush();
-        while (size - done > (size_t)BUFFER - filled) {
-            const size_t piece = (size_t)BUFFER - filled;
-            (void)memcpy(&buffer[filled], &bytes[done], piece);
-            done += piece;
-            filled += piece;
-            completes();
-            flush();
-        }
     }
-    (void)memcpy(&buffer[filled], &bytes[done], size - done);
-    filled += size - done;
+    if (filled == (size_t)ROWS) {
+        completes();
+        flush();
+    }
+    row *const added = &buffer[filled];
+    filled++;
+    added->kind = kind;
+    added->number = number;
+    return added;
 }
 
 /* Begins a record where the last complete one ends, discarding an incomplete one. */
-static void put_first(uint8_t kind)
+static row *begin_record(uint32_t kind, uint32_t number)
 {
     filled = complete;
-    put(&kind, sizeof kind);
+    row *const added = add_row(kind, number);
+    added->time = csp.now;
+    added->writer = 0;
+    added->reader = 0;
+    added->value = 0;
+    return added;
 }
 
-static void put_byte(uint8_t number)
+/* Puts as many of the bytes as there is room for into a row, in place of the fields from its time on. Returns how many. */
+static size_t put_payload(row *into, const unsigned char *bytes, size_t size)
 {
-    put(&number, sizeof number);
+    unsigned char *const payload = (unsigned char *)into + offsetof(row, time);
+    const size_t count = (size < (size_t)PAYLOAD) ? size : (size_t)PAYLOAD;
+    (void)memcpy(payload, bytes, count);
+    (void)memset(&payload[count], 0, (size_t)PAYLOAD - count);
+    return count;
 }
 
-static void put_number(uint32_t number)
+static void put_rest(const unsigned char *bytes, size_t size)
 {
-    put(&number, sizeof number);
-}
-
-static void put_short(uint16_t number)
-{
-    put(&number, sizeof number);
-}
-
-static void put_time(int64_t time)
-{
-    put(&time, sizeof time);
+    size_t done = 0U;
+    while (done < size) {
+        done += put_payload(add_row(CONTINUATION, 0), &bytes[done], size - done);
+    }
 }
 
 static void put_text(const char *text)
 {
-    const size_t length = (text != NULL) ? strlen(text) : 0U;
-    put_short((uint16_t)length);
-    put(text, length);
+    const unsigned char *const bytes = (const unsigned char *)((text != NULL) ? text : "");
+    const size_t length = strlen((const char *)bytes);
+    const size_t begun = put_payload(add_row(TEXT_OF_RECORD, (uint32_t)length), bytes, length);
+    put_rest(&bytes[begun], length - begun);
 }
 
 #if CSP_TRACE
 
 static const csp_names *known;
+static const csp_port *ports;
 static uint32_t observed_channels;
 static uint32_t named_channels;
+static bool only_signals;
 
-void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
+static void put_value(uint32_t kind, uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
-    if (channel >= observed_channels) {
-        return;
+    const size_t size = known->channel_sizes[channel];
+    row *const added = begin_record(kind, channel);
+    added->writer = writer;
+    added->reader = reader;
+    if (size == sizeof added->value) { /* a constant size, which is faster */
+        (void)memcpy(&added->value, value, sizeof added->value);
+    } else if (size < sizeof added->value) {
+        (void)memcpy(&added->value, value, size);
+    } else {
+        const unsigned char *const bytes = (const unsigned char *)value;
+        (void)memcpy(&added->value, bytes, sizeof added->value);
+        put_rest(&bytes[sizeof added->value], size - sizeof added->value);
     }
-    put_first(3);
-    put_time(csp.now);
-    put_number(channel);
-    put_number(writer);
-    put_number(reader);
-    put(value, known->channel_sizes[channel]);
     completes();
 }
 
-static void report_value(uint8_t kind, uint32_t port, const void *value)
+void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
-    if (port < observed_channels) {
-        put_first(kind);
-        put_time(csp.now);
-        put_number(port);
-        put(value, known->channel_sizes[port]);
-        completes();
+    if ((channel < observed_channels) && !(only_signals && (ports[channel].kind == CSP_PORT_SAMPLED))) {
+        put_value(COMMUNICATION, channel, value, writer, reader);
     }
 }
 
 void csp_observe_sample(uint32_t port, const void *value)
 {
-    report_value(12, port, value);
+    if (port < observed_channels) {
+        put_value(SAMPLE, port, value, 0, 0);
+    }
 }
 
 void csp_observe_release(uint32_t port, const void *value)
 {
-    report_value(6, port, value);
+    if (port < observed_channels) {
+        put_value(RELEASE, port, value, 0, 0);
+    }
 }
 
-static void begins_or_ends(uint8_t kind, uint32_t number)
+static void begins_or_ends(uint32_t kind, uint32_t number)
 {
-    put_first(kind);
-    put_time(csp.now);
-    put_number(number);
-    completes();
+    if (!silent) {
+        (void)begin_record(kind, number);
+        completes();
+    }
 }
 
 void csp_observe_begin(uint32_t number)
 {
-    begins_or_ends(4, number);
+    begins_or_ends(BEGIN, number);
 }
 
 void csp_observe_end(uint32_t number)
 {
-    begins_or_ends(5, number);
+    begins_or_ends(END, number);
 }
 
 /* Writes the names of the channels before `end` that have not been named yet. */
 static void name_channels(uint32_t end)
 {
     for (; named_channels < end; named_channels++) {
-        put_first(1);
-        put_number(named_channels);
-        put_short(known->channel_sizes[named_channels]);
+        begin_record(CHANNEL, named_channels)->writer = known->channel_sizes[named_channels];
         put_text(known->channel_names[named_channels]);
         completes();
     }
@@ -270,17 +301,22 @@ static void name_all_channels(void)
 
 void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed)
 {
-    known = names;
     silent = observed == CSP_SILENT;
     csp_signals_attend(attend);
-    observed_channels = (observed <= CSP_OBSERVE_NONE)    ? 0U
-                        : (observed == CSP_OBSERVE_PORTS) ? program->port_count
-                                                          : names->channel_count;
+    observed_channels = 0;
+    if (silent) {
+        return;
+    }
+    known = names;
+    ports = program->ports;
+    only_signals = observed == CSP_OBSERVE_SIGNALS;
+    if (observed != CSP_OBSERVE_NONE) {
+        observed_channels = (observed == CSP_OBSERVE_ALL) ? names->channel_count : program->port_count;
+    }
     named_channels = 0;
     name_channels((observed_channels > program->port_count) ? observed_channels : program->port_count);
     for (uint32_t number = 1; number <= names->process_count; number++) {
-        put_first(2);
-        put_number(number);
+        (void)begin_record(PROCESS, number);
         put_text(names->process_names[number]);
         put_text(names->process_kinds[number]);
         completes();
@@ -310,21 +346,19 @@ static bool is_missing(const csp_broadcast *channel, const csp_broadcast_end *en
     return (channel->writer != NULL) ? end->fresh : ((end->reader == NULL) && (end->waiting == NULL));
 }
 
-/* For a process that waits to write to a broadcast channel: which of its ends are missing, numbered from 0 in the order in which they are served. */
-static void report_missing(const csp_medium *medium)
+/* A process that has been reported waits at a channel. If it waits to write to a broadcast: which of its ends are missing, numbered from 0 in the order
+ * in which they are served. */
+static void report_waiting_at(const csp_wait_entry *entry)
 {
     const csp_broadcast *const channel =
-        (medium->kind == (uint8_t)CSP_BROADCAST) ? (const csp_broadcast *)(const void *)medium : NULL;
-    const csp_broadcast_end *const ends = (channel != NULL) ? channel->ends : NULL;
-    uint16_t count = 0;
-    for (const csp_broadcast_end *end = ends; end != NULL; end = end->next) {
-        count = (uint16_t)(count + (is_missing(channel, end) ? 1U : 0U));
-    }
-    put_short(count);
-    uint16_t index = 0;
-    for (const csp_broadcast_end *end = ends; end != NULL; end = end->next) {
+        (entry->medium->kind == (uint8_t)CSP_BROADCAST) ? (const csp_broadcast *)(const void *)entry->medium : NULL;
+    uint32_t index = 0;
+    begin_record(WAITING_AT, entry->channel)->writer = UINT32_MAX;
+    completes();
+    for (const csp_broadcast_end *end = (channel != NULL) ? channel->ends : NULL; end != NULL; end = end->next) {
         if (is_missing(channel, end)) {
-            put_short(index);
+            begin_record(WAITING_AT, entry->channel)->writer = index;
+            completes();
         }
         index++;
     }
@@ -334,10 +368,8 @@ static void report_waiting_process(const csp_program *program, const csp_waiting
 {
     char text[TEXT] = "";
     csp_wait_entry entry;
-    uint16_t channels = 0;
     name_all_channels();
-    put_first(8);
-    put_number(waiting->process->party.number);
+    (void)begin_record(WAITING, waiting->process->party.number);
     if (program->process_name != NULL) {
         program->process_name(waiting->process->party.number, text, sizeof text);
     }
@@ -346,17 +378,12 @@ static void report_waiting_process(const csp_program *program, const csp_waiting
     put_text(waiting->place->where);
     csp_describe_waiting(program, waiting, text, sizeof text);
     put_text(text);
-    for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
-        channels = (uint16_t)(channels + (entry.named ? 1U : 0U));
-    }
-    put_short(channels);
+    completes();
     for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
         if (entry.named) {
-            put_number(entry.channel);
-            report_missing(entry.medium);
+            report_waiting_at(&entry);
         }
     }
-    completes();
 }
 
 /* Writes exception, message and place. A fault of the environment remains in `csp_fault`. */
@@ -445,10 +472,9 @@ static void report_execution_times(void)
 {
     for (uint32_t number = 1; number < measured_processes; number++) {
         if (measurements[number].steps > 0) {
-            put_first(11);
-            put_number(number);
-            put_time(measurements[number].longest);
-            put_time(measurements[number].steps);
+            row *const added = begin_record(EXECUTION_TIME, number);
+            added->time = measurements[number].longest;
+            added->value = (uint64_t)measurements[number].steps;
             completes();
         }
     }
@@ -467,16 +493,11 @@ bool csp_stream_end(const csp_program *program, csp_ending ending, double durati
     for (uint32_t index = 0; index < program->port_count; index++) {
         if (program->ports[index].kind == CSP_PORT_SAMPLED) {
             const csp_medium *const medium = program->ports[index].medium;
-            put_first(9);
-            put_number(medium->number);
-            put_number(((const csp_sampled_input *)(const void *)medium)->missed);
+            begin_record(MISSED, medium->number)->writer = ((const csp_sampled_input *)(const void *)medium)->missed;
             completes();
         }
     }
-    put_first(10);
-    put_byte((uint8_t)ending);
-    put_time(csp.now);
-    put(&duration, sizeof duration);
+    (void)memcpy(&begin_record(END_OF_RUN, (uint32_t)ending)->value, &duration, sizeof duration);
     put_failure(program, ending == CSP_FAILED);
     completes();
     flush();

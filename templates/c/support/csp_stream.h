@@ -1,28 +1,40 @@
 /* The events of a run, as records on standard output for the process that started it.
  *
- * A record is a byte for its kind, followed by its fields: numbers in the byte order of the machine, texts after their
- * length in two bytes:
+ * A record is a row of 32 bytes, in the byte order of the machine: kind (4 bytes), number (4), time (8), writer (4), reader (4), value (8). The kinds, with
+ * what their fields mean; what is not named is 0:
  *
- *     1  a channel: number (4 bytes), size of its values (2), name
- *     2  a process or group: number (4), name, definition ("" for a group)
- *     3  a communication: time (8), channel (4), writer (4), reader (4), value
- *     4  a process or group begins: time (8), number (4);  5  ends
- *     6  a safe value is written: time (8), channel (4), value
- *     8  a process that waits when nothing can continue: number (4), name, place of its definition, where it waits, for what, channels (2, then 4 each)
- *     9  missed samples of a port: channel (4), count (4)
- *    10  the end: csp_ending (1), time (8), duration of the run in seconds (8, a double), exception ("": the environment failed), message, place
- *    11  execution times, with CSP_MEASURE: number of a process (4), its longest step in nanoseconds (8), number of its steps (8)
- *    12  a sample of a sampled input, read or not: time (8), channel (4), value
+ *     0  the record before continues: 24 bytes, from the time on, of its value or text
+ *     1  a channel: its number, the size of its values as writer; a text follows: its name
+ *     2  a process or group: its number; two texts follow: its name, and its definition ("" for a group)
+ *     3  a communication: the number of the channel, writer, reader, the first 8 bytes of the value
+ *     4  a process or group begins: its number;  5  ends
+ *     6  a safe value is written: the number of the channel, the first 8 bytes of the value
+ *     7  a text: its length as number, then, from the time on, its first 24 bytes
+ *     8  a process that waits when nothing can continue: its number; four texts follow: name, place of its definition, where it waits, for what
+ *     9  missed samples: the number of the port, their count as writer
+ *    10  the end: csp_ending as number, duration of the run in seconds (a double) as value; three texts follow: exception ("": the environment failed),
+ *        message, place
+ *    11  execution times, with CSP_MEASURE: the number of a process, its longest step in nanoseconds as time, the number of its steps as value
+ *    12  a sample of a sampled input, read or not: the number of the channel, the first 8 bytes of the value
+ *    13  the process before waits at a channel: its number, and 2^32 - 1 as writer; then, for each end of a broadcast that has not taken the value, the same with
+ *        the number of that end
  *
- * Whole records are sent: when there are many, ten times a second, and when the program is ended by force.
+ * So a reader finds the records of one kind without reading the others. Whole records are sent: when there are many, ten times a second, and when the program
+ * is ended by force.
  */
 #ifndef CSP_STREAM_H
 #define CSP_STREAM_H
 
 #include "csp_simulation.h"
 
-/* Which communications are reported; silent: nothing at all. */
-typedef enum csp_observed { CSP_SILENT, CSP_OBSERVE_NONE, CSP_OBSERVE_PORTS, CSP_OBSERVE_ALL } csp_observed;
+/* Which communications are reported. Silent: nothing at all; signals: those of ports but for reads of sampled inputs, whose samples are reported. */
+typedef enum csp_observed {
+    CSP_SILENT,
+    CSP_OBSERVE_NONE,
+    CSP_OBSERVE_SIGNALS,
+    CSP_OBSERVE_PORTS,
+    CSP_OBSERVE_ALL
+} csp_observed;
 
 /* To be called before the run. */
 void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed);

@@ -28,6 +28,7 @@ from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import Build, CompilationTimeoutError, CompilerError, explained, find_compiler
+from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import StreamReader
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -355,7 +356,7 @@ def test_a_signal_without_a_reader_loses_no_record() -> None:
             assert running.poll() is None
             fcntl.ioctl(running.stdout, termios.FIONREAD, waiting)
         running.send_signal(signal.SIGTERM)
-        reader = StreamReader(running.stdout, network, Recorder())
+        reader = StreamReader(running.stdout, network, Recorder(), PassedRows(network, keeps_order=True))
         reader.read()
     assert reader.end is not None
     assert reader.end.ending == 4

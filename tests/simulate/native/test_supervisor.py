@@ -164,3 +164,28 @@ def test_a_native_run_ends_with_its_parent(number: signal.Signals, tmp_path: Pat
             assert not is_native(native[0])
         finally:
             parent.kill()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it looks at /proc")
+@needs_compiler
+def test_a_native_program_that_is_killed_leaves_no_recording_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "main.csp").write_text(ENDLESS)
+    (tmp_path / "temporary").mkdir()
+    command = [sys.executable, "-m", "cspdiag", "run", "main.csp", "--target", "c", "--record", "main.npz"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(tmp_path / "temporary")}
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as parent:
+        try:
+            native: list[int] = []
+            deadline = time.monotonic() + 60
+            while not native and parent.poll() is None and time.monotonic() < deadline:
+                time.sleep(0.02)
+                native = [child for child in children(parent.pid) if is_native(child)]
+            os.kill(native[0], signal.SIGKILL)
+            _, reported = parent.communicate(timeout=20)
+        finally:
+            parent.kill()
+    assert parent.returncode == 1, reported
+    assert "the native program has failed" in reported
+    assert "internal error" not in reported
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["main.csp", "temporary"]
+    assert list((tmp_path / "temporary").iterdir()) == []

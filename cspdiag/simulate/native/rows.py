@@ -1,0 +1,191 @@
+"""The values that a native program reports, kept as they come: rows of 32 bytes, as in ``csp_stream.h``.
+
+They become arrays or objects only when somebody looks at them.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+from cspdiag.base.record import record
+from cspdiag.model.types import Type
+from cspdiag.network.ir.network import CoreNetwork
+from cspdiag.simulate.native.parties import Parties
+from cspdiag.simulate.native.values import Decoder, decoder, layout, numpy_type
+from cspdiag.simulate.record.history import History
+from cspdiag.simulate.record.leaves import column
+
+if TYPE_CHECKING:
+    import numpy
+
+ROW = struct.Struct("=IIqIIQ")
+"""Kind, number, time, writer, reader, value."""
+SIZE = ROW.size
+_VALUE = slice(24, 32)
+_PAYLOAD = slice(8, 32)
+
+
+class Kind(IntEnum):
+    """The kinds of rows."""
+
+    CONTINUATION = 0
+    CHANNEL = 1
+    PROCESS = 2
+    COMMUNICATION = 3
+    BEGIN = 4
+    END = 5
+    RELEASE = 6
+    TEXT = 7
+    WAITING = 8
+    MISSED = 9
+    END_OF_RUN = 10
+    EXECUTION_TIME = 11
+    SAMPLE = 12
+    WAITING_AT = 13
+
+
+@record
+class Channel:
+    """A channel of a native program; its values have ``size`` bytes."""
+
+    name: str
+    type: Type
+    size: int
+    decode: Decoder
+
+    @property
+    def continuations(self) -> int:
+        """How many rows continue a record with a value."""
+        return -(-max(self.size - 8, 0) // 24)
+
+    def value(self, data: bytes, position: int) -> object:
+        """The value of the record at this position."""
+        found = data[position + _VALUE.start : position + SIZE]
+        for row in range(position + SIZE, position + SIZE * (1 + self.continuations), SIZE):
+            found += data[row + _PAYLOAD.start : row + SIZE]
+        return self.decode(found[: self.size])
+
+
+def channel_of(name: str, type_: Type) -> Channel:
+    """A channel with values as this machine's C compilers lay them out."""
+    return Channel(name, type_, layout(type_)[0], decoder(type_))
+
+
+class PassedRows:
+    """What a native program has passed; see ``Passed``.
+
+    ``channels`` and ``processes`` are those that the program has named, by number. ``keeps_order`` says whether the
+    communications can be asked for; otherwise only the history of each channel is kept, which takes half the memory.
+    """
+
+    def __init__(self, network: CoreNetwork, *, keeps_order: bool) -> None:
+        self.channels: dict[int, Channel] = {}
+        self.processes: dict[int, str] = {0: ""}
+        self._network = network
+        self._keeps_order = keeps_order
+        self._rows: list[bytes] = []
+        """Records in order, of which none is in two parts."""
+        self._series: dict[int, _Series] = {}
+
+    def add(self, data: bytes) -> None:
+        """Keep whole records."""
+        if self._keeps_order:
+            self._rows.append(data)
+        else:
+            self._sort(data)
+
+    @property
+    def communications(self) -> Iterator[tuple[int, str, object, str, str]]:
+        """All communications in order, each as the fields of ``Communication``."""
+        running: dict[str, None] = {}
+        parties = Parties(self._network, running)
+        for data in self._rows:
+            for position in range(0, len(data), SIZE):
+                kind, number, time, writer, reader, _ = ROW.unpack_from(data, position)
+                if kind == Kind.COMMUNICATION:
+                    channel = self.channels[number]
+                    source = parties.writer(channel.name, self.processes[writer])
+                    sink = parties.reader(channel.name, self.processes[reader])
+                    yield time, channel.name, channel.value(data, position), source, sink
+                elif kind == Kind.BEGIN:
+                    running[self.processes[number]] = None
+                elif kind == Kind.END:
+                    running.pop(self.processes[number], None)
+
+    @property
+    def samples(self) -> Iterator[tuple[int, str, object]]:
+        """All samples in order: time in nanoseconds, port, value."""
+        for data in self._rows:
+            for position in range(0, len(data), SIZE):
+                kind, number, time, *_ = ROW.unpack_from(data, position)
+                if kind == Kind.SAMPLE:
+                    channel = self.channels[number]
+                    yield time, channel.name, channel.value(data, position)
+
+    def histories(self, types: Mapping[str, Type]) -> Mapping[str, History]:
+        """See ``Passed.histories``."""
+        if not self._series:
+            for data in self._rows:
+                self._sort(data)
+        return {self.channels[number].name: own.history() for number, own in self._series.items()}
+
+    def _sort(self, data: bytes) -> None:
+        """Add records to the series of their channels."""
+        import numpy
+
+        heads = numpy.frombuffer(data, numpy.uint32).reshape(-1, SIZE // 4)
+        kinds, numbers = heads[:, 0], heads[:, 1]
+        positions = numpy.flatnonzero((kinds == Kind.COMMUNICATION) | (kinds == Kind.SAMPLE))
+        # One number for each channel and kind; sorting by it keeps the order in time.
+        keys = 2 * numbers[positions] + (kinds[positions] == Kind.SAMPLE)
+        if len(self.channels) < 1 << 15:
+            keys = keys.astype(numpy.uint16)  # These are sorted faster.
+        order = numpy.argsort(keys, kind="stable")
+        positions, keys = positions[order], keys[order]
+        groups = numpy.split(positions, numpy.flatnonzero(keys[1:] != keys[:-1]) + 1) if len(keys) else []
+        for group in sorted(groups, key=lambda group: int(group[0])):
+            number, is_sample = int(numbers[group[0]]), bool(kinds[group[0]] == Kind.SAMPLE)
+            if number not in self._series:
+                self._series[number] = _Series(self.channels[number])
+            self._series[number].add(data, group, is_sample=is_sample)
+
+
+class _Series:
+    """The values of one channel as they are in memory, and their instants."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._passed = bytearray(), bytearray()
+        self._samples = bytearray(), bytearray()
+
+    def add(self, data: bytes, positions: numpy.ndarray, *, is_sample: bool) -> None:
+        """Add the records at these rows."""
+        import numpy
+
+        words = numpy.frombuffer(data, numpy.int64).reshape(-1, SIZE // 8)
+        times, values = self._samples if is_sample else self._passed
+        times += words[positions, 1].tobytes()
+        first = words[positions, 3]
+        if self._channel.size == 8:
+            values += first.tobytes()
+            return
+        parts = [first.view(numpy.uint8).reshape(-1, 8)]
+        if self._channel.continuations:
+            payloads = numpy.frombuffer(data, numpy.uint8).reshape(-1, SIZE)[:, _PAYLOAD]
+            parts += [payloads[positions + row] for row in range(1, self._channel.continuations + 1)]
+        values += numpy.concatenate(parts, axis=1)[:, : self._channel.size].tobytes()
+
+    def history(self) -> History:
+        """The history of the channel: of a sampled input its samples, of any other what was passed."""
+        import numpy
+
+        is_sampled = bool(self._samples[0])
+        times, values = self._samples if is_sampled else self._passed
+        raw = numpy.frombuffer(values, numpy_type(self._channel.type))
+        wanted = column([], self._channel.type).dtype
+        found = raw if raw.dtype == wanted and wanted.names is None else raw.astype(wanted)
+        read = numpy.frombuffer(self._passed[0] if is_sampled else b"", numpy.int64)
+        return History(numpy.frombuffer(times, numpy.int64), found, read, is_sampled)
