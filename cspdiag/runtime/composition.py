@@ -55,7 +55,7 @@ class Branches:
             for rank, task in enumerate(self.tasks):
                 parent.scheduler.set_priority(task, (*parent.priority, rank))
         for task in self.tasks:
-            task.ready_queue.append(task)
+            task.ready_queue.append(task.entry)
 
     def _task_for(self, body: Body) -> Task:
         """What executes a branch."""
@@ -80,20 +80,17 @@ class Branches:
         elif error is not None:
             if self._error is None:
                 self._error = error
-                for task in self.tasks:
-                    if task is not branch:
-                        task.cancel()
+                branch.scheduler.cancel(task for task in self.tasks if task is not branch)
             else:
                 self._error.add_note(f"{ANOTHER_BRANCH} {kind_and_text(error)}")
         if not self.pending:
-            self._parent.ready_queue.append(self._parent)
+            self._parent.ready_queue.append(self._parent.entry)
 
     def withdraw(self, party: Party) -> bool:
         """Cancels the branches. Always False: the last branch that ends readies the parent."""
         if self.pending:
             self._abandoned = True
-            for task in self.tasks:
-                task.cancel()
+            self._parent.scheduler.cancel(self.tasks)
         return False
 
     def waits_for(self, party: Party) -> Waits:
@@ -122,7 +119,7 @@ class Rounds(Branches):
         self.pending = len(self.tasks)
         for task in self.tasks:
             task.ended = False
-            task.ready_queue.append(task)
+            task.ready_queue.append(task.entry)
         self._parent.waiting = self
 
     def done(self, branch: Task) -> None:
@@ -130,7 +127,7 @@ class Rounds(Branches):
         branch.ended = True
         self.pending -= 1
         if not self.pending:
-            self._parent.ready_queue.append(self._parent)
+            self._parent.ready_queue.append(self._parent.entry)
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """See ``Branches.branch_ended``: this branch will not begin again."""
@@ -139,6 +136,8 @@ class Rounds(Branches):
 
     def conclude(self) -> None:
         """Raises what the first unsuccessful branch raised."""
+        for task in self.tasks:
+            task.scheduler.forget(task)
         self.tasks = []
         self.failed = False
         error, self._error = self._error, None
@@ -254,7 +253,7 @@ class _Delay:
         self._instant = instant
 
     def due(self) -> None:
-        self._task.ready_queue.append(self._task)
+        self._task.ready_queue.append(self._task.entry)
 
     def withdraw(self, party: Party) -> bool:
         return self._task.scheduler.timers.stop(self._instant, self)

@@ -13,6 +13,7 @@ from functools import partial
 from signal import SIGINT
 from typing import Any, Literal
 
+from .compiled.direct import DirectScheduler
 from .compiled.routine import Routine
 from .composition import end_all, task_for
 from .deadlock import report_deadlock
@@ -73,7 +74,7 @@ class Network:
             raise RuntimeError("this network is running already")
         self._runs = True
         try:
-            with Scheduler(policy) as scheduler:
+            with self._new_scheduler(policy) as scheduler:
                 self._scheduler = scheduler
                 clock = RealClock() if real_time else VirtualClock()
                 run = _Run(self, scheduler, environment, clock, until, on_miss, observer)
@@ -81,6 +82,11 @@ class Network:
                     return run.outcome()
         finally:
             self._runs = False
+
+    def _new_scheduler(self, policy: Policy | None) -> Scheduler:
+        if isinstance(self.process, Routine) and not self.process.tracked:
+            return DirectScheduler()
+        return Scheduler(policy)
 
 
 class _Run:
@@ -108,7 +114,6 @@ class _Run:
         for port in network.ports:
             if isinstance(port, SampledInput):
                 port.begin(on_miss)
-        self._tracked = not isinstance(network.process, Routine) or network.process.tracked
         self._process = os.getpid()
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
@@ -193,7 +198,7 @@ class _Run:
     def _running(self) -> Callable[[], bool]:
         if self._scheduler.policy is not None:
             return partial(self._scheduler.run_ready_by, self._scheduler.policy)
-        return self._scheduler.run_ready if self._tracked else self._scheduler.run_ready_routines
+        return self._scheduler.run_ready
 
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
@@ -202,7 +207,7 @@ class _Run:
         drivers are. All instants that have passed are met before the next steps of processes, so a process that
         computes for too long finds its samples overwritten.
         """
-        run_ready = self._scheduler.run_ready if self._tracked else self._scheduler.run_ready_routines
+        run_ready = self._scheduler.run_ready
         watch = self._devices.watch
         watch.limits_steps = True
         while True:
@@ -267,7 +272,7 @@ class _Run:
             if isinstance(port, EventInput) and port.polled:
                 port.start()
         self._clock.start()
-        self._scheduler.enqueue(self._root)
+        self._scheduler.enqueue(self._root.entry)
 
     def _observe(self) -> None:
         observer = self._observer

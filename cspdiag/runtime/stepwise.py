@@ -69,7 +69,7 @@ class StepwiseRun:
 
     def ready(self, party: Party) -> None:
         """Readies a party that has halted."""
-        party.ready_queue.append(party)
+        party.ready_queue.append(party.entry)
 
     def run_ready(self, most: int) -> bool:
         """Runs up to ``most`` ready parties, first come, first served; False if none is left."""

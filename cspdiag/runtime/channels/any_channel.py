@@ -78,7 +78,7 @@ class AnyChannel(In[T], Out[T]):
         scheduler = present()
         if self._writers:
             writer, value = self._writers[0]
-            scheduler.ready(writer)
+            scheduler.ready(writer.entry)
             self._writers.popleft()
             self._partner_left()
         else:
@@ -92,7 +92,7 @@ class AnyChannel(In[T], Out[T]):
     def _hand_over(self, value: T) -> None:
         scheduler = present()
         reader = self._readers[0]
-        scheduler.ready(reader)
+        scheduler.ready(reader.entry)
         self._readers.popleft()
         reader.received = value
         self._partner_left()
@@ -113,7 +113,7 @@ class AnyChannel(In[T], Out[T]):
         choice.resolve(index, None)
         reader = self._readers.popleft()
         reader.received = value
-        reader.ready_queue.append(reader)
+        reader.ready_queue.append(reader.entry)
         self._partner_left()
         scheduler = present()
         if scheduler.observe is not None:

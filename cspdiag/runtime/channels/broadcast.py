@@ -96,7 +96,7 @@ class Broadcast(In[T], Out[T]):
         assert writer is not None
         scheduler = present()
         if not any(other.fresh for other in self._ends if other is not end):
-            scheduler.ready(writer)
+            scheduler.ready(writer.entry)
             self._writer = None
         end.recall()
         if scheduler.observe is not None:
@@ -163,7 +163,7 @@ class BroadcastEnd(In[T]):
             self.resolved = False
         elif self._reader is not None:
             reader, self._reader = self._reader, None
-            reader.ready_queue.append(reader)
+            reader.ready_queue.append(reader.entry)
             reader.received = value
             self.channel.readers_changed()
             scheduler = present()

@@ -60,7 +60,7 @@ class Buffer(In[T], Out[T]):
         scheduler = present()
         reader = self._reader
         if reader is not None:
-            scheduler.ready(reader)
+            scheduler.ready(reader.entry)
             reader.received = value
             self._reader = None
         else:
@@ -95,7 +95,7 @@ class Buffer(In[T], Out[T]):
         value = self._stored.popleft()
         if self._writer is not None:
             writer, self._writer = self._writer, None
-            writer.ready_queue.append(writer)
+            writer.ready_queue.append(writer.entry)
             self._enter(self._offered, writer)
         else:
             raise_bits(self._outputs)

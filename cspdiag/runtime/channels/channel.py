@@ -48,7 +48,7 @@ class Channel(In[T], Out[T]):
         scheduler = self._scheduler
         if writer is not None:
             try:
-                scheduler.push(writer)
+                scheduler.push(writer.entry)
             except Led:
                 pass
             else:
@@ -79,7 +79,7 @@ class Channel(In[T], Out[T]):
         scheduler = self._scheduler
         if reader is not None:
             try:
-                scheduler.push(reader)
+                scheduler.push(reader.entry)
             except Led:
                 pass
             else:
@@ -173,7 +173,7 @@ class Channel(In[T], Out[T]):
         if writer is None:
             return self._take_from_alternative()
         scheduler = self._scheduler
-        scheduler.ready(writer)
+        scheduler.ready(writer.entry)
         self._writer = None
         if self._meeting is not None:
             self._meeting.writer_left()
@@ -192,7 +192,7 @@ class Channel(In[T], Out[T]):
 
     def _hand_over(self, reader: Party, value: T) -> None:
         scheduler = self._scheduler
-        scheduler.ready(reader)
+        scheduler.ready(reader.entry)
         self._reader = None
         reader.received = value
         if self._meeting is not None:

@@ -6,7 +6,6 @@ communicates by the guard that is chosen, either by itself or by an alternative 
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
 from typing import Any, TypeAlias, assert_never
@@ -16,7 +15,7 @@ from ..channels.selector import Selector, raise_bits
 from ..channels.variable import Constant, Discard, Variable
 from ..kernel.durations import shown
 from ..kernel.executed import Executed
-from ..kernel.party import Party
+from ..kernel.party import Entry, Party, ReadyQueue
 from ..kernel.policy import Option
 from ..kernel.scheduler import Task, present
 
@@ -148,12 +147,19 @@ class _Pledge:
         return self._choice.task.process
 
     @property
-    def ready_queue(self) -> list[Party] | deque[Party]:
+    def ready_queue(self) -> ReadyQueue:
         return self._choice.task.ready_queue
+
+    @property
+    def entry(self) -> Entry:
+        return self
 
     def resume(self, _: None) -> None:
         self._choice.pledged = None
         self._choice.redeem()
+
+    def __next__(self) -> None:
+        self.resume(None)
 
 
 class Choice:
@@ -293,7 +299,7 @@ class Choice:
         """A first guard has become ready, or the other side has chosen."""
         if not self.woken:
             self.woken = True
-            self.task.ready_queue.append(self.task)
+            self.task.ready_queue.append(self.task.entry)
 
     def communicate(self, index: int, values: Mapping[int, Any]) -> bool:
         """Communicates by a guard that is ready; False if the task still has to wait in the channel."""
@@ -327,7 +333,7 @@ class Choice:
     def redeem(self) -> None:
         """The value that was promised has been read: the task continues."""
         self.task.scheduler.current = self.task
-        self.task.resume(None)
+        next(self.task.entry)
 
     def pledge(self, index: int) -> Party:
         """The other side has chosen output guard ``index`` and will read later; the party waits for that."""

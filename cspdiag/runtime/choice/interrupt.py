@@ -26,7 +26,7 @@ class _Interruption(Choice):
     def wake(self) -> None:
         """The guard has become ready."""
         self.woken = True
-        self.body.cancel()
+        self.body.scheduler.cancel((self.body,))
 
     def pledge(self, index: int) -> Party:
         """See ``Choice.pledge``; the body runs on to its next communication while the value waits to be read."""

@@ -5,7 +5,6 @@ They begin in port order; the task continues when the last of them is done.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Generator, Sequence
 from types import coroutine
 from typing import TYPE_CHECKING, Any, TypeVar, overload
@@ -15,7 +14,7 @@ from ..channels.variable import Constant, Discard, Variable
 from ..compiled.rendezvous import Rendezvous
 from ..kernel.exceptions import Cancelled
 from ..kernel.executed import Executed
-from ..kernel.party import Party, Waits
+from ..kernel.party import Entry, Party, ReadyQueue, Waits
 from ..kernel.policy import Option, Policy, compute_first
 from ..kernel.scheduler import Task, hold, present
 
@@ -64,8 +63,12 @@ class _Offered:
         return self.task.process
 
     @property
-    def ready_queue(self) -> list[Party] | deque[Party]:
+    def ready_queue(self) -> ReadyQueue:
         return self.task.ready_queue
+
+    @property
+    def entry(self) -> Entry:
+        return self
 
     def resume(self, _: None) -> None:
         """The communication is done, or there is something to collect; the last one resumes the task."""
@@ -83,7 +86,10 @@ class _Offered:
         except (Exception, Cancelled) as error:
             together.fail(self, error)
         if not together.waiting:
-            self.task.resume(None)
+            next(self.task.entry)
+
+    def __next__(self) -> None:
+        self.resume(None)
 
 
 class _Together:
@@ -114,7 +120,7 @@ class _Together:
         self.values[offered.position] = offered.received
         self.waiting.remove(offered)
         if not self.waiting:
-            self.task.resume(None)
+            next(self.task.entry)
 
     def fail(self, offered: _Offered, error: BaseException) -> None:
         """Withdraws the others; the error is raised in the task."""

@@ -53,7 +53,7 @@ class Rendezvous(In[T], Out[T]):
             self.offered = value
             return False
         scheduler = present()
-        scheduler.ready(reader)
+        scheduler.ready(reader.entry)
         self.reading = None
         self.value = value
         if scheduler.observe is not None:
@@ -65,7 +65,7 @@ class Rendezvous(In[T], Out[T]):
         writer = self.writing
         assert writer is not None
         scheduler = present()
-        scheduler.ready(writer)
+        scheduler.ready(writer.entry)
         self.writing = None
         if scheduler.observe is not None:
             scheduler.observe(self.name, self.offered, writer, scheduler.current)

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
 from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from ..kernel.exceptions import ProcessError, fault_of, run_is_ended
 from ..kernel.executed import Executed
 from ..kernel.party import Waits
 from ..kernel.places import note_place, place_of
 from ..kernel.scheduler import Join, Task, present
+from .direct import SPENT, DirectScheduler
 from .rendezvous import Rendezvous
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ class Routine(Part):
 
     ``checked``: whether the code checks before each communication if it was cancelled; otherwise it is abandoned where
     it is. ``tracked``, of the outermost process: whether the program has parts written by hand, which need to know
-    which process runs.
+    which process runs, or levels of priority.
     """
 
     __slots__ = ()
@@ -122,15 +123,6 @@ Branch: TypeAlias = "Routine | Callable[[Task], Steps]"
 """What an optimized process can run in parallel with others."""
 
 
-class _Done:
-    """Takes the place, in the ready queue, of a communication of a task that was cancelled."""
-
-    resume = staticmethod(lambda _: None)
-
-
-_DONE = _Done()
-
-
 class RoutineTask(Task):
     """A task that executes optimized code.
 
@@ -144,8 +136,28 @@ class RoutineTask(Task):
         steps = branch.steps if isinstance(branch, Routine) else branch
         super().__init__(steps(self), join, parent)
 
+    def _is_resumed(self) -> None:
+        scheduler, generator = self.scheduler, cast("Steps", self.coroutine)
+        if isinstance(scheduler, DirectScheduler):
+            scheduler.tasks[generator] = self
+            self.entry = generator
+        else:
+            super()._is_resumed()
+
+    def cancel(self) -> None:
+        """See ``Task.cancel``; from now on it is not resumed directly."""
+        if not self.ended:
+            self.entry = self
+            super().cancel()
+
     def _cancel_ready(self) -> None:
         self.resume = self._abandon
+        self._resumed_as_party()
+
+    def _resumed_as_party(self) -> None:
+        """Takes the place of its generator in the ready queue."""
+        if isinstance(self.scheduler, DirectScheduler):
+            self.scheduler.displaced[self.coroutine] = self
 
     def withdraw(self) -> bool:
         """Removes the task from where it waits; False if it does not wait."""
@@ -160,10 +172,13 @@ class RoutineTask(Task):
         """Removes it from the ready queue, into which communications that are done may have put it if several were
         offered at once.
         """
-        queue: Any = self.ready_queue
-        for position, party in enumerate(queue):
-            if party is self:
-                queue[position] = _DONE
+        scheduler, queue = self.scheduler, self.ready_queue
+        if isinstance(scheduler, DirectScheduler) and scheduler.current is not self:
+            scheduler.displaced[self.coroutine] = SPENT
+            return
+        for position, entry in enumerate(queue):
+            if entry is self:
+                queue[position] = SPENT
 
     def waits(self) -> Waits:
         """What the task waits for."""
@@ -195,6 +210,7 @@ class CheckedTask(RoutineTask):
 
     def _cancel_ready(self) -> None:
         self.resume = self._run_until_communication
+        self._resumed_as_party()
 
 
 def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask:

@@ -28,5 +28,8 @@ class _End:
         """See ``Party.resume``."""
         os._exit(1)
 
+    def __next__(self) -> NoReturn:
+        os._exit(1)
+
 
 end_of_child: Any = _End()

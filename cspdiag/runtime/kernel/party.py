@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, Union
 
 from .executed import Executed
+
+
+class Entry(Protocol):
+    """What can be in a ready queue: a party, or the generator of a task that is resumed directly."""
+
+    def __next__(self) -> object:
+        """Lets it continue until it waits; StopIteration: it has ended."""
+        ...
+
+
+ReadyQueue: TypeAlias = Union[list[Entry], "deque[Entry]"]
 
 
 class Party(Protocol):
@@ -23,9 +34,18 @@ class Party(Protocol):
         """Lets it continue; called only by the scheduler."""
         ...
 
+    def __next__(self) -> object:
+        """``resume``, for a scheduler that resumes directly."""
+        ...
+
     @property
-    def ready_queue(self) -> list[Party] | deque[Party]:
+    def ready_queue(self) -> ReadyQueue:
         """The queue of its level of priority."""
+        ...
+
+    @property
+    def entry(self) -> Entry:
+        """What is put into that queue when it is ready."""
         ...
 
     @property

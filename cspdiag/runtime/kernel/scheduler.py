@@ -6,8 +6,8 @@ A *task* is a thread of control: the outermost process, or a branch of a paralle
 Invariants:
 
 - At most one task of a run is running; ``scheduler.current`` is that task, or ``nobody``.
-- A party is either registered with the thing it waits for, or in a ready queue, and in at most one of the two. What
-  removes it from the first puts it into the second; nothing resumes a task directly.
+- A party is either registered with the thing it waits for, or its ``entry`` is in a ready queue, and at most one of
+  the two. What removes it from the first puts it into the second; nothing resumes a task directly.
 - Within a level of priority the ready queue is first come, first served. Level ``()`` is the highest; a task of a
   lower level runs only while no task of a higher level is ready.
 - A task that is cancelled never registers anywhere, and never completes a communication.
@@ -16,7 +16,7 @@ Invariants:
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Coroutine, Generator, Iterator
+from collections.abc import Callable, Coroutine, Generator, Iterable, Iterator
 from contextvars import ContextVar, Token
 from itertools import islice
 from typing import Any, Final, Protocol, TypeAlias
@@ -24,7 +24,7 @@ from typing import Any, Final, Protocol, TypeAlias
 from .child import end_of_child
 from .exceptions import Cancelled
 from .executed import Executed
-from .party import Party, Waitable, Waits
+from .party import Entry, Party, ReadyQueue, Waitable, Waits
 from .policy import Option, Policy
 from .stopping import stopping
 from .timers import Timers
@@ -44,6 +44,7 @@ class Task:
         "cancelled",
         "coroutine",
         "ended",
+        "entry",
         "join",
         "priority",
         "process",
@@ -58,11 +59,12 @@ class Task:
         self, body: Coroutine[Any, Any, object] | Generator[None, None, None], join: Join, parent: Task | None
     ) -> None:
         self.coroutine = body
-        self.resume: Callable[[None], object] = body.send
+        self.resume: Callable[[None], object]
+        self.entry: Entry
         self.join = join
         self.process: Executed | None
         self.priority: Priority
-        self.ready_queue: list[Party] | deque[Party]
+        self.ready_queue: ReadyQueue
         self.received: Any = None
         self.waiting: Waitable | None = None
         self.cancelled = False
@@ -73,6 +75,17 @@ class Task:
         else:
             self.scheduler = parent.scheduler
             self.process, self.priority, self.ready_queue = parent.process, parent.priority, parent.ready_queue
+        self._is_resumed()
+
+    def _is_resumed(self) -> None:
+        """Decides how it is resumed."""
+        self.resume = self.coroutine.send
+        self.entry = self
+
+    def __next__(self) -> object:
+        """``resume``, for a scheduler that resumes directly."""
+        self.scheduler.current = self
+        return self.resume(None)
 
     def cancel(self) -> None:
         """Ends the task at its next communication: the one at which it waits, or else the next one that it begins."""
@@ -180,19 +193,19 @@ class Scheduler:
 
     def __init__(self, policy: Policy | None = None) -> None:
         self.now = 0
-        self.queue: list[Party] = []
+        self.queue: list[Any] = []
         """The queue of the highest level; always the same list."""
         self._entered: list[Token[Scheduler]] = []
         self.current = nobody
-        self._levels: list[tuple[Priority, deque[Party]]] = []
-        self.enqueue: Callable[[Party], None] = self.queue.append
+        self._levels: list[tuple[Priority, deque[Any]]] = []
+        self.enqueue: Callable[[Any], None] = self.queue.append
         self.timers = Timers()
         self.watcher: Watcher | None = None
         self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
         self.sample_log: list[Any] | None = None
         self.policy = policy
-        self.push: Callable[[Party], None]
-        self.ready: Callable[[Party], None]
+        self.push: Callable[[Any], None]
+        self.ready: Callable[[Any], None]
         self.careful: bool
         self.forget_cancellation()
 
@@ -221,14 +234,22 @@ class Scheduler:
         self.ready = self.enqueue
         self.push = _refuse if self.careful else self.enqueue
 
-    def _ready_unless_cancelled(self, party: Party) -> None:
+    def _ready_unless_cancelled(self, entry: Entry) -> None:
         """Replaces ``ready`` while a cancelled task runs.
 
         Channels ready the partner before they change anything: this ends the task with the communication undone.
         """
         if self.current.cancelled:
             raise Cancelled
-        self.enqueue(party)
+        self.enqueue(entry)
+
+    def cancel(self, tasks: Iterable[Task]) -> None:
+        """Cancels several tasks."""
+        for task in tasks:
+            task.cancel()
+
+    def forget(self, task: Task) -> None:
+        """A task will not be resumed any more, although it has not ended."""
 
     def leave(self) -> None:
         """Called in a forked child: whatever would be resumed next, in any loop over the queue, ends the child."""
@@ -245,46 +266,18 @@ class Scheduler:
             priority = priority[:-1]
         task.ready_queue = self._queue_of(priority)
 
-    def _queue_of(self, priority: Priority) -> list[Party] | deque[Party]:
+    def _queue_of(self, priority: Priority) -> ReadyQueue:
         if not priority:
             return self.queue
         for level, queue in self._levels:
             if level == priority:
                 return queue
-        created: deque[Party] = deque()
+        created: deque[Any] = deque()
         self._levels.append((priority, created))
         self._levels.sort(key=lambda entry: entry[0])
         self.enqueue = _enqueue_by_level
         self.forget_cancellation()
         return created
-
-    def run_ready_routines(self, most: int = 4096) -> bool:
-        """Like ``run_ready``, if all processes are optimized code, which itself sets the current task before it calls a
-        function that needs it.
-        """
-        queue = self.queue
-        if not queue:
-            return self._run_lower_level()
-        batch = islice(queue, most)
-        party: Any = nobody
-        while True:
-            try:
-                for party in batch:
-                    resume = party.resume  # CPython 3.11 does not specialize a call of what a slot holds.
-                    resume(None)
-                break
-            except StopIteration:
-                self._party_ended(party, None)
-            except BaseException as error:
-                self._party_ended(party, error)
-        del queue[:most]
-        self.current = nobody
-        return bool(queue or self._levels)
-
-    def _party_ended(self, party: Any, error: BaseException | None) -> None:
-        if isinstance(party, Task):
-            self.current = party
-        self._task_ended(error)
 
     def run_ready(self, most: int = 4096) -> bool:
         """Runs up to ``most`` ready parties; False if none is left.
@@ -299,8 +292,8 @@ class Scheduler:
         while True:
             try:
                 for party in batch:
-                    self.current = party  # type: ignore[assignment]
-                    resume = party.resume
+                    self.current = party
+                    resume = party.resume  # CPython 3.11 does not specialize a call of what a slot holds.
                     resume(None)
                 break
             except StopIteration:
@@ -361,6 +354,8 @@ class Scheduler:
         if error is not None and stopping.ends_run(error):
             raise error
         ended = self.current
+        if ended.ended:
+            return  # Of several communications that it offered at once, one more was done.
         ended.ended = True
         ended.join.branch_ended(ended, error)
 

@@ -40,7 +40,7 @@ class EventEnd(LatchedEnd[T]):
         self.fresh = True
         if self._readers:
             reader = self._readers.popleft()
-            reader.ready_queue.append(reader)
+            reader.ready_queue.append(reader.entry)
         raise_bits(self.inputs)
 
     def request(self, party: Party) -> bool:
@@ -55,7 +55,7 @@ class EventEnd(LatchedEnd[T]):
         """See ``In.collect``."""
         if present().current.cancelled and self.fresh and self._readers:
             reader = self._readers.popleft()
-            reader.ready_queue.append(reader)
+            reader.ready_queue.append(reader.entry)
         refuse_cancelled()
         if self.fresh:
             party.received = self.taken(party)

@@ -91,7 +91,7 @@ class SampledEnd(LatchedEnd[T]):
     def _arrived(self) -> None:
         self.fresh = True
         if self.waiter is not None:
-            self.waiter.ready_queue.append(self.waiter)
+            self.waiter.ready_queue.append(self.waiter.entry)
             self.waiter = None
         if self.inputs:
             raise_bits(self.inputs)
@@ -276,7 +276,7 @@ class SampledInput(In[T]):
                     waiter = end.waiter
                     if waiter is not None:
                         end.waiter = None
-                        scheduler.enqueue(waiter)
+                        scheduler.enqueue(waiter.entry)
                     if end.inputs:
                         raise_bits(end.inputs)
                 else:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from cspdiag.runtime import (
@@ -14,92 +11,15 @@ from cspdiag.runtime import (
     Fault,
     Input,
     Network,
-    Outcome,
     Rendezvous,
     Rounds,
-    Routine,
     Steps,
     Task,
     begin_delay,
     interrupted,
     ms,
-    parallel,
 )
-
-Body = Callable[[Task], Steps]
-
-
-class Program(Routine):
-    """The outermost process, with the given body."""
-
-    def __init__(self, body: Body) -> None:
-        super().__init__("Top")
-        self.body = body
-
-    def steps(self, me: Task) -> Steps:
-        self.start(me)
-        try:
-            yield from self.body(me)
-        except BaseException as error:
-            self.fail(me, error)
-            raise
-        self.end(me)
-
-
-class CheckedProgram(Program):
-    checked = True
-
-
-def run(*branches: Body, program: type[Program] = Program) -> Outcome:
-    def body(me: Task) -> Steps:
-        me.scheduler.current = me
-        yield from parallel(*branches)
-
-    return Network(program(body)).run()
-
-
-def write(me: Task, channel: Rendezvous[Any], value: object) -> Steps:
-    reader = channel.reading
-    if reader is not None:
-        channel.reading = None
-        channel.value = value
-        me.scheduler.queue.append(reader)
-    else:
-        channel.writing = me
-        channel.offered = value
-        if isinstance(channel, Alternated):
-            guards = channel.selector
-            guards.ready |= channel.bit
-            if guards.armed & channel.bit:
-                me.scheduler.current = me
-                guards.wake()
-        yield
-
-
-def writer(channel: Rendezvous[Any], *values: object) -> Body:
-    def steps(me: Task) -> Steps:
-        for value in values:
-            yield from write(me, channel, value)
-
-    return steps
-
-
-def reader(channel: Rendezvous[Any], got: list[Any], count: int) -> Body:
-    def steps(me: Task) -> Steps:
-        for _ in range(count):
-            writing = channel.writing
-            if writing is not None:
-                channel.writing = None
-                got.append(channel.offered)
-                if isinstance(channel, Alternated):
-                    channel.lower()
-                me.scheduler.queue.append(writing)
-            else:
-                channel.reading = me
-                yield
-                got.append(channel.value)
-
-    return steps
+from tests.runtime.compiled.programs import Body, CheckedProgram, Program, failing, reader, run, write, writer
 
 
 @pytest.mark.parametrize("writer_first", [True, False])
@@ -130,7 +50,7 @@ def choosing(alternative: Alternative, channels: list[Alternated[int]], got: lis
                 guards.ready ^= channel.bit
             else:
                 channel.lower()
-            me.scheduler.queue.append(party)
+            me.scheduler.queue.append(party.entry)
 
     return steps
 
@@ -159,14 +79,6 @@ def test_two_alternatives_on_one_channel_both_see_the_writer() -> None:
     outcome = run(choosing(first, [channel], got, 1), writer(channel, 7, 8), choosing(second, [channel], got, 1))
     assert (outcome.ended, got) == ("terminated", [7, 8])
     assert first.selector.ready == second.selector.ready == 0
-
-
-def failing(message: str) -> Body:
-    def steps(me: Task) -> Steps:
-        yield from ()
-        raise Fault(message)
-
-    return steps
 
 
 def test_siblings_of_a_failure_are_withdrawn_from_their_channels() -> None:

@@ -92,7 +92,7 @@ class Communications:
     def push(self, party: Code) -> Statement:
         """Make a task ready."""
         queue = party.field("ready_queue") if self.levels else self.spelling.of_run("queue")
-        return run(queue.call("append", party))
+        return run(queue.call("append", party if self.tracked else party.field("entry")))
 
     def report(self, channel: Code, value: Code, writer: Code, reader: Code) -> Statements:
         """Report a communication to the observer, if communications are traced."""

@@ -127,7 +127,7 @@ class _ProcessWriter(ConstructorWriter):
             temporaries=temporaries,
         )
         self.checked = process.name in checked_classes(network)
-        self.tracked = has_parts_by_hand(network)
+        self.tracked = has_parts_by_hand(network) or has_levels(network)
         communications = Communications(
             spelling, self.imports, self.checked, options.traced, self.tracked, has_levels(network)
         )
