@@ -2,7 +2,9 @@
 
 Channels do not know their users. When nothing can continue, they are found where they are referred to: in the local
 variables of the coroutines that wait, and in the attributes of their processes. A waiting process is the partner of
-another one if it can still reach a use of the channel at which that one waits.
+another one if it can still reach a use of the channel at which that one waits. What its process does once the parallel
+parts have ended, of which it is one, may be such a use, too; whether it is reached depends on the other parts, so it
+makes no cycle.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from dataclasses import dataclass
 from gc import get_referents
 from inspect import iscoroutine
 from types import CodeType, FrameType, FunctionType
-from typing import Any
+from typing import Any, TypeAlias
 
 from .channels.any_channel import AnyChannel
 from .channels.broadcast import Broadcast, BroadcastEnd
@@ -27,17 +29,18 @@ from .kernel.scheduler import Task
 from .process import Process
 
 _BOTH_SIDES = frozenset(["read", "write"])
+NamesIn: TypeAlias = "Callable[[Task, FrameType], set[str]]"
 _OPERATIONS = {"read": ("read", "read_all", "take"), "write": ("write", "write_all", "offer", "choose_output")}
 
 
 @dataclass(frozen=True)
 class WaitingProcess:
-    """A process that can never continue.
+    """A process, or one of its parallel parts, that can never continue.
 
     ``path`` and ``source`` are those of the process (file and line of its definition), ``place`` is the file and line
     at which it waits, ``waits`` says for what, ``channels`` are the channels' names, ``partners`` the paths of the
-    processes that could still communicate with it, ``ended`` those of the readers of its broadcast that have ended
-    without reading what it writes.
+    processes that could still communicate with it, ``missing`` those of the readers of its broadcasts that have not
+    read what it writes, and ``ended`` those among them that have ended.
     """
 
     path: str
@@ -47,6 +50,7 @@ class WaitingProcess:
     channels: tuple[str, ...]
     partners: tuple[str, ...]
     ended: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         name = self.path or "a process"
@@ -69,8 +73,16 @@ class DeadlockReport:
     """Processes that do continue: then it is not a deadlock, but those that wait do so forever."""
 
     @property
+    def besides(self) -> tuple[WaitingProcess, ...]:
+        """Those that wait outside the cycle."""
+        rest = list(self.waiting)
+        for process in self.cycle:
+            rest.remove(process)  # One only: others may wait alike.
+        return tuple(rest)
+
+    @property
     def text(self) -> str:
-        """The report for people, one line per process."""
+        """The report for people, one line per process or parallel part."""
         return "\n".join([self._stuck, *self._continuing])
 
     @property
@@ -81,15 +93,14 @@ class DeadlockReport:
     def _stuck(self) -> str:
         kind = "stuck" if self.others else "deadlock"
         if self.cycle:
-            lines = [f"{kind} at {shown(self.time)}: {_many(len(self.cycle))} for each other"]
+            lines = [f"{kind} at {shown(self.time)}: {_counted(self.cycle)} wait for each other"]
             following = (*self.cycle[1:], self.cycle[0])
             lines += [
-                f"  {process}, for {partner.path}{_ended_readers(process, ' and for')}"
+                f"  {process}, for {_partner(partner, process)}{_ended_readers(process, ' and for')}"
                 for process, partner in zip(self.cycle, following, strict=True)
             ]
-            others = [process for process in self.waiting if process not in self.cycle]
-            besides = [f"  {process}{_ended_readers(process, ', for')}" for process in others]
-            return "\n".join(lines + ["besides:"] * bool(others) + besides)
+            besides = [f"  {process}{_ended_readers(process, ', for')}" for process in self.besides]
+            return "\n".join(lines + ["besides:"] * bool(besides) + besides)
         which = "these processes wait" if self.others else "a process waits"
         lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can happen any more"]
         for process in self.waiting:
@@ -111,8 +122,18 @@ def _missing_partner(process: WaitingProcess) -> str:
     return f"; no other process that still runs {does}"
 
 
-def _many(count: int) -> str:
-    return "a process waits for itself, not" if count == 1 else f"{count} processes wait"
+def _counted(cycle: tuple[WaitingProcess, ...]) -> str:
+    """``3 processes``; with several parts of one process ``2 parallel parts of Main`` or ``3 parts of 2 processes``."""
+    paths = {process.path for process in cycle}
+    if len(paths) == len(cycle):
+        return f"{len(cycle)} processes"
+    if len(paths) == 1:
+        return f"{len(cycle)} parallel parts of {cycle[0].path or 'a process'}"
+    return f"{len(cycle)} parts of {len(paths)} processes"
+
+
+def _partner(partner: WaitingProcess, process: WaitingProcess) -> str:
+    return "another part of it" if partner.path == process.path else partner.path
 
 
 def _ended_readers(process: WaitingProcess, before: str) -> str:
@@ -127,26 +148,25 @@ def _path(task: Task) -> str:
 
 
 def report_deadlock(
-    root: Task, now: int, stuck: Container[Task] | None = None, called: Callable[[Task], str] = _path
+    root: Task,
+    now: int,
+    stuck: Container[Task] | None = None,
+    called: Callable[[Task], str] = _path,
+    names_in: NamesIn | None = None,
 ) -> DeadlockReport:
-    """Why nothing below ``root`` can continue or, if ``stuck`` is given, why those tasks cannot; ``called`` names
-    tasks.
+    """Why nothing below ``root`` can continue or, if ``stuck`` is given, why those tasks cannot.
+
+    ``called`` names tasks. ``names_in`` gives the names that count of a function in which a task waits for its parallel
+    parts; without it, all do.
     """
     tasks = list(leaves(root))
     waits = [task.waits() for task in tasks]
-    users: defaultdict[tuple[int, str], set[int]] = defaultdict(set)
+    own, possible = _Users(), _Users()
     for index, task in enumerate(tasks):
-        for end, sides in _ends_used_by(task).values():
-            for side in sides:
-                users[id(end), side].add(index)
-    partners = [
-        sorted({other for end in _opposite_ends(wait) for other in users[end]} - {index})
-        for index, wait in enumerate(waits)
-    ]
-    ended = [
-        tuple(end.owner for end in _missing_ends(wait) if end.closed and not users[id(end), "read"] - {index})
-        for index, wait in enumerate(waits)
-    ]
+        own.add(index, task)
+        possible.add(index, task)
+        for around in _enclosing(task):
+            possible.add(index, around, names_in)
     paths = [called(task) for task in tasks]
     processes = tuple(
         WaitingProcess(
@@ -155,16 +175,45 @@ def report_deadlock(
             place=place_of_wait(task),
             waits=words_of(waits[index]),
             channels=tuple(end.name for _, end in waits[index] if end is not None),
-            partners=tuple(paths[other] for other in partners[index]),
-            ended=ended[index],
+            partners=tuple(paths[other] for other in possible.partners(index, waits[index])),
+            ended=tuple(end.owner for end in _missing_ends(waits[index]) if end.closed and not own.readers(index, end)),
+            missing=tuple(end.owner for end in _missing_ends(waits[index])),
         )
         for index, task in enumerate(tasks)
     )
     waiting = {index: None for index, task in enumerate(tasks) if stuck is None or task in stuck}
-    partners = [partners[index] if index in waiting else [] for index in range(len(tasks))]
+    partners = [own.partners(index, waits[index]) if index in waiting else [] for index in range(len(tasks))]
     cycle = tuple(processes[index] for index in find_cycle(partners))
     others = tuple(process for index, process in enumerate(processes) if index not in waiting)
     return DeadlockReport(now, tuple(processes[index] for index in waiting), cycle, others)
+
+
+class _Users:
+    """Which of the waiting tasks, by their numbers, use which side of a channel."""
+
+    def __init__(self) -> None:
+        self._found: defaultdict[tuple[int, str], set[int]] = defaultdict(set)
+
+    def add(self, index: int, task: Task, names_in: NamesIn | None = None) -> None:
+        """Adds what the code of ``task`` uses for the task with that number."""
+        for end, sides in _ends_used_by(task, names_in).values():
+            for side in sides:
+                self._found[id(end), side].add(index)
+
+    def partners(self, index: int, waits: Waits) -> list[int]:
+        """The others at the other side of what a task waits for."""
+        return sorted({other for end in _opposite_ends(waits) for other in self._found[end]} - {index})
+
+    def readers(self, index: int, end: BroadcastEnd[Any]) -> set[int]:
+        """The others that read from an end."""
+        return self._found[id(end), "read"] - {index}
+
+
+def _enclosing(task: Task) -> Iterator[Task]:
+    """The tasks that wait for ``task`` to end, from the inside outwards."""
+    while (parent := getattr(task.join, "_parent", None)) is not None:
+        task = parent
+        yield task
 
 
 def leaves(task: Task) -> Iterator[Task]:
@@ -233,16 +282,14 @@ def _source(task: Task) -> str | None:
     return None if task.process is None else task.process.source
 
 
-def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None) -> set[int]:
+def channels_used_by(task: Task, names_in: NamesIn | None = None) -> set[int]:
     """Identities of the channels that the task can reach from where it waits; ``names_in`` gives the names of a
     function that count; without it, all do.
     """
     return {channel_identity(end) for end, _ in _ends_used_by(task, names_in).values()}
 
 
-def _ends_used_by(
-    task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None
-) -> dict[int, tuple[In[Any] | Out[Any], set[str]]]:
+def _ends_used_by(task: Task, names_in: NamesIn | None = None) -> dict[int, tuple[In[Any] | Out[Any], set[str]]]:
     """The ends of channels, by their identities, as ``channels_used_by`` finds them, with the sides that it uses."""
     found: dict[int, tuple[In[Any] | Out[Any], set[str]]] = {}
     for frame in frames_of(task):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def deadlock_of(report: DeadlockReport, network: CoreNetwork) -> Deadlock:
     """What is drawn for the report of a run of a network."""
     users = {net.path: (*net.writers, *net.readers) for net in network.nets}
-    besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)
+    besides = tuple(_waiting(process, users) for process in report.besides)
     cycle = tuple(_waiting(process, users) for process in report.cycle)
     return Deadlock(f"deadlock at {shown(report.time)}", network.top, cycle, besides, _declared(network))
 

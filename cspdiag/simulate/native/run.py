@@ -16,8 +16,8 @@ from cspdiag.codegen.c.package.refusals import refuse_devices
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.pipeline import Reader, generate
 from cspdiag.runtime.kernel.stopping import stopping
+from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.native.build import Build, CompilerError
-from cspdiag.simulate.native.deadlock import deadlock_report
 from cspdiag.simulate.native.monitor import ProgramMonitor
 from cspdiag.simulate.native.rows import PassedRows
 from cspdiag.simulate.native.stream import CHUNK, EndRecord, StreamReader

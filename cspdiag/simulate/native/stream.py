@@ -6,11 +6,13 @@ import struct
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from io import BufferedIOBase
 from typing import TYPE_CHECKING
 
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import CoreNetwork
+from cspdiag.simulate.deadlock.waiting import WaitingRecord, broadcast_readers
 from cspdiag.simulate.native.rows import ROW, SIZE, Kind, PassedRows, channel_of
 from cspdiag.simulate.record.recorder import Recorder
 
@@ -27,22 +29,6 @@ _DURATION = struct.Struct("=d")
 _HAVE_VALUES = (Kind.COMMUNICATION, Kind.RELEASE, Kind.SAMPLE)
 _TEXTS = {Kind.CHANNEL: 1, Kind.PROCESS: 2, Kind.WAITING: 4, Kind.END_OF_RUN: 3}
 """How many texts follow."""
-
-
-@dataclass
-class WaitingRecord:
-    """A process that waits when nothing can continue.
-
-    ``missing`` are the ends of a broadcast that have not taken the value which the process writes, for each of
-    ``channels``, counted from 0 in the order of the network's readers.
-    """
-
-    path: str
-    source: str
-    place: str
-    words: str
-    channels: tuple[str, ...]
-    missing: tuple[tuple[int, ...], ...]
 
 
 @dataclass
@@ -167,8 +153,9 @@ class StreamReader:
                     self.passed.processes[number] = self._texts[0]
             case Kind.WAITING:
                 _, source, place, words = self._texts
-                path = words.partition(" waits ")[0]  # The place in the law, if a process runs one.
-                self.waiting.append(WaitingRecord(path, source, place, words, (), ()))
+                # The path of the control law, if the process runs one.
+                path, _, waits = words.removesuffix(f" ({place})").partition(" waits ")
+                self.waiting.append(WaitingRecord(path, source, place, waits))
             case Kind.END_OF_RUN:
                 self.now = time
                 (duration,) = _DURATION.unpack(value.to_bytes(8, sys.byteorder))
@@ -210,12 +197,15 @@ class StreamReader:
         """Note a channel at which the last process waits, or an end that its broadcast misses."""
         if number not in self._channels:
             return
-        record = self.waiting[-1]
+        record, channel = self.waiting[-1], self._channels[number]
         if end == _NO_END:
-            record.channels += (self._channels[number],)
-            record.missing += ((),)
+            record.channels += (channel,)
         else:
-            record.missing = (*record.missing[:-1], (*record.missing[-1], end))
+            record.missing += (self._broadcast_readers[channel][end],)
+
+    @cached_property
+    def _broadcast_readers(self) -> dict[str, list[str]]:
+        return broadcast_readers(self.network)
 
 
 def _without_values(kinds: numpy.ndarray) -> numpy.ndarray:

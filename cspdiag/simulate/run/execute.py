@@ -10,6 +10,8 @@ from cspdiag.codegen.python.plain.external import bodies
 from cspdiag.network.ir.network import CoreNetwork, Environment
 from cspdiag.runtime.kernel.exceptions import kind_and_text
 from cspdiag.runtime.kernel.stopping import stopping
+from cspdiag.simulate.deadlock.report import deadlock_report
+from cspdiag.simulate.deadlock.waiting import WaitingRecord
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.measure import measure
@@ -18,6 +20,7 @@ from cspdiag.simulate.run.probes import probe
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
+    from cspdiag.runtime.deadlock import WaitingProcess
 
 
 class NoEnvironmentError(CspdiagError, LookupError):
@@ -96,9 +99,23 @@ def simulate(
             on_miss=chosen.on_miss if chosen is not None else "timeout",
             observer=recorder,
         )
+        if outcome.deadlock is not None:
+            waiting = [_record(process) for process in outcome.deadlock.waiting]
+            outcome.deadlock = deadlock_report(outcome.time, waiting, network, recorder)
     finally:
         package.close()
     return Run(network, chosen, outcome, recorder)
+
+
+def _record(process: WaitingProcess) -> WaitingRecord:
+    return WaitingRecord(
+        path=process.path,
+        source=process.source or "",
+        place=process.place or "",
+        waits=process.waits,
+        channels=process.channels,
+        missing=process.missing,
+    )
 
 
 def account_of(problem: BaseException) -> str:

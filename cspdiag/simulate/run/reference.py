@@ -13,7 +13,7 @@ from cspdiag.runtime.outcome import Ending, Outcome
 from cspdiag.semantics.execute import execute
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Execution
-from cspdiag.simulate.native.deadlock import deadlock_report
+from cspdiag.simulate.deadlock.report import deadlock_report
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import chosen_environment

@@ -4,7 +4,7 @@ generated programs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from posixpath import dirname
 from types import TracebackType
 from typing import Any
@@ -22,13 +22,14 @@ from cspdiag.semantics.laws import Law
 from cspdiag.semantics.media import Broadcast, Offer
 from cspdiag.semantics.requests import Parallel, Request, Task, Wait
 from cspdiag.semantics.submodels import SubmodelInstance
-from cspdiag.simulate.native.stream import WaitingRecord
+from cspdiag.simulate.deadlock.waiting import WaitingRecord, broadcast_readers
 
 
 class Whereabouts:
     """Finds places in the text of a network from the frames of its interpreter."""
 
     def __init__(self, network: Network) -> None:
+        self._network = network
         self._folder = dirname(network.source)
 
     def origin(self, error: BaseException) -> tuple[Place | None, str | None]:
@@ -45,9 +46,10 @@ class Whereabouts:
 
     def waiting(self, main: Task) -> list[WaitingRecord]:
         """All waiting processes, in text order."""
-        return [self._record(task, task.request) for task in _leaves(main) if task.request is not None]
+        readers = broadcast_readers(self._network)
+        return [self._record(task, task.request, readers) for task in _leaves(main) if task.request is not None]
 
-    def _record(self, task: Task, request: Request) -> WaitingRecord:
+    def _record(self, task: Task, request: Request, readers: Mapping[str, Sequence[str]]) -> WaitingRecord:
         found = _Found()
         steps: Any = task.steps
         while getattr(steps, "gi_frame", None) is not None:
@@ -63,9 +65,9 @@ class Whereabouts:
             path=found.path,
             source="",
             place=place,
-            words=f"{found.path} waits {' or '.join(dict.fromkeys(words))}",
+            waits=" or ".join(dict.fromkeys(words)),
             channels=tuple(offer.medium.name for offer in offers),
-            missing=tuple(_missing(offer) for offer in offers),
+            missing=tuple(readers[offer.medium.name][end] for offer in offers for end in _missing(offer)),
         )
 
     def _line(self, span: Span) -> str:

@@ -28,6 +28,7 @@ from cspdiag.verify.guided.repetition import Repetition
 from cspdiag.verify.guided.result import GuidedRun
 from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing, to_first_round, words_of
 from cspdiag.verify.guided.world import World
+from cspdiag.verify.runs.reachable import reachable_names
 from cspdiag.verify.runs.task_names import Key, TaskNames, path_of, task_of
 from cspdiag.verify.runs.task_places import TaskPlaces
 
@@ -102,7 +103,7 @@ class Run(Policy):
                 standing = tuple(self._goal.standing(self._run.root, self._names))
             if self._goal.is_standstill:
                 stuck = self._goal.stuck(self._run.root)
-                deadlock = report_deadlock(self._run.root, self._run.now, stuck, self._called)
+                deadlock = report_deadlock(self._run.root, self._run.now, stuck, self._called, reachable_names)
         except AstrayError as problem:
             divergence = self._lost or str(problem)
         finally:

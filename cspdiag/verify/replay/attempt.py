@@ -32,6 +32,7 @@ from cspdiag.verify.replay.rounds import Rounds
 from cspdiag.verify.replay.standstill import Standstill
 from cspdiag.verify.runs.memory import memory
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.verify.runs.reachable import reachable_names
 from cspdiag.verify.runs.recurrence import counting_to_faults
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
 from cspdiag.verify.runs.values import Values
@@ -371,7 +372,7 @@ class Attempt:
         if len(self._communications) > before:
             channel, _ = self._communications[before]
             raise DivergenceError(f"it continues with `{channel}`")
-        return report_deadlock(self.conductor.run.root, self.conductor.run.now)
+        return report_deadlock(self.conductor.run.root, self.conductor.run.now, names_in=reachable_names)
 
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:

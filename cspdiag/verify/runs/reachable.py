@@ -23,10 +23,11 @@ _LEAVING = ("RETURN_", "RAISE_VARARGS", "RERAISE", "JUMP_FORWARD", "JUMP_BACKWAR
 def reachable_channels(task: Task) -> set[int]:
     """Identities of the channels at which the task waits, and of those that it may still use."""
     waits = {channel_identity(end) for _, end in task.waits() if end is not None}
-    return waits | channels_used_by(task, _reachable_names)
+    return waits | channels_used_by(task, reachable_names)
 
 
-def _reachable_names(task: Task, frame: FrameType) -> set[str]:
+def reachable_names(task: Task, frame: FrameType) -> set[str]:
+    """The names that a function of the task may still use."""
     if isinstance(task.waiting, _Body):
         return names_in_code(frame.f_code)
     return set(_names_after(frame.f_code, frame.f_lasti))

@@ -121,24 +121,22 @@ class Composition(Alternatives):
         """As ``awaitable``, for an action that begins later: the values that it writes are computed when it runs.
 
         If it needs a coroutine, this is the method that creates the coroutine, so none exists before the action begins.
+        What may wait forever needs one, whose place the report of a deadlock gives.
         """
         match action:
-            case ir.WriteValue(value=value) | ir.WaitStep(duration=value) if not self._is_known(value):
+            case ir.WaitStep(duration=duration) if not self._is_known(duration):
                 return self._coroutine(action, hint or branch_name(action))
             case ir.InterruptOn(branch=branch) if (
                 branch.condition is not None or self._checked_place(action) is not None
             ):
                 return self._coroutine(action, hint or branch_name(action))
-            case (
-                ir.RunInstance() | ir.WriteValue() | ir.WaitStep() | ir.StopStep() | ir.ParallelSteps()
-                | ir.InterruptOn() | ir.Group()
-            ):  # fmt: skip
+            case ir.RunInstance() | ir.WaitStep() | ir.ParallelSteps() | ir.InterruptOn() | ir.Group():
                 return self.awaitable(action)
             case (
-                ir.ReadValue() | ir.AssignValue() | ir.SkipStep() | ir.ResetInstance() | ir.RaiseException()
-                | ir.SequentialSteps() | ir.Choice() | ir.Repeat() | ir.WhileLoop() | ir.CountedLoop() | ir.IfElse()
-                | ir.CatchException() | ir.ReadInputs() | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates()
-                | ir.ProcessScope() | ir.ReportCommunication()
+                ir.ReadValue() | ir.WriteValue() | ir.StopStep() | ir.AssignValue() | ir.SkipStep()
+                | ir.ResetInstance() | ir.RaiseException() | ir.SequentialSteps() | ir.Choice() | ir.Repeat()
+                | ir.WhileLoop() | ir.CountedLoop() | ir.IfElse() | ir.CatchException() | ir.ReadInputs()
+                | ir.WriteOutputs() | ir.RunLaw() | ir.ResetStates() | ir.ProcessScope() | ir.ReportCommunication()
             ):  # fmt: skip
                 return self._coroutine(action, hint or branch_name(action))
             case _:
@@ -232,7 +230,7 @@ class Composition(Alternatives):
         match action:
             case ir.WriteValue() | ir.StopStep() | ir.WaitStep():
                 return self._place(action)
-            case ir.InterruptOn(branch=ir.Branch(event=ir.InputEvent())):
+            case ir.InterruptOn(branch=ir.Branch(event=ir.InputEvent() | ir.OutputEvent() | ir.ReadyEvent())):
                 return self._place(action)
             case ir.InterruptOn(branch=branch):
                 values = (
@@ -245,6 +243,5 @@ class Composition(Alternatives):
                     if any(value is not None and self._may_fault(value) for value in values)
                     else None
                 )
-            case ir.ParallelSteps(steps=steps) if any(isinstance(step, ir.WriteValue) for step in steps):
-                return self._place(action)
-        return None
+            case _:  # Any other action waits in what it runs.
+                return None

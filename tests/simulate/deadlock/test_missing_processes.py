@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.main import main
+from tests.simulate.deadlock.levels import LEVELS, report
 
 PROCESSES = """
 process A { out c : int composition { c ! 1 ; c ! 2 } }
@@ -95,15 +95,7 @@ process Main { communication { x : X y : Y z : Y x.c -> any -> y.c, z.c  y.back,
 """
 
 
-def report(text: str, arguments: list[str], folder: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
-    """The lines of the report of a run."""
-    (folder / "case.csp").write_text(f"{PROCESSES}{text}environment E for Main {{ }}\n")
-    assert main(["run", str(folder / "case.csp"), *arguments, "--quiet"]) == 1
-    shown = capsys.readouterr().err.splitlines()
-    return shown[next(index for index, line in enumerate(shown) if line.startswith("deadlock")) :]
-
-
-@pytest.mark.parametrize("arguments", [["-O0"], ["-O1"], ["--target", "c"], ["-O", "reference"]], ids=" ".join)
+@pytest.mark.parametrize("arguments", LEVELS, ids=" ".join)
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -198,4 +190,4 @@ def report(text: str, arguments: list[str], folder: Path, capsys: pytest.Capture
 def test_a_report_names_the_missing_processes(
     text: str, expected: list[str], arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert report(text, arguments, tmp_path, capsys) == expected
+    assert report(f"{PROCESSES}{text}", arguments, tmp_path, capsys) == expected
