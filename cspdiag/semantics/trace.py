@@ -25,7 +25,8 @@ class Ending(NamedTuple):
 
     «Scheduling and traces»
 
-    ``message`` is the message of the exception, with its place; None if an implementation gives none.
+    ``message`` is the message of the exception, with its place, or the report of the deadlock; None if an
+    implementation gives none.
     """
 
     ended: str

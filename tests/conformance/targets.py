@@ -20,7 +20,7 @@ from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run import reference
-from cspdiag.simulate.run.execute import chosen_environment, simulate
+from cspdiag.simulate.run.execute import simulate
 from tests.conformance.sources import read
 from tests.conformance.states import ObservedRun
 
@@ -167,12 +167,10 @@ def execution(run: Run) -> Execution:
     """What a run has recorded."""
     outcome = run.outcome
     error = outcome.error
-    ending = Ending(
-        outcome.ended,
-        outcome.time,
-        None if error is None else type(error).__name__,
-        None if error is None else described(error),
-    )
+    message = None if error is None else described(error)
+    if outcome.deadlock is not None:
+        message = outcome.deadlock.text
+    ending = Ending(outcome.ended, outcome.time, None if error is None else type(error).__name__, message)
     trace = [Communication._make(communication) for communication in run.communications]
     return Execution(trace, ending, [(port, value) for _, port, value in run.releases])
 
@@ -202,12 +200,11 @@ class Meaning:
         """See ``Target.run``."""
         if semantics.has_bodies_of_other_languages(network, environment):
             return READABLE.run(network, environment, until)
-        done = semantics.execute(network, environment, until)
-        chosen = chosen_environment(network, environment)
-        error = reference.outcome_of(done, "" if chosen is None else chosen.name, network).error
-        if error is None:
+        run = reference.simulate(network, environment=environment, until=until, recorder=Recorder())
+        done = execution(run)
+        if run.outcome.error is None:
             return done
-        message = described(error)
+        message = described(run.outcome.error)
         placed = READABLE.run(network, environment, until).ending.message
         if placed is not None and placed.partition(_PLACE)[0] == message.partition(_PLACE)[0]:
             message = placed

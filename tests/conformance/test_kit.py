@@ -15,7 +15,7 @@ from cspdiag.semantics.trace import Communication, Ending, Execution
 from tests.conformance.__main__ import main
 from tests.conformance.kit import certify, judge, tolerance
 from tests.conformance.sources import network_of
-from tests.conformance.targets import READABLE, REFERENCE, GeneratedPython, Meaning, target_named
+from tests.conformance.targets import READABLE, REFERENCE, TARGETS, GeneratedPython, Meaning, target_named
 from tests.conformance.traces import compare, units_apart
 
 PAIR = """process Source {
@@ -96,6 +96,19 @@ def test_other_ending() -> None:
     details = verdict_on(lambda execution: execution._replace(ending=Ending("failed", 7, "Fault", "Fault: no")))
     assert "reference: terminated at 5.000000 ms" in details
     assert "python-O0: failed at 0.000007 ms with Fault: Fault: no" in details
+
+
+def test_reports_of_deadlocks_are_compared() -> None:
+    stuck = "process P { in c : int communication { var v : int } composition { c ? v } }\n"
+    stuck += "process Top { communication { p : P channel c : int c -> p.c } composition { (c ! 1 ; c ! 2) || p } }\n"
+    network = network_of(SourceFile(name="stuck.csp", text=stuck))
+    ending = REFERENCE.run(network, None, 10_000_000).ending
+    assert ending.message is not None
+    assert (
+        "Top waits to write Top.c (stuck.csp:2); no other process that still runs can take the value" in ending.message
+    )
+    assert TARGETS["python-O1"].run(network, None, 10_000_000).ending.agrees_with(ending)
+    assert not ending._replace(message="deadlock at 0 s").agrees_with(ending)
 
 
 def test_other_safe_values() -> None:

@@ -19,11 +19,12 @@ from tests.conformance.random.compare import LEAST, NATIVE, communications, diff
 from tests.conformance.random.known import known
 from tests.conformance.random.meetings import meetings
 from tests.conformance.random.nested import nested
+from tests.conformance.random.parts import parts
 
 PYTHON = ("python-O0", "python-O1")
 REPORTED = 100
 """The number of differences is reported every time after this number of programs."""
-GENERATORS = {"meetings": meetings, "known": known, "nested": nested}
+GENERATORS = {"meetings": meetings, "known": known, "nested": nested, "parts": parts}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -67,7 +68,8 @@ def _parser() -> argparse.ArgumentParser:
         "--programs",
         choices=sorted(GENERATORS),
         default="meetings",
-        help="that communicate often, compute with what is known beforehand, or nest interrupts whose guards meet",
+        help="that communicate often, compute with what is known beforehand, nest interrupts whose guards meet, or "
+        "deadlock between parallel parts of a process",
     )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after so many")
