@@ -19,11 +19,11 @@ ANALYSES: dict[str, Analysis] = {"load": LOAD}
 
 
 def analyse(program: Program, checked: Checked, report: Report) -> CoreNetwork | None:
-    """Run the analyses that concern a program without errors; only for them is it lowered. Returns the network.
+    """Run the analyses that concern a program without errors; only for them is it lowered. Returns the network, if any.
 
     ``checked`` is the result of the checks of its processes, with the same report.
     """
-    concerned = [analysis for analysis in ANALYSES.values() if analysis.concerns(program)]
+    concerned = [analysis for analysis in ANALYSES.values() if analysis.concerns(program, checked)]
     if not concerned:
         return None
     from cspdiag.network.lower.program import SelectionError, lower

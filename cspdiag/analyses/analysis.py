@@ -7,6 +7,7 @@ from collections.abc import Callable
 from cspdiag.base import Report
 from cspdiag.base.record import record
 from cspdiag.model.program import Program
+from cspdiag.network.analyse import Analysis as Checked
 from cspdiag.network.ir.network import CoreNetwork
 
 
@@ -14,8 +15,9 @@ from cspdiag.network.ir.network import CoreNetwork
 class Analysis:
     """An analysis of the finished network.
 
-    ``concerns`` is a quick test of whether a program needs it; ``run`` reports what it finds.
+    ``concerns`` is a quick test of whether it may find anything, by the results of the checks; ``run`` reports what it
+    finds.
     """
 
-    concerns: Callable[[Program], bool]
+    concerns: Callable[[Program, Checked], bool]
     run: Callable[[CoreNetwork, Report], None]

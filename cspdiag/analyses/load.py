@@ -9,15 +9,39 @@ from __future__ import annotations
 from cspdiag.analyses.analysis import Analysis
 from cspdiag.analyses.diagnostics.load import Overload
 from cspdiag.base import Report, Span
+from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program
+from cspdiag.network.analyse import Analysis as Checked
 from cspdiag.network.ir import actions as ir
 from cspdiag.network.ir.network import CoreNetwork, ProcessClass, SubmodelClass
-from cspdiag.network.ir.walk import actions_inside
+from cspdiag.network.ir.walk import actions_inside, parts
+from cspdiag.network.shapes import UNKNOWN_SAMPLING, Shape
 from cspdiag.syntax import ast
 
 
-def _states_times(program: Program) -> bool:
-    return any(isinstance(d, ast.SubmodelDefinition) and d.wcet is not None for d in program.definitions.values())
+def may_be_overloaded(program: Program, checked: Checked) -> bool:
+    """Whether the laws may need more than the whole processor: if all those that the compositions run, each as often as
+    it stands there, were run in the shortest of all periods.
+    """
+    times: dict[ast.Definition, int] = {}
+    for definition in program.definitions.values():
+        if isinstance(definition, ast.SubmodelDefinition) and definition.wcet is not None:
+            time = evaluate(program, definition.wcet, {}, Report())
+            if not isinstance(time, int):
+                return True
+            times[definition] = time
+    shapes = checked.inside_out()
+    sampled = [port.sampling for shape in shapes for port in shape.ports.values() if port.sampling is not None]
+    if not times or not sampled:
+        return False
+    if UNKNOWN_SAMPLING in sampled:
+        return True
+    shortest = min(sampling.period for sampling in sampled)
+    needed: dict[Shape, int] = {}
+    for shape in shapes:
+        inner = [shape.instances[part.instance].shape for part in parts(shape.body) if isinstance(part, ir.RunInstance)]
+        needed[shape] = sum(needed.get(one, times.get(one.definition, 0)) for one in inner)
+    return any(time > shortest for time in needed.values())
 
 
 def check_load(network: CoreNetwork, report: Report) -> None:
@@ -89,4 +113,4 @@ class _Loads:
         return largest
 
 
-LOAD = Analysis(concerns=_states_times, run=check_load)
+LOAD = Analysis(concerns=may_be_overloaded, run=check_load)
