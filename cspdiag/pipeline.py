@@ -126,7 +126,7 @@ def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[La
 def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report) -> Checked:
     from cspdiag.model.checks.rules import check as check_model
     from cspdiag.model.names.resolve import resolve
-    from cspdiag.network.lower.program import check as check_network
+    from cspdiag.network.check import check as check_network
 
     program = resolve(trees, overrides, report)
     check_model(program, report)

@@ -37,7 +37,7 @@ def test_importing_the_package_loads_nothing_else() -> None:
 
 def test_check_loads_no_heavy_package() -> None:
     loaded = modules_after("from cspdiag.cli.main import main\nassert main(['check', 'models/jiwy/jiwy.csp']) == 0")
-    assert "cspdiag.network.lower.program" in loaded
+    assert "cspdiag.network.check" in loaded
     assert not loaded & HEAVY
     assert not loaded & UNNEEDED_BY_CHECK
 

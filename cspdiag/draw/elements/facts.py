@@ -41,7 +41,7 @@ class Facts:
     """
 
     def __init__(self, program: Program, analysis: Analysis | None = None) -> None:
-        from cspdiag.network.lower.program import analysed
+        from cspdiag.network.check import analysed
 
         known = analysed(program, Report()) if analysis is None else analysis
         self._ports: dict[tuple[ast.Node, str], list[Fact]] = {}

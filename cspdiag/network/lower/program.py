@@ -1,4 +1,4 @@
-"""From the typed model to the network for ``compile``, and all its errors for ``check``."""
+"""From the typed model to the network."""
 
 from __future__ import annotations
 
@@ -11,66 +11,22 @@ from cspdiag.base.errors import CspdiagError
 from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
-from cspdiag.network.checks.release import check_release
-from cspdiag.network.elaborate.definitions import arguments_of
-from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
+from cspdiag.network.check import arguments_of_outermost, environments_of, process_of, values_by_name
 from cspdiag.network.elaborate.vocabulary import Vocabulary
 from cspdiag.network.infer.contexts import Surroundings
 from cspdiag.network.infer.parameter_ranges import with_ranges
 from cspdiag.network.ir.network import CoreNetwork, Network
-from cspdiag.network.lower import environments, external_bodies
 from cspdiag.network.lower.classes import Classes, by_name
 from cspdiag.network.lower.environments import lower_environment
 from cspdiag.network.lower.external_ports import external_ports
 from cspdiag.network.lower.instances import walk_instances
 from cspdiag.network.lower.setting_paths import of_root, refuse_missing
 from cspdiag.network.occurrences import Occurrences, instance_names
-from cspdiag.network.submodels import classes as submodels
 from cspdiag.syntax import ast
 
 
 class SelectionError(CspdiagError, ValueError):
     """There is no process to compile, or it lacks a value; the message is one line."""
-
-
-def check(program: Program, report: Report) -> Analysis:
-    """Reports everything that is wrong with the processes, submodels and environments of a program.
-
-    Returns the analysis, which ``lower`` can use again.
-    """
-    analysis = analysed(program, report)
-    check_release(program, analysis.inside_out(), report)
-    submodels.check(program, report, analysis.law_samples(), analysis.laws)
-    external_bodies.check(program, report)
-    for environment in _environments(program):
-        environments.check(program, environment, report)
-    return analysis
-
-
-def analysed(program: Program, report: Report) -> Analysis:
-    """The analysis of the processes of a program; reports what is wrong with them.
-
-    The process of each environment is analysed with its arguments; every other process that is not instantiated is
-    analysed by itself.
-    """
-    analysis = Analysis(program, report)
-    main = set(program.main.items)
-    environment_of: set[ast.ProcessDefinition] = set()
-    for environment in _environments(program):
-        process = _process_of(program, environment)
-        if process is not None and process not in analysis.definitions.recursive:
-            environment_of.add(process)
-            values = _arguments(analysis, process, environment.arguments, {})
-            analysis.add_root(process, environment.arguments, _by_name(values), {})
-    for definition in analysis.definitions.roots():
-        if definition not in environment_of:
-            values = _arguments(analysis, definition, (), {})
-            surroundings: Surroundings = "environment" if definition in main else "unknown"
-            if definition in main and analysis.definitions.is_specification(definition):
-                surroundings = "specification"
-            analysis.add_root(definition, (), _by_name(values), {}, surroundings)
-    analysis.run()
-    return analysis
 
 
 def lower(
@@ -97,7 +53,7 @@ def lower(
     process, wanted = selection(program, analysis, top, environment, alone=alone)
     arguments = wanted[0].arguments if wanted else ()
     own = of_root(overrides, process)
-    values = _arguments(analysis, process, arguments, own)
+    values = arguments_of_outermost(analysis, process, arguments, own)
     for parameter in process.parameters:
         if parameter not in values:
             raise SelectionError(
@@ -105,10 +61,10 @@ def lower(
                 f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
             )
     is_known = analysis is checked and surroundings == "environment"
-    root = analysis.known_root(process, _by_name(values)) if is_known else None
+    root = analysis.known_root(process, values_by_name(values)) if is_known else None
     if root is None:
         analysis = Analysis(program, report)
-        shape = analysis.add_root(process, arguments, _by_name(values), own, surroundings)
+        shape = analysis.add_root(process, arguments, values_by_name(values), own, surroundings)
         (placed,) = analysis.run()
         if report.has_errors:
             return None
@@ -167,21 +123,12 @@ def selection(
         raise SelectionError(_no_environment(program, top, environment))
     if chosen is None or alone or environment is not None:
         return process, (chosen,) if chosen is not None else ()
-    others = (e for e in _environments(program) if e is not chosen and _alike(program, process, e, chosen))
+    others = (e for e in environments_of(program) if e is not chosen and _alike(program, process, e, chosen))
     return process, (chosen, *others)
 
 
-def _environments(program: Program) -> list[ast.EnvironmentDefinition]:
-    return [d for d in program.definitions.values() if isinstance(d, ast.EnvironmentDefinition)]
-
-
-def _process_of(program: Program, environment: ast.EnvironmentDefinition) -> ast.ProcessDefinition | None:
-    found = program.bindings.get(environment.process)
-    return found if isinstance(found, ast.ProcessDefinition) else None
-
-
 def _chosen_environment(program: Program, top: str | None, environment: str | None) -> ast.EnvironmentDefinition | None:
-    for candidate in _environments(program):
+    for candidate in environments_of(program):
         fits_top = top is None or candidate.process.text == top
         if fits_top and environment in (None, candidate.name.text):
             return candidate
@@ -190,7 +137,7 @@ def _chosen_environment(program: Program, top: str | None, environment: str | No
 
 def _no_environment(program: Program, top: str | None, environment: str) -> str:
     """Why there is no environment of this name, or none of it for the process ``top``."""
-    closed = {item.name.text: item.process.text for item in _environments(program)}
+    closed = {item.name.text: item.process.text for item in environments_of(program)}
     fitting = [name for name, process in closed.items() if top in (None, process)]
     if environment in closed:
         known = suggestion(environment, fitting) if fitting else ", which has none"
@@ -207,7 +154,7 @@ def _top(
     if top is not None:
         found = program.definitions.get(top)
     elif environment is not None:
-        found = _process_of(program, environment)
+        found = process_of(program, environment)
     else:
         found = analysis.definitions.outermost()
     if isinstance(found, ast.ProcessDefinition) and found not in analysis.definitions.recursive:
@@ -231,29 +178,6 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 _MOST_NAMES = 8
 
 
-def _arguments(
-    analysis: Analysis,
-    process: ast.ProcessDefinition,
-    arguments: tuple[ast.Argument, ...],
-    overrides: Mapping[str, Value],
-) -> dict[ast.Node, Value]:
-    """The values of the parameters of an outermost process, as far as they have one."""
-    given = dict(arguments_of(process.parameters, arguments))
-    found: dict[ast.Node, Value] = {}
-    for parameter in process.parameters:
-        value = overrides.get(parameter.name.text)
-        expression = given.get(parameter, parameter.default)
-        if value is None and expression is not None:
-            value = parameter_value(analysis.elaboration, parameter, expression, found)
-        if value is not None:
-            found[parameter] = value
-    return found
-
-
-def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
-    return dict(by_name(values))
-
-
 def _alike(
     program: Program,
     process: ast.ProcessDefinition,
@@ -263,7 +187,7 @@ def _alike(
     same = len(one.arguments) == len(other.arguments) and all(
         ast.same_tree(a, b) for a, b in zip(one.arguments, other.arguments, strict=True)
     )
-    return same and _process_of(program, one) is process
+    return same and process_of(program, one) is process
 
 
 def _package_name(program: Program, process: ast.ProcessDefinition) -> str:

@@ -13,6 +13,7 @@ from cspdiag.model.names.imports import load
 from cspdiag.model.names.resolve import resolve
 from cspdiag.model.program import Program
 from cspdiag.network.ir.network import Environment, SubmodelClass
+from cspdiag.network.check import check as check_network
 from cspdiag.network.lower import program as lower
 from cspdiag.network.submodels.classes import flatten
 from cspdiag.semantics.laws import Law
@@ -33,7 +34,7 @@ def program(text: str) -> Program:
     assert not report.has_errors, [d.message for d in report.diagnostics]
     resolved = resolve(trees, {}, report)
     check(resolved, report)
-    lower.check(resolved, report)
+    check_network(resolved, report)
     assert not report.has_errors, [(d.span.line, d.message) for d in report.diagnostics]
     return resolved
 
