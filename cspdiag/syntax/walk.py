@@ -11,6 +11,15 @@ from cspdiag.syntax import ast
 _SKIPPED = frozenset(
     {"source", "comments", "span", "unit_span", "target_span", "composition_span", "inner_span", "doc"}
 )
+_INSIDE: dict[type, tuple[str, ...] | None] = {}
+"""The fields of each kind of node that may hold nodes, the last one first; None for other values."""
+
+
+def _names_inside(item: object) -> tuple[str, ...] | None:
+    if not isinstance(item, ast.Node):
+        assert not is_record(item), item
+        return None
+    return tuple(name for name in reversed(field_names(item)) if name not in _SKIPPED)
 
 
 def nodes(*roots: ast.Node | None) -> Iterator[ast.Node]:
@@ -18,13 +27,18 @@ def nodes(*roots: ast.Node | None) -> Iterator[ast.Node]:
     pending: list[object] = [root for root in reversed(roots) if root is not None]
     while pending:
         item = pending.pop()
-        if isinstance(item, tuple):
+        try:
+            names = _INSIDE[type(item)]
+        except KeyError:
+            names = _INSIDE[type(item)] = _names_inside(item)
+        if names is not None:
+            yield item  # type: ignore[misc]
+            for name in names:
+                inner = getattr(item, name)
+                if inner is not None:
+                    pending.append(inner)
+        elif isinstance(item, tuple):
             pending.extend(reversed(item))
-        elif isinstance(item, ast.Node):
-            yield item
-            pending.extend(getattr(item, name) for name in reversed(field_names(item)) if name not in _SKIPPED)
-        else:
-            assert not is_record(item), item
 
 
 def names(expressions: Iterable[ast.Node | None]) -> Iterator[ast.Name]:

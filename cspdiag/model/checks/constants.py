@@ -41,11 +41,12 @@ def check_constants(program: Program, report: Report) -> None:
 def _warn_of_faults(program: Program, report: Report) -> None:
     """Warn of expressions in compositions and equations that fault, except where a condition may prevent it."""
     found = Report()
+    has_indexes = any(isinstance(part, ast.Index) for part in program.types)
     for tree in program.trees:
         for part in nodes(tree):
             for expression in _evaluated_at_run_time(program, part):
                 evaluate(program, expression, {}, found)
-                for inner in nodes(expression):
+                for inner in nodes(expression) if has_indexes else ():
                     if isinstance(inner, ast.Index) and inner not in program.poisoned:
                         _check_index(program, inner.index, program.types.get(inner.value, UNKNOWN), found)
             if isinstance(part, ast.Reference):

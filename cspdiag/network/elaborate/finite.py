@@ -14,7 +14,7 @@ from cspdiag.base.record import replaced
 from cspdiag.model.types import RealType
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
-from cspdiag.network.ir.expression_walk import operands
+from cspdiag.network.ir.expression_walk import operands, walk
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -66,13 +66,20 @@ def assured_law(
             value = _stored(value, untested)
         elif _may_be_none(value, untested):
             untested.add(item.name)
-        made.append(replaced(item, value=value))
+        made.append(item if value is item.value else replaced(item, value=value))
     return tuple(made), {name: _stored(within_domains(value), untested) for name, value in next_values.items()}
 
 
 def within_domains(expression: Expression) -> Expression:
     """The expression with tests of functions that are not defined everywhere."""
+    if is_defined_everywhere(expression):
+        return expression
     return rewritten(expression, lambda part: _tested(part) if _has_domain(part) else part)
+
+
+def is_defined_everywhere(expression: Expression) -> bool:
+    """Whether no function in the expression has a domain."""
+    return not any(map(_has_domain, walk(expression)))
 
 
 def _has_domain(expression: Expression) -> bool:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.types import Type
 from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.expression_walk import signals_read
 from cspdiag.network.ir.expressions import Expression
 
 
@@ -25,6 +28,11 @@ class SubmodelEquation(Declared):
     type: Type
     value: Expression
 
+    @cached_property
+    def reads(self) -> tuple[str, ...]:
+        """The names of the signals that it reads, each once."""
+        return tuple(signals_read(self.value))
+
 
 @record(kw_only=True)
 class ExternalCall(Declared):
@@ -36,3 +44,9 @@ class ExternalCall(Declared):
     inputs: tuple[tuple[str, Expression], ...]
     outputs: tuple[tuple[str, str, Type], ...]
     """Port, local name (``pan.encoder``), type."""
+
+    @cached_property
+    def reads(self) -> tuple[str, ...]:
+        """The names of the signals that it reads, each once."""
+        expressions = (value for _, value in self.arguments + self.inputs)
+        return tuple(dict.fromkeys(name for expression in expressions for name in signals_read(expression)))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import assert_never
+from collections.abc import Callable, Iterator
+from operator import attrgetter
+from typing import Any
 
 from cspdiag.network.ir.expressions import (
     ArrayElements,
@@ -26,23 +27,34 @@ from cspdiag.network.ir.expressions import (
 
 def operands(expression: Expression) -> tuple[Expression, ...]:
     """The expressions directly inside, in text order."""
-    match expression:
-        case LiteralValue() | ParameterValue() | VariableValue() | SignalValue() | PresentTime():
-            return ()
-        case UnaryOperation() | Conversion() | FieldValue():
-            return (expression.operand,)
-        case BinaryOperation():
-            return (expression.left, expression.right)
-        case ConditionalValue():
-            return (expression.condition, expression.then, expression.otherwise)
-        case FunctionCall():
-            return expression.arguments
-        case ElementValue():
-            return (expression.operand, expression.index)
-        case StructValue() | ArrayElements():
-            return expression.values
-        case _:
-            assert_never(expression)
+    return _OPERANDS[type(expression)](expression)
+
+
+def _none(_: object) -> tuple[()]:
+    return ()
+
+
+def _operand(expression: UnaryOperation | Conversion | FieldValue) -> tuple[Expression]:
+    return (expression.operand,)
+
+
+# A table, because a `match` tries one class after another, and networks have many expressions.
+_OPERANDS: dict[type, Callable[[Any], tuple[Expression, ...]]] = {
+    LiteralValue: _none,
+    ParameterValue: _none,
+    VariableValue: _none,
+    SignalValue: _none,
+    PresentTime: _none,
+    UnaryOperation: _operand,
+    Conversion: _operand,
+    FieldValue: _operand,
+    BinaryOperation: attrgetter("left", "right"),
+    ConditionalValue: attrgetter("condition", "then", "otherwise"),
+    FunctionCall: attrgetter("arguments"),
+    ElementValue: attrgetter("operand", "index"),
+    StructValue: attrgetter("values"),
+    ArrayElements: attrgetter("values"),
+}
 
 
 def walk(expression: Expression) -> Iterator[Expression]:
@@ -56,4 +68,12 @@ def walk(expression: Expression) -> Iterator[Expression]:
 
 def signals_read(expression: Expression) -> list[str]:
     """Names of the signals that an expression reads, each once, in text order."""
-    return list(dict.fromkeys(part.name for part in walk(expression) if isinstance(part, SignalValue)))
+    found: dict[str, None] = {}
+    pending = [expression]
+    while pending:
+        present = pending.pop()
+        if isinstance(present, SignalValue):
+            found[present.name] = None
+        else:
+            pending.extend(reversed(operands(present)))
+    return list(found)

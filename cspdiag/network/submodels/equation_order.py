@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from cspdiag.base.graphs import is_circular, shortest_circle, strong_components
 from cspdiag.base.record import node
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
-from cspdiag.network.ir.expression_walk import signals_read
 
 Item = SubmodelEquation | ExternalCall
 
@@ -21,14 +20,6 @@ class Order:
 
     items: tuple[Item, ...]
     loops: tuple[tuple[Item, ...], ...]
-
-
-def reads(item: Item) -> list[str]:
-    """Names of the signals that an equation or a call reads."""
-    if isinstance(item, SubmodelEquation):
-        return signals_read(item.value)
-    expressions = [value for _, value in item.arguments + item.inputs]
-    return list(dict.fromkeys(name for expression in expressions for name in signals_read(expression)))
 
 
 def provides(item: Item) -> list[str]:
@@ -45,7 +36,7 @@ def ordered(items: Sequence[Item]) -> Order:
     Signals that no item provides (inputs, states, time) are known from the beginning.
     """
     provider = {name: index for index, item in enumerate(items) for name in provides(item)}
-    needs = [[provider[name] for name in reads(item) if name in provider] for item in items]
+    needs = [[provider[name] for name in item.reads if name in provider] for item in items]
     readers: list[list[int]] = [[] for _ in items]
     for index, needed in enumerate(needs):
         for other in needed:

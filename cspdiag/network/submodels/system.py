@@ -10,7 +10,7 @@ from cspdiag.base import Report
 from cspdiag.base.record import replaced
 from cspdiag.network.diagnostics.operators import UnstableDiscretization, WrongShape
 from cspdiag.network.diagnostics.submodels import AlgebraicLoop
-from cspdiag.network.elaborate.finite import assured_law, within_domains
+from cspdiag.network.elaborate.finite import assured_law, is_defined_everywhere, within_domains
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read, walk
 from cspdiag.network.ir.expressions import Expression, PresentTime, SignalValue, Value
@@ -18,7 +18,7 @@ from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
 from cspdiag.network.submodels.draft import Draft, LinearOperator
-from cspdiag.network.submodels.equation_order import Item, ordered, provides, reads
+from cspdiag.network.submodels.equation_order import Item, ordered, provides
 from cspdiag.network.submodels.vector_states import split_vector_states
 
 
@@ -117,7 +117,7 @@ def _constants_apart(
         if (
             isinstance(item, SubmodelEquation)
             and item.name not in outputs
-            and known.issuperset(reads(item))
+            and known.issuperset(item.reads)
             and not _reads_time(item.value)
             and not _faults(draft, item.value)
         ):
@@ -130,7 +130,7 @@ def _constants_apart(
 
 def _faults(draft: Draft, expression: Expression) -> bool:
     """Whether the evaluation of an expression over parameters ends in a fault."""
-    return may_fault(within_domains(expression)) and draft.value_of(expression) is None
+    return (may_fault(expression) or not is_defined_everywhere(expression)) and draft.value_of(expression) is None
 
 
 def _reads_time(expression: Expression) -> bool:
@@ -156,7 +156,7 @@ def _alive(
         own = draft.kept if draft.closed else {name for name in names if "." not in name and name in sound}
         if not alive.isdisjoint(names) or not own.isdisjoint(names):
             alive.update(names)
-            alive.update(reads(item))
+            alive.update(item.reads)
     return alive
 
 
@@ -165,7 +165,7 @@ def _sound(draft: Draft, items: tuple[Item, ...]) -> set[str]:
     faulty: set[str] = set()
     for item in items:
         values = [item.value] if isinstance(item, SubmodelEquation) else [value for _, value in item.inputs]
-        if not faulty.isdisjoint(reads(item)) or any(_faults(draft, value) for value in values):
+        if not faulty.isdisjoint(item.reads) or any(_faults(draft, value) for value in values):
             faulty.update(provides(item))
     return {name for item in items for name in provides(item)} - faulty
 
@@ -181,13 +181,13 @@ def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[Submo
     for item in equations:
         if isinstance(item, ExternalCall) or item.name in draft.held:
             continue
-        if not varying.isdisjoint(reads(item)) or _reads_time(item.value):
+        if not varying.isdisjoint(item.reads) or _reads_time(item.value):
             varying.add(item.name)
             again.append(item)
     needed = {name for expression in draft.derivatives.values() for name in signals_read(expression)}
     for item in reversed(again):
         if item.name in needed:
-            needed.update(reads(item))
+            needed.update(item.reads)
     return tuple(item for item in again if item.name in needed)
 
 

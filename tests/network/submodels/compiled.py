@@ -12,8 +12,8 @@ from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.names.imports import load
 from cspdiag.model.names.resolve import resolve
 from cspdiag.model.program import Program
-from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.network.check import check as check_network
+from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.network.lower import program as lower
 from cspdiag.network.submodels.classes import flatten
 from cspdiag.semantics.laws import Law

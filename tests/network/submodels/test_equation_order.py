@@ -10,7 +10,7 @@ from cspdiag.base import SourceFile, Span
 from cspdiag.model.types import DOUBLE
 from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import ArrayElements, SignalValue
-from cspdiag.network.submodels.equation_order import ordered, provides, reads
+from cspdiag.network.submodels.equation_order import ordered, provides
 
 SPAN = Span(SourceFile(name="case.csp", text=""), 0, 0)
 
@@ -32,7 +32,7 @@ def test_every_equation_is_after_those_it_reads_or_in_a_reported_loop(graph: lis
     done: set[str] = set()
     defined = {str(k) for k in range(len(items))}
     for item in order.items:
-        assert not (set(reads(item)) & defined) - done
+        assert not (set(item.reads) & defined) - done
         done.update(provides(item))
     knots = networkx.DiGraph()
     knots.add_nodes_from(range(len(items)))
@@ -41,7 +41,7 @@ def test_every_equation_is_after_those_it_reads_or_in_a_reported_loop(graph: lis
     assert len(order.loops) == len(circular)
     for loop in order.loops:
         for item, following in zip(loop, [*loop[1:], loop[0]], strict=True):
-            assert following.name in reads(item)
+            assert following.name in item.reads
         members = next(c for c in circular if int(loop[0].name) in c)
         assert {int(item.name) for item in loop} <= members
         assert int(loop[0].name) == min(members)
